@@ -1,0 +1,222 @@
+"""From the one string that names a candidate to what it is: its kind, entry, sources and declaration.
+
+Nothing here runs a candidate's code. Whether the class exists and has its methods shows when a worker process
+loads it.
+"""
+
+import hashlib
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from drivegate import __version__
+from drivegate.builtin_candidates import BUILTIN_CANDIDATES
+from drivegate.declaration import Declaration
+from drivegate.module_search import module_sources
+from drivegate_cases.wording import nearest, one_line, shown_path
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate.manifest import Manifest
+
+ENTRY_POINT_GROUP = "drivegate.controllers"
+
+_LATER_SUFFIXES = {".c": "c", ".so": "so", ".fmu": "fmu"}
+_WAYS = "module:Class, file.py:Class, candidate.toml or the name of a built-in or installed controller"
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A candidate controller, resolved but not loaded.
+
+    Attributes
+    ----------
+    name : str
+        What waivers match and reports show.
+    kind : {"python", "builtin"}
+        How the candidate is loaded.
+    specification : str
+        The string that named it.
+    entry : str
+        For Python, ``module:Class`` or the absolute ``/path/file.py:Class``; for a built-in, its name.
+    folder : Path
+        Folder whose modules the candidate may import.
+    sources : tuple of Path
+        The files that the hash covers.
+    content_hash : str
+        SHA-256 of the sources' contents and the entry's class, in hexadecimal.
+    declaration : Declaration
+        What the candidate declares of itself.
+    """
+
+    name: str
+    kind: Literal["python", "builtin"]
+    specification: str
+    entry: str
+    folder: Path
+    sources: tuple[Path, ...]
+    content_hash: str
+    declaration: Declaration
+
+
+def resolve_candidate(text: str) -> Candidate:
+    """Find the candidate that a string names.
+
+    Parameters
+    ----------
+    text : str
+        ``module:Class``, ``file.py:Class``, the name of a built-in candidate or of an installed entry point
+        of the group ``drivegate.controllers``, or the path of a manifest ``candidate.toml``.
+
+    Returns
+    -------
+    Candidate
+        The candidate, none of whose code has run.
+
+    Raises
+    ------
+    InputError
+        When there is no such candidate.
+    """
+    specification = text.strip()
+    if not specification:
+        raise InputError(f"the candidate's name is empty, but must be {_WAYS}")
+    if "\0" in specification:
+        raise InputError(
+            f"the candidate '{one_line(specification)}' has a zero byte in it, but must be {_WAYS}"
+        )
+    if specification.startswith("exec:"):
+        raise _later(specification, "exec")
+    suffix = Path(specification).suffix.lower()
+    if suffix in _LATER_SUFFIXES:
+        raise _later(specification, _LATER_SUFFIXES[suffix])
+    if suffix == ".toml":
+        return _from_manifest(specification)
+    if suffix == ".py":
+        raise InputError(
+            f"the candidate '{one_line(specification)}' names no class; write {one_line(specification)}:Class"
+        )
+    if ":" in specification:
+        return _python_candidate(_short_name(specification), specification, specification, Path.cwd())
+    return _from_bare_name(specification)
+
+
+def _later(specification: str, kind: str) -> InputError:
+    return InputError(
+        f"the candidate '{one_line(specification)}' is of kind '{kind}', which this version of drivegate "
+        "does not support and a later release adds; this one runs built-in controllers and Python classes, "
+        "named as module:Class or file.py:Class"
+    )
+
+
+def _short_name(specification: str) -> str:
+    """Leave out the folder, so that a waiver matches wherever the file lies."""
+    source, _, attribute = specification.rpartition(":")
+    return f"{Path(source).name}:{attribute}"
+
+
+def _from_bare_name(name: str) -> Candidate:
+    if name in BUILTIN_CANDIDATES:
+        return _builtin_candidate(name, name, name, BUILTIN_CANDIDATES[name])
+    installed = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
+    if name in installed:
+        point = installed[name]
+        return _python_candidate(name, name, f"{point.module}:{point.attr}", Path.cwd())
+    known = [*BUILTIN_CANDIDATES, *sorted(installed)]
+    raise InputError(
+        f"the candidate '{one_line(name)}' is unknown, the nearest known one is "
+        f"'{nearest(name, known)}'; known are {', '.join(known)}, or write {_WAYS}"
+    )
+
+
+def _builtin_candidate(name: str, specification: str, entry: str, declaration: Declaration) -> Candidate:
+    digest = hashlib.sha256(f"drivegate {__version__} {entry}".encode()).hexdigest()
+    return Candidate(name, "builtin", specification, entry, Path.cwd(), (), digest, declaration)
+
+
+def _python_candidate(
+    name: str,
+    specification: str,
+    entry: str,
+    folder: Path,
+    further_sources: tuple[Path, ...] = (),
+    declaration: Declaration | None = None,
+) -> Candidate:
+    source, _, attribute = entry.rpartition(":")
+    if not all(part.isidentifier() for part in attribute.split(".")):
+        raise InputError(
+            f"the candidate '{one_line(specification)}' names the class '{one_line(attribute)}', which is no "
+            "name of a Python class; write module:Class or file.py:Class"
+        )
+    if source.endswith(".py"):
+        file = _existing_file(folder / source)
+        found: tuple[Path, ...] = (file,)
+        entry, folder = f"{file}:{attribute}", file.parent
+    else:
+        found = module_sources(source, folder, specification)
+    sources = tuple(dict.fromkeys((*found, *further_sources)))
+    return Candidate(
+        name,
+        "python",
+        specification,
+        entry,
+        folder,
+        sources,
+        _hash_of(sources, attribute),
+        declaration or Declaration(),
+    )
+
+
+def _from_manifest(specification: str) -> Candidate:
+    # Reading a manifest needs pydantic, which takes longer to import than all the rest of this module.
+    from drivegate.manifest import Manifest
+    from drivegate_cases.document import read_document
+
+    manifest = read_document(specification, Manifest)
+    folder = Path(specification).resolve().parent
+    if manifest.kind == "builtin":
+        return _builtin_from_manifest(manifest, specification)
+    if manifest.kind != "python":
+        raise _later(specification, manifest.kind)
+    if ":" not in manifest.entry:
+        raise InputError(
+            f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', "
+            "but must be module:Class or file.py:Class"
+        )
+    sources = tuple(_existing_file(folder / source) for source in manifest.sources)
+    return _python_candidate(
+        manifest.name, specification, manifest.entry, folder, sources, manifest.declaration()
+    )
+
+
+def _builtin_from_manifest(manifest: "Manifest", specification: str) -> Candidate:
+    if manifest.entry not in BUILTIN_CANDIDATES:
+        raise InputError(
+            f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', but must be "
+            f"one of the built-in candidates {', '.join(BUILTIN_CANDIDATES)}"
+        )
+    return _builtin_candidate(manifest.name, specification, manifest.entry, manifest.declaration())
+
+
+def _existing_file(path: Path) -> Path:
+    try:
+        if path.is_file():
+            return path.resolve()
+        problem = "is a folder" if path.is_dir() else "does not exist"
+    except OSError as error:
+        problem = f"cannot be read: {error.strerror}"
+    raise InputError(f"{shown_path(path)} {problem}; name an existing file")
+
+
+def _hash_of(sources: tuple[Path, ...], attribute: str) -> str:
+    digest = hashlib.sha256(attribute.encode())
+    for source in sources:
+        try:
+            content = source.read_bytes()
+        except OSError as error:
+            sentence = f"{shown_path(source)} cannot be read: {error.strerror}; name a readable file"
+            raise InputError(sentence) from error
+        digest.update(f"\0{len(content)}\0".encode())
+        digest.update(content)
+    return digest.hexdigest()

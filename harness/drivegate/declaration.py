@@ -1,0 +1,47 @@
+"""What a candidate declares of itself, which decides the checks that apply to it."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class FlowchartProfile:
+    """The constants of a search that follows the paper's flowchart (Fig. 4) to the letter.
+
+    Attributes
+    ----------
+    speed_tolerance : float
+        k1: greatest speed error at which the search is active (rad/s).
+    power_tolerance : float
+        k2 as a power (W): the search stops when the input power changed by no more; 0 when it is a fraction.
+    power_tolerance_fraction : float
+        k2 as a fraction of the previous input power; 0 when it is a power.
+    step : float
+        Magnitude of one change of the advance angle (electrical rad).
+    period : float
+        Time from one decision of the search to the next (s).
+    """
+
+    speed_tolerance: float
+    power_tolerance: float
+    power_tolerance_fraction: float
+    step: float
+    period: float
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """What a candidate declares of itself.
+
+    Attributes
+    ----------
+    flowchart : FlowchartProfile or None
+        The constants of the profile `flowchart`; None for the profile `outcome`.
+    estimates_power : bool
+        Whether the candidate's commands carry an estimate of the input power.
+    speed_range_rpm : tuple of float or None
+        Lowest and highest speed that the candidate is made for (rpm); None for all.
+    """
+
+    flowchart: FlowchartProfile | None = None
+    estimates_power: bool = False
+    speed_range_rpm: tuple[float, float] | None = None

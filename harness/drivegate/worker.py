@@ -1,0 +1,279 @@
+"""Doing jobs with one candidate in a process of its own, so that none of its faults reaches the harness.
+
+This contains faults, not malice: a candidate runs with the rights of the user.
+"""
+
+import signal
+import time
+from dataclasses import replace
+from multiprocessing.connection import wait
+from types import TracebackType
+from typing import Any, Self
+
+from drivegate.candidate import Candidate
+from drivegate.fault import Fault, FaultKind, Phase, bounded_text
+from drivegate.shared_progress import Activity
+from drivegate.stall_watch import StallWatch, WorkerLimits
+from drivegate.worker_handle import WorkerHandle
+from drivegate.worker_messages import (
+    Broken,
+    Faulted,
+    Finished,
+    Job,
+    LoadController,
+    Ready,
+    Refused,
+    Reply,
+    ResultT,
+    Setup,
+)
+from drivegate_models.errors import HarnessFault, InputError
+
+LOOK_EVERY = 0.05
+"""Time between two looks at a worker that tells nothing by itself (s)."""
+
+_HARNESS_OWN = (Activity.STARTING, Activity.WAITING, Activity.PREPARING)
+
+
+class CandidateWorker:
+    """Does jobs with one candidate, one after another, in a process that is replaced after a crash or a hang.
+
+    On Linux the process dies with the thread that started it.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The candidate.
+    load : callable
+        A module's function that makes an instance of the candidate inside the process.
+    limits : WorkerLimits, optional
+        What the process may use.
+    """
+
+    def __init__(
+        self, candidate: Candidate, load: LoadController, *, limits: WorkerLimits | None = None
+    ) -> None:
+        self._limits = limits or WorkerLimits()
+        self._setup = Setup(candidate, load, self._limits.memory_bytes)
+        self._handle: WorkerHandle | None = None
+        self._loaded = False
+        self._job: Job[Any] | None = None
+
+    def run(self, job: Job[ResultT]) -> ResultT | Fault:
+        """Do one job and wait for its end; one that hangs is tried once more.
+
+        Parameters
+        ----------
+        job : Job
+            The job.
+
+        Returns
+        -------
+        object or Fault
+            What the job's target returned, or the candidate's fault.
+
+        Raises
+        ------
+        InputError
+            When the candidate is refused, or the target raised it.
+        HarnessFault
+            When the harness's own code in the process failed.
+        """
+        ending = self._awaited(job)
+        if is_hang(ending):
+            ending = self._awaited(job)
+        outcome: ResultT | Fault = unwrapped(ending)
+        return outcome
+
+    def _awaited(self, job: Job[Any]) -> Finished | Faulted:
+        self.start(job)
+        while (ending := self.poll()) is None:
+            wait(self.waitables, LOOK_EVERY)
+        return ending
+
+    def start(self, job: Job[Any]) -> None:
+        """Begin a job; `poll` tells its end.
+
+        Parameters
+        ----------
+        job : Job
+            The job.
+        """
+        self._job = job
+        if self._handle is not None and self._handle.has_ended():
+            self.kill()
+        if self._handle is None:
+            self._handle, self._loaded = WorkerHandle(self._setup), False
+        else:
+            self._handle.send(job)
+        self._watch = self._watch_from_now(self._handle)
+
+    def _watch_from_now(self, handle: WorkerHandle) -> StallWatch:
+        return StallWatch(self._limits, handle.processor_seconds(), time.monotonic())
+
+    @property
+    def waitables(self) -> list[Any]:
+        """What becomes readable when there may be news for `poll`."""
+        return self._handle.waitables if self._handle is not None else []
+
+    def poll(self) -> Finished | Faulted | None:
+        """Look after the job that was started.
+
+        Returns
+        -------
+        Finished, Faulted or None
+            How it ended; None while it goes on.
+
+        Raises
+        ------
+        InputError
+            When the candidate is refused, or the target raised it.
+        HarnessFault
+            When the harness's own code in the process failed.
+        """
+        handle = self._handle
+        if handle is None or self._job is None:
+            raise HarnessFault("a worker without a job was asked for its end")
+        handle.drain_output()
+        ended = handle.has_ended()
+        reply = handle.receive()
+        if reply is None:
+            reply = self._crash(handle) if ended else self._hang(handle)
+        if isinstance(reply, Ready):
+            self._loaded = True
+            handle.send(self._job)
+            self._watch = self._watch_from_now(handle)
+            return None
+        return None if reply is None else self._ending(reply)
+
+    def _ending(self, reply: Reply) -> Finished | Faulted:
+        self._job = None
+        if not self._loaded:
+            self.kill()
+        if isinstance(reply, Refused):
+            raise InputError(reply.sentence)
+        if isinstance(reply, Broken):
+            raise HarnessFault(f"the harness failed in a worker process: {reply.traceback}")
+        if isinstance(reply, Faulted):
+            return self._without_exhausted(reply)
+        if isinstance(reply, Finished):
+            return reply
+        raise HarnessFault("a worker process told twice that it was ready")
+
+    def _without_exhausted(self, reply: Faulted) -> Faulted:
+        """Replace a process whose memory the candidate may still hold."""
+        if reply.fault.error != MemoryError.__name__:
+            return reply
+        self.kill()
+        limit = f"{self._limits.memory_bytes / 2**30:g} GiB"
+        message = f"{reply.fault.message} (a candidate may allocate {limit})"
+        return Faulted(replace(reply.fault, message=message))
+
+    def _crash(self, handle: WorkerHandle) -> Reply:
+        output = bounded_text(handle.last_output())
+        what, error = _in_words(handle.exit_status())
+        fault = _located(handle, Fault(FaultKind.CRASH, f"the process {what}", "loading", error=error))
+        activity = handle.progress.activity
+        self.kill()
+        if activity is Activity.STARTING:
+            return Broken(f"the process {what} before it came to the candidate: {output}")
+        return Faulted(replace(fault, traceback=output))
+
+    def _hang(self, handle: WorkerHandle) -> Reply | None:
+        progress = handle.progress
+        why = self._watch.stalled(
+            progress.state, progress.activity, handle.processor_seconds(), time.monotonic()
+        )
+        if why is None:
+            return None
+        fault = _located(handle, Fault(FaultKind.HANG, why, "loading"))
+        stack = bounded_text(handle.stack())
+        self.kill()
+        if progress.activity in _HARNESS_OWN:
+            return Broken(f"{why}, outside the candidate: {stack}")
+        return Faulted(replace(fault, traceback=stack))
+
+    def kill(self) -> None:
+        """End the process at once; the next job starts another one."""
+        if self._handle is not None:
+            self._handle.end()
+        self._handle = None
+
+    def hang_up(self) -> None:
+        """Tell the process to end by itself, without waiting for it."""
+        if self._handle is not None:
+            self._handle.hang_up()
+
+    def close(self) -> None:
+        """End the process: at once if it is busy, otherwise by itself within a moment."""
+        if self._handle is not None and self._job is None:
+            self._handle.end_in_peace()
+        self.kill()
+        self._job = None
+
+    def __enter__(self) -> Self:
+        """Return the worker; its process starts with its first job."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the worker."""
+        self.close()
+
+
+def is_hang(ending: Finished | Faulted) -> bool:
+    """Tell whether a job ended with a hang, which is tried once more.
+
+    Parameters
+    ----------
+    ending : Finished or Faulted
+        How the job ended.
+
+    Returns
+    -------
+    bool
+        Whether it hung.
+    """
+    return isinstance(ending, Faulted) and ending.fault.kind is FaultKind.HANG
+
+
+def unwrapped(ending: Finished | Faulted) -> Any:
+    """Give what a job came to.
+
+    Parameters
+    ----------
+    ending : Finished or Faulted
+        How the job ended.
+
+    Returns
+    -------
+    object or Fault
+        The target's result, or the fault.
+    """
+    return ending.fault if isinstance(ending, Faulted) else ending.result
+
+
+def _located(handle: WorkerHandle, fault: Fault) -> Fault:
+    """Add to a fault what the shared memory tells of the step in which it happened."""
+    progress = handle.progress
+    if progress.activity is not Activity.RUNNING:
+        return replace(fault, message=f"{fault.message} while loading the candidate")
+    sense, steps = progress.last_sense(), int(progress.steps[0])
+    if sense is None and steps == 0:
+        phase: Phase = "reset"
+        return replace(fault, phase=phase, message=f"{fault.message} in reset or the first step")
+    time_of_step, inputs = (sense.time, sense._asdict()) if sense is not None else (None, None)
+    message = f"{fault.message} after {steps} completed step{'' if steps == 1 else 's'}"
+    return replace(fault, phase="step", message=message, step=steps, time=time_of_step, sense=inputs)
+
+
+def _in_words(status: int) -> tuple[str, str]:
+    """Tell how a process ended, and the name of the signal if there was one."""
+    if status >= 0:
+        return f"ended itself with exit status {status}", ""
+    try:
+        name = signal.Signals(-status).name
+    except ValueError:
+        name = f"signal {-status}"
+    return f"was killed by {name} ({signal.strsignal(-status) or 'unknown'})", name

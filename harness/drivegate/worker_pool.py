@@ -1,0 +1,148 @@
+"""Doing many jobs with one candidate in several processes; the results do not depend on how many."""
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from multiprocessing.connection import wait
+from types import TracebackType
+from typing import Any, Generic, Self
+
+from drivegate.candidate import Candidate
+from drivegate.fault import Fault
+from drivegate.stall_watch import WorkerLimits
+from drivegate.worker import LOOK_EVERY, CandidateWorker, is_hang, unwrapped
+from drivegate.worker_messages import Faulted, Finished, Job, LoadController, ResultT
+
+
+class WorkerPool:
+    """Several workers for one candidate, watched by a single thread.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The candidate.
+    load : callable
+        A module's function that makes an instance of the candidate inside a process.
+    workers : int
+        Number of processes at most; one is started only when there is a job for it.
+    limits : WorkerLimits, optional
+        What each process may use.
+    """
+
+    def __init__(
+        self,
+        candidate: Candidate,
+        load: LoadController,
+        *,
+        workers: int,
+        limits: WorkerLimits | None = None,
+    ) -> None:
+        self._workers = [CandidateWorker(candidate, load, limits=limits) for _ in range(max(workers, 1))]
+
+    def map(self, jobs: Iterable[Job[ResultT]]) -> Iterator[ResultT | Fault]:
+        """Do jobs side by side; one that hangs is tried once more with no other beside it.
+
+        Leaving the iteration ends the jobs that are still under way. A fault while loading holds for every
+        job that has not been started by then.
+
+        Parameters
+        ----------
+        jobs : iterable of Job
+            The jobs.
+
+        Yields
+        ------
+        object or Fault
+            For each job in its order, what its target returned or the candidate's fault.
+
+        Raises
+        ------
+        InputError
+            When the candidate is refused, or a target raised it.
+        HarnessFault
+            When the harness's own code in a process failed.
+        """
+        schedule = _Schedule(self._workers, jobs)
+        try:
+            for index in range(schedule.total):
+                yield schedule.outcome(index)
+        finally:
+            schedule.abandon()
+
+    def close(self) -> None:
+        """End all processes."""
+        for worker in self._workers:
+            worker.hang_up()
+        for worker in self._workers:
+            worker.close()
+
+    def __enter__(self) -> Self:
+        """Return the pool; its processes start with their first jobs."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the pool."""
+        self.close()
+
+
+class _Schedule(Generic[ResultT]):
+    """Who does which job, and what has come of it."""
+
+    def __init__(self, workers: list[CandidateWorker], jobs: Iterable[Job[ResultT]]) -> None:
+        self._workers = workers
+        self._jobs = list(jobs)
+        self.total = len(self._jobs)
+        self._waiting = deque(range(self.total))
+        self._suspects: deque[int] = deque()
+        self._tried_alone: set[int] = set()
+        self._running: dict[CandidateWorker, int] = {}
+        self._outcomes: dict[int, ResultT | Fault] = {}
+
+    def outcome(self, index: int) -> ResultT | Fault:
+        while index not in self._outcomes:
+            self._dispatch()
+            wait(self._waitables(), LOOK_EVERY)
+            self._collect()
+        return self._outcomes.pop(index)
+
+    def abandon(self) -> None:
+        for worker in self._running:
+            worker.kill()
+
+    def _dispatch(self) -> None:
+        """Give jobs to idle workers; as long as there is a suspected hang, only that, and alone."""
+        if self._suspects:
+            if not self._running:
+                index = self._suspects.popleft()
+                self._tried_alone.add(index)
+                self._start(self._workers[0], index)
+            return
+        if self._tried_alone.intersection(self._running.values()):
+            return
+        for worker in self._workers:
+            if worker not in self._running and self._waiting:
+                self._start(worker, self._waiting.popleft())
+
+    def _start(self, worker: CandidateWorker, index: int) -> None:
+        self._running[worker] = index
+        worker.start(self._jobs[index])
+
+    def _waitables(self) -> list[Any]:
+        return [waitable for worker in self._running for waitable in worker.waitables]
+
+    def _collect(self) -> None:
+        for worker, index in list(self._running.items()):
+            ending = worker.poll()
+            if ending is not None:
+                del self._running[worker]
+                self._settle(index, ending)
+
+    def _settle(self, index: int, ending: Finished | Faulted) -> None:
+        if is_hang(ending) and index not in self._tried_alone:
+            self._suspects.append(index)
+            return
+        self._outcomes[index] = unwrapped(ending)
+        if isinstance(ending, Faulted) and ending.fault.phase == "loading":
+            while self._waiting:
+                self._outcomes[self._waiting.popleft()] = ending.fault

@@ -1,0 +1,133 @@
+"""The inside of a worker process: it loads one candidate, then does jobs until its parent hangs up."""
+
+import ctypes
+import faulthandler
+import os
+import pickle
+import resource
+import signal
+import sys
+import traceback
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from multiprocessing.connection import Connection
+from typing import Any
+
+import psutil
+
+from drivegate.fault import CandidateFault, Fault, Phase, exception_fault
+from drivegate.shared_progress import Activity, SharedProgress
+from drivegate.worker_messages import (
+    Broken,
+    Faulted,
+    Finished,
+    Job,
+    LoadedCandidate,
+    Ready,
+    Refused,
+    Reply,
+    Setup,
+)
+from drivegate_models.errors import InputError
+
+STACK_SIGNAL = signal.SIGUSR1
+"""Signal at which a worker process prints the Python stack of its threads."""
+
+_PR_SET_PDEATHSIG = 1
+
+
+def main(connection: int, progress: int, parent: int) -> None:
+    """Serve the parent process.
+
+    Parameters
+    ----------
+    connection : int
+        Descriptor of the socket to the parent.
+    progress : int
+        Descriptor of the shared memory.
+    parent : int
+        Process id of the parent.
+    """
+    _die_with(parent)
+    faulthandler.enable()
+    faulthandler.register(STACK_SIGNAL, all_threads=True)
+    channel: Connection[Any, Any] = Connection(connection)
+    try:
+        _serve(channel, SharedProgress(progress))
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        return
+
+
+def _serve(channel: "Connection[Any, Any]", progress: SharedProgress) -> None:
+    setup: Setup = channel.recv()
+    _limit_memory(setup.memory_limit)
+    loaded = LoadedCandidate(setup.candidate, setup.load, progress)
+    reply = _reply_of(partial(_first_load, loaded), progress)
+    while True:
+        progress.enter(Activity.WAITING)
+        _send(channel, reply)
+        message = channel.recv_bytes()
+        progress.enter(Activity.PREPARING)
+        reply = _reply_of(partial(_finish, loaded, message), progress)
+
+
+def _first_load(loaded: LoadedCandidate) -> Reply:
+    loaded.controller()
+    return Ready()
+
+
+def _finish(loaded: LoadedCandidate, message: bytes) -> Reply:
+    job: Job[Any] = pickle.loads(message)
+    return Finished(job.target(loaded, job.payload))
+
+
+def _reply_of(work: Callable[[], Reply], progress: SharedProgress) -> Reply:
+    """Do something and turn each way in which it can end into a message."""
+    try:
+        return work()
+    except CandidateFault as error:
+        return Faulted(_with_step(error.fault, progress))
+    except MemoryError as error:
+        phase: Phase = "loading" if progress.activity is Activity.LOADING else "step"
+        return Faulted(_with_step(exception_fault(error, phase), progress))
+    except InputError as error:
+        return Refused(str(error))
+    except Exception:
+        return Broken(traceback.format_exc())
+
+
+def _with_step(fault: Fault, progress: SharedProgress) -> Fault:
+    if fault.phase != "step" or fault.step is not None:
+        return fault
+    return replace(fault, step=int(progress.steps[0]))
+
+
+def _send(channel: "Connection[Any, Any]", reply: Reply) -> None:
+    try:
+        message = pickle.dumps(reply, pickle.HIGHEST_PROTOCOL)
+    except Exception:
+        message = pickle.dumps(Broken(traceback.format_exc()), pickle.HIGHEST_PROTOCOL)
+    channel.send_bytes(message)
+
+
+def _limit_memory(allowance: int) -> None:
+    """Let allocations beyond the allowance fail with a MemoryError, where the system can."""
+    if not sys.platform.startswith("linux"):
+        return
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    limit = psutil.Process().memory_info().data + allowance
+    resource.setrlimit(
+        resource.RLIMIT_DATA, (limit if hard == resource.RLIM_INFINITY else min(limit, hard), hard)
+    )
+
+
+def _die_with(parent: int) -> None:
+    """Ask Linux to kill this process when its parent dies, also from within an endless loop.
+
+    Elsewhere the process ends when it next waits for a message.
+    """
+    if sys.platform.startswith("linux"):
+        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    if os.getppid() != parent:
+        raise SystemExit(1)

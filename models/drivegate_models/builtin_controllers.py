@@ -1,0 +1,187 @@
+"""The built-in controllers `initial`, `published` and `reference` behind the native interface (Fig. 2).
+
+One step function serves all three; they differ in the constants that their resets write into the state.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import inf, pi, radians
+from types import MappingProxyType
+from typing import Any, Final
+
+import numba
+from numba import types
+
+from drivegate_models.angle_model import initial_angle
+from drivegate_models.compilation import KEEPS_CACHE, inlined
+from drivegate_models.contract import COMMAND, SENSE
+from drivegate_models.controller_state import CONTROLLER_STATE, FLOWCHART, GUARDED, NO_SEARCH
+from drivegate_models.optimal_search import decide_by_flowchart, decide_guarded, guard_regulation, rearm
+from drivegate_models.speed_regulator import regulate_speed
+
+SEARCH_PERIOD: Final = 0.1
+"""Time from one decision of the search to the next (s)."""
+
+SEARCHES: Final = MappingProxyType({"initial": NO_SEARCH, "published": FLOWCHART, "reference": GUARDED})
+"""Kind of search by name of controller."""
+
+_BANDWIDTH = 150.0
+_INTEGRAL_RATE = 30.0
+_ADVANCE_MARGIN = 10.0 * pi / 30.0
+
+
+@inlined
+def reset_state(state: Any, nameplate: Any, search: int) -> None:
+    """Write the constants of a controller and forget everything else.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Overwritten.
+    nameplate : record of NAMEPLATE
+        The drive's nominal data.
+    search : int
+        `NO_SEARCH`, `FLOWCHART` or `GUARDED`.
+    """
+    line_begins = 33.0 if search == GUARDED or search == NO_SEARCH else 0.0
+    line_slope = 0.025 if search == GUARDED or search == NO_SEARCH else 0.058
+    state.search = search
+    state.angle_at_base = radians(line_begins)
+    state.angle_slope = radians(line_slope) * 30.0 / pi
+    state.base_speed = nameplate.base_speed
+    state.advance_begins = nameplate.base_speed + (_ADVANCE_MARGIN if search == GUARDED else 0.0)
+    state.nominal_voltage = nameplate.half_supply_voltage
+    state.current_limit = nameplate.current_limit
+    state.control_period = nameplate.control_period
+    torque_per_ampere = 0.8 * nameplate.phases * nameplate.emf_constant
+    state.proportional = nameplate.inertia * _BANDWIDTH / torque_per_ampere
+    state.integral_step = state.proportional * _INTEGRAL_RATE * nameplate.control_period
+    state.speed_tolerance = 5.0 * pi / 30.0
+    state.power_tolerance = 0.001
+    state.first_step = radians(1.0)
+    state.decision_steps = max(int(round(SEARCH_PERIOD / nameplate.control_period)), 1)
+    state.integral = 0.0
+    state.advancing = 0
+    state.count = 0
+    state.power_sum = 0.0
+    state.worst_error = 0.0
+    state.saturated = 0
+    state.held_power = 0.0
+    state.speed_reference = -inf
+    state.saturated_run = 0
+    state.speed_mark = 0.0
+    state.improvements = 0
+    state.good_integral = 0.0
+    rearm(state)
+
+
+@inlined
+def advance_angle(state: Any, speed: float, voltage: float) -> float:
+    """Return the advance angle: the initial one plus the search's offset, zero below base speed.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    speed : float
+        Measured speed (rad/s).
+    voltage : float
+        Measured voltage of a half-source (V).
+
+    Returns
+    -------
+    float
+        Angle (rad electrical).
+    """
+    if speed < state.base_speed:
+        state.advancing = 0
+        return 0.0
+    if state.advancing == 0:
+        if speed < state.advance_begins:
+            return 0.0
+        state.advancing = 1
+    line_speed = speed
+    if state.search == GUARDED and voltage > 0.0:
+        # The same EMF over supply: the line follows the measured supply.
+        line_speed = max(speed * state.nominal_voltage / voltage, state.base_speed)
+    angle = initial_angle(line_speed, state.base_speed, state.angle_at_base, state.angle_slope)
+    return min(max(angle + state.offset, 0.0), 0.5 * pi)
+
+
+@inlined
+def step_state(state: Any, sense: Any, command: Any) -> None:
+    """Answer for one control period.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    command : record of COMMAND
+        Receives the answer.
+    """
+    error = sense.speed_reference - sense.speed
+    reference, integral = regulate_speed(
+        error, state.integral, state.proportional, state.integral_step, state.current_limit
+    )
+    state.integral = integral
+    saturated = reference >= state.current_limit
+    if state.search != NO_SEARCH and state.advancing == 1:
+        state.count += 1
+        state.power_sum += sense.current_magnitude_sum
+        state.worst_error = max(state.worst_error, abs(error))
+        if saturated:
+            state.saturated += 1
+        if state.search == GUARDED:
+            guard_regulation(state, sense.speed, sense.speed_reference, saturated, state.control_period)
+        if state.count >= state.decision_steps:
+            if state.search == FLOWCHART:
+                decide_by_flowchart(state, error)
+            else:
+                decide_guarded(state)
+            state.count = 0
+            state.power_sum = 0.0
+            state.worst_error = 0.0
+            state.saturated = 0
+    command.current_reference = reference
+    command.advance_angle = advance_angle(state, sense.speed, sense.half_supply_voltage)
+    command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum
+
+
+def _record_pointer(layout: Any) -> Any:
+    return types.CPointer(numba.from_dtype(layout))
+
+
+@cache
+def step_function() -> Any:
+    """Return the built-in controllers' `drivegate_step`, compiled.
+
+    Returns
+    -------
+    CFunc
+        Its `address` is that of a C function; keep the object.
+    """
+    signature = types.void(_record_pointer(CONTROLLER_STATE), _record_pointer(SENSE), _record_pointer(COMMAND))
+
+    def drivegate_step(state: Any, sense: Any, command: Any) -> None:
+        step_state(numba.carray(state, 1)[0], numba.carray(sense, 1)[0], numba.carray(command, 1)[0])
+
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(drivegate_step)
+
+
+@cache
+def reset_function() -> Any:
+    """Return the function that resets a built-in controller, compiled.
+
+    Returns
+    -------
+    Dispatcher
+        Takes the state, shape (1,) of CONTROLLER_STATE, the nameplate, shape (1,) of NAMEPLATE, and the search.
+    """
+
+    def reset(state: Any, nameplate: Any, search: int) -> None:
+        reset_state(state[0], nameplate[0], search)
+
+    return numba.njit(cache=KEEPS_CACHE)(reset)

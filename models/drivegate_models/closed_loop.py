@@ -1,0 +1,430 @@
+"""A controller and the plant in closed loop, in simulated time alone.
+
+One compiled loop serves every kind of controller: it calls the controller's step by address, once a control
+period, and advances the plant exactly by that period. Memory does not grow with the length of a run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import floor, inf, isfinite, pi
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models import ledger, observation
+from drivegate_models.compilation import inlined, kernel
+from drivegate_models.contract import COMMAND, SENSE
+from drivegate_models.drive import Drive
+from drivegate_models.load import LOCKED, Load, load_torque
+from drivegate_models.native_call import call_step
+from drivegate_models.phase import COMPLETED
+from drivegate_models.plant import Phases, advance_phases, make_phases, stored_energy
+
+FINISHED = 0
+"""Status: the run reached its end."""
+STOPPED = 1
+"""Status: the controller's bridge asked to stop; it knows why."""
+NOT_FINITE = 2
+"""Status: the controller's command was not finite; the last Sense shows what it saw."""
+PLANT_FAULT = 3
+"""Status: the plant reported a fault of the harness."""
+
+_RADIANS_TO_RPM = 30.0 / pi
+_DEGREES = 180.0 / pi
+
+
+class Schedule(NamedTuple):
+    """What happens during a run, as piecewise linear functions of time; a step is two points at one time."""
+
+    speed_times: NDArray[np.float64]
+    """Shape (a,) (s)."""
+    speed_values: NDArray[np.float64]
+    """Speed reference, shape (a,) (rad/s)."""
+    load_times: NDArray[np.float64]
+    """Shape (b,) (s)."""
+    load_values: NDArray[np.float64]
+    """Load factor, shape (b,) (1)."""
+    supply_times: NDArray[np.float64]
+    """Shape (c,) (s)."""
+    supply_values: NDArray[np.float64]
+    """Voltage of each half-source, shape (c,) (V)."""
+
+
+class Exchange(NamedTuple):
+    """The records through which loop and controller talk, and the loop's progress."""
+
+    sense: NDArray[Any]
+    """Shape (1,) of contract.SENSE."""
+    command: NDArray[Any]
+    """Shape (1,) of contract.COMMAND."""
+    command_bits: NDArray[np.int64]
+    """The command's bits, shape (4,)."""
+    sensed_currents: NDArray[np.float64]
+    """Shape (m,) (A)."""
+    progress: NDArray[np.int64]
+    """Shape (1,): number of steps begun, watched by the parent process."""
+    sense_address: int
+    """Address of `sense`."""
+    command_address: int
+    """Address of `command`."""
+
+
+@inlined
+def _value_at(times: NDArray[np.float64], values: NDArray[np.float64], position: int, time: float) -> float:
+    """Return a piecewise linear function's value after its point `position`."""
+    if position + 1 >= times.size:
+        return values[times.size - 1]
+    span = times[position + 1] - times[position]
+    share = (time - times[position]) / span
+    return values[position] + share * (values[position + 1] - values[position])
+
+
+@inlined
+def _position(times: NDArray[np.float64], position: int, time: float) -> int:
+    """Return the index of the last point at or before a time."""
+    while position + 1 < times.size and times[position + 1] <= time:
+        position += 1
+    return position
+
+
+@kernel
+def _run(
+    drive: Drive,
+    phases: Phases,
+    load: Load,
+    schedule: Schedule,
+    exchange: Exchange,
+    step_address: int,
+    state_address: int,
+    initial_speed: float,
+    base_speed: float,
+    control_period: float,
+    steps: int,
+    window_steps: NDArray[np.int64],
+    totals: NDArray[np.float64],
+    run: NDArray[np.float64],
+    windows: NDArray[np.float64],
+    trace: NDArray[np.float64],
+    trace_every: int,
+) -> tuple[int, int]:
+    sense = exchange.sense
+    command = exchange.command
+    speed_at = 0
+    load_at = 0
+    supply_at = 0
+    speed = initial_speed
+    angle = 0.0
+    current_sum = 0.0
+    digest = 0
+    block = max(int(round(observation.MEAN_TIME / control_period)), 1)
+    block_sums = np.zeros(window_steps.shape[0])
+    before = np.zeros(ledger.ENTRIES)
+    stored = stored_energy(drive, phases.currents)
+    traced = 0
+    for k in range(steps):
+        time = k * control_period
+        speed_at = _position(schedule.speed_times, speed_at, time)
+        load_at = _position(schedule.load_times, load_at, time)
+        supply_at = _position(schedule.supply_times, supply_at, time)
+        wanted = _value_at(schedule.speed_times, schedule.speed_values, speed_at, time)
+        factor = _value_at(schedule.load_times, schedule.load_values, load_at, time)
+        supply = _value_at(schedule.supply_times, schedule.supply_values, supply_at, time)
+        if load.kind == LOCKED:
+            speed = wanted
+
+        exchange.progress[0] = k + 1
+        sense[0].time = time
+        sense[0].speed_reference = wanted
+        sense[0].speed = speed
+        sense[0].current_magnitude_sum = current_sum
+        sense[0].half_supply_voltage = supply
+        for phase in range(drive.phases):
+            exchange.sensed_currents[phase] = phases.currents[phase]
+        call_step(step_address, state_address, exchange.sense_address, exchange.command_address)
+        if command[0].struct_size < 0:
+            run[observation.RUN_STEPS] = k
+            return STOPPED, digest
+        reference = command[0].current_reference
+        advance = command[0].advance_angle
+        estimate = command[0].input_power
+        if not (isfinite(reference) and isfinite(advance)) or abs(estimate) == inf:
+            run[observation.RUN_STEPS] = k
+            return NOT_FINITE, digest
+        for word in range(1, 4):
+            digest = ((digest << 7) | ((digest >> 57) & 127)) ^ exchange.command_bits[word]
+
+        if reference < run[observation.RUN_REFERENCE_LOWEST]:
+            run[observation.RUN_REFERENCE_LOWEST] = reference
+        if reference > run[observation.RUN_REFERENCE_HIGHEST]:
+            run[observation.RUN_REFERENCE_HIGHEST] = reference
+        if advance < run[observation.RUN_ANGLE_LOWEST]:
+            run[observation.RUN_ANGLE_LOWEST] = advance
+        if advance > run[observation.RUN_ANGLE_HIGHEST]:
+            run[observation.RUN_ANGLE_HIGHEST] = advance
+        if speed < base_speed:
+            run[observation.RUN_STEPS_BELOW_BASE] += 1.0
+            if abs(advance) > run[observation.RUN_ANGLE_BELOW_BASE]:
+                run[observation.RUN_ANGLE_BELOW_BASE] = abs(advance)
+                run[observation.RUN_FIRST_BELOW_BASE] = time
+        if estimate == estimate:
+            run[observation.RUN_POWER_ESTIMATES] += 1.0
+            product = supply * current_sum
+            error = abs(estimate - product)
+            if error > run[observation.RUN_POWER_ERROR]:
+                run[observation.RUN_POWER_ERROR] = error
+            relative = error / max(product, 1.0)
+            if relative > run[observation.RUN_POWER_ERROR_RELATIVE]:
+                run[observation.RUN_POWER_ERROR_RELATIVE] = relative
+        reference = min(max(reference, 0.0), drive.current_limit)
+        advance = min(max(advance, 0.0), 0.5 * pi)
+
+        before[:] = totals
+        status = advance_phases(
+            drive,
+            phases,
+            angle,
+            speed,
+            supply,
+            supply,
+            reference,
+            advance,
+            control_period,
+            totals,
+        )
+        if status != COMPLETED:
+            run[observation.RUN_STEPS] = k
+            return PLANT_FAULT, digest
+
+        impulse = totals[ledger.IMPULSE] - before[ledger.IMPULSE]
+        drag = totals[ledger.CORE_DRAG_IMPULSE] - before[ledger.CORE_DRAG_IMPULSE]
+        exchanged = totals[ledger.EXCHANGED] - before[ledger.EXCHANGED]
+        returned = totals[ledger.RETURNED] - before[ledger.RETURNED]
+        now_stored = stored_energy(drive, phases.currents)
+        spent = (
+            drive.resistance * (totals[ledger.SQUARE] - before[ledger.SQUARE])
+            + speed * impulse
+            + (totals[ledger.DEVICE] - before[ledger.DEVICE])
+            + (now_stored - stored)
+        )
+        throughput = exchanged + stored + now_stored
+        if throughput > 0.0:
+            mismatch = abs(exchanged - 2.0 * returned - spent) / throughput
+            if mismatch > run[observation.RUN_EXCHANGE_ERROR]:
+                run[observation.RUN_EXCHANGE_ERROR] = mismatch
+        stored = now_stored
+        source = (
+            (totals[ledger.UPPER] - before[ledger.UPPER])
+            + (totals[ledger.LOWER] - before[ledger.LOWER])
+            + (totals[ledger.CORE_SOURCE] - before[ledger.CORE_SOURCE])
+            + (totals[ledger.SWITCHING] - before[ledger.SWITCHING])
+        )
+        current_sum = (totals[ledger.MAGNITUDE] - before[ledger.MAGNITUDE]) / control_period
+        run[observation.RUN_SHAFT_ENERGY] += speed * impulse
+        run[observation.RUN_INPUT_ENERGY] += source
+        asked = load_torque(load, factor, speed)
+
+        for window in range(window_steps.shape[0]):
+            if window_steps[window, 0] <= k < window_steps[window, 1]:
+                row = windows[window]
+                row[observation.WINDOW_STEPS] += 1.0
+                deviation = abs(speed - wanted)
+                if deviation > row[observation.WINDOW_SPEED_ERROR]:
+                    row[observation.WINDOW_SPEED_ERROR] = deviation
+                if advance < row[observation.WINDOW_ANGLE_LOWEST]:
+                    row[observation.WINDOW_ANGLE_LOWEST] = advance
+                if advance > row[observation.WINDOW_ANGLE_HIGHEST]:
+                    row[observation.WINDOW_ANGLE_HIGHEST] = advance
+                row[observation.WINDOW_CURRENT_SUM] += current_sum
+                row[observation.WINDOW_TORQUE] += impulse / control_period
+                row[observation.WINDOW_INPUT_POWER] += source / control_period
+                row[observation.WINDOW_EXCHANGED_POWER] += exchanged / control_period
+                row[observation.WINDOW_ANGLE] += advance
+                row[observation.WINDOW_REFERENCE] += reference
+                row[observation.WINDOW_SPEED] += speed
+                block_sums[window] += current_sum
+                if (k + 1 - window_steps[window, 0]) % block == 0:
+                    mean = block_sums[window] / block
+                    block_sums[window] = 0.0
+                    if mean < row[observation.WINDOW_MEAN_LOWEST]:
+                        row[observation.WINDOW_MEAN_LOWEST] = mean
+                    if mean > row[observation.WINDOW_MEAN_HIGHEST]:
+                        row[observation.WINDOW_MEAN_HIGHEST] = mean
+                for phase in range(drive.phases):
+                    magnitude = abs(phases.currents[phase])
+                    if magnitude > row[observation.WINDOW_PEAK]:
+                        row[observation.WINDOW_PEAK] = magnitude
+        if traced < trace.shape[0] and k % trace_every == 0:
+            trace[traced, 0] = time
+            trace[traced, 1] = wanted * _RADIANS_TO_RPM
+            trace[traced, 2] = speed * _RADIANS_TO_RPM
+            trace[traced, 3] = current_sum
+            trace[traced, 4] = reference
+            trace[traced, 5] = advance * _DEGREES
+            trace[traced, 6] = impulse / control_period
+            trace[traced, 7] = asked
+            trace[traced, 8] = source / control_period
+            trace[traced, 9] = supply
+            traced += 1
+
+        turned = angle + drive.pole_pairs * speed * control_period
+        angle = turned - 2.0 * pi * floor(turned * (0.5 / pi))
+        if load.kind != LOCKED:
+            resisting = asked + drive.friction + drive.viscous_friction * speed
+            change = (impulse - drag - resisting * control_period) / drive.inertia
+            # Load and friction hold a shaft at standstill; they never drive it backward.
+            following = max(speed + change, 0.0)
+            run[observation.RUN_KINETIC_RESIDUAL] += 0.5 * drive.inertia * (following - speed) ** 2
+            speed = following
+    run[observation.RUN_STEPS] = steps
+    run[observation.RUN_SPEED_FINAL] = speed
+    return FINISHED, digest
+
+
+@dataclass(frozen=True)
+class ClosedLoopRun:
+    """What is kept of one run."""
+
+    status: int
+    """`FINISHED`, `STOPPED`, `NOT_FINITE` or `PLANT_FAULT`."""
+    digest: int
+    """Digest of every command, bit for bit."""
+    totals: NDArray[np.float64]
+    """Exact integrals over the run, shape (ledger.ENTRIES,)."""
+    run: NDArray[np.float64]
+    """Shape (observation.RUN_ENTRIES,)."""
+    windows: NDArray[np.float64]
+    """Shape (w, observation.WINDOW_ENTRIES); sums are turned into means."""
+    trace: NDArray[np.float64]
+    """Kept control periods, shape (n, len(observation.TRACE_COLUMNS))."""
+    last_sense: NDArray[Any]
+    """The Sense of the last step, shape (1,) of contract.SENSE."""
+    last_currents: NDArray[np.float64]
+    """Its phase currents, shape (m,) (A)."""
+    last_command: NDArray[Any]
+    """The last command, shape (1,) of contract.COMMAND."""
+
+
+_MEANS = (
+    observation.WINDOW_CURRENT_SUM,
+    observation.WINDOW_TORQUE,
+    observation.WINDOW_INPUT_POWER,
+    observation.WINDOW_EXCHANGED_POWER,
+    observation.WINDOW_ANGLE,
+    observation.WINDOW_REFERENCE,
+    observation.WINDOW_SPEED,
+)
+
+
+def run_closed_loop(
+    drive: Drive,
+    load: Load,
+    schedule: Schedule,
+    *,
+    step_address: int,
+    state_address: int,
+    initial_speed: float,
+    base_speed: float,
+    control_period: float,
+    duration: float,
+    windows: list[tuple[float, float]],
+    progress: NDArray[np.int64] | None = None,
+    trace_every: int = 0,
+) -> ClosedLoopRun:
+    """Run a controller, already reset, against the plant.
+
+    Parameters
+    ----------
+    drive : Drive
+        The plant's constants.
+    load : Load
+        The load.
+    schedule : Schedule
+        Speed reference, load factor and supply over time.
+    step_address, state_address : int
+        Addresses of the controller's step function and of its state.
+    initial_speed : float
+        Shaft speed at the start (rad/s).
+    base_speed : float
+        Speed below which no advance is allowed (rad/s); only observed.
+    control_period : float
+        (s).
+    duration : float
+        (s).
+    windows : list of tuple of float
+        Start and end of each observed window (s).
+    progress : ndarray of int64, shape (1,), optional
+        Receives the number of steps begun.
+    trace_every : int
+        Keep every n-th control period in the trace; 0 keeps none.
+
+    Returns
+    -------
+    ClosedLoopRun
+        Observations of the run.
+    """
+    steps = round(duration / control_period)
+    phases = make_phases(drive)
+    sense = np.zeros(1, SENSE)
+    command = np.zeros(1, COMMAND)
+    currents = np.zeros(drive.phases)
+    sense[0]["struct_size"] = SENSE.itemsize
+    sense[0]["phase_count"] = drive.phases
+    sense[0]["phase_currents"] = currents.ctypes.data
+    command[0]["struct_size"] = COMMAND.itemsize
+    for name in ("current_reference", "advance_angle", "input_power"):
+        command[0][name] = np.nan
+    exchange = Exchange(
+        sense=sense,
+        command=command,
+        command_bits=command.view(np.int64),
+        sensed_currents=currents,
+        progress=np.zeros(1, np.int64) if progress is None else progress,
+        sense_address=sense.ctypes.data,
+        command_address=command.ctypes.data,
+    )
+    run = np.zeros(observation.RUN_ENTRIES)
+    run[[observation.RUN_REFERENCE_LOWEST, observation.RUN_ANGLE_LOWEST]] = inf
+    run[[observation.RUN_REFERENCE_HIGHEST, observation.RUN_ANGLE_HIGHEST]] = -inf
+    rows = np.zeros((len(windows), observation.WINDOW_ENTRIES))
+    rows[:, [observation.WINDOW_ANGLE_LOWEST, observation.WINDOW_MEAN_LOWEST]] = inf
+    rows[:, [observation.WINDOW_ANGLE_HIGHEST, observation.WINDOW_MEAN_HIGHEST]] = -inf
+    window_steps = np.array(
+        [[round(start / control_period), round(end / control_period)] for start, end in windows], np.int64
+    ).reshape(-1, 2)
+    kept = -(-steps // trace_every) if trace_every > 0 else 0
+    trace = np.zeros((kept, len(observation.TRACE_COLUMNS)))
+    totals = np.zeros(ledger.ENTRIES)
+    status, digest = _run(
+        drive,
+        phases,
+        load,
+        schedule,
+        exchange,
+        step_address,
+        state_address,
+        initial_speed,
+        base_speed,
+        control_period,
+        steps,
+        window_steps,
+        totals,
+        run,
+        rows,
+        trace,
+        max(trace_every, 1),
+    )
+    rows[:, _MEANS] /= np.maximum(rows[:, [observation.WINDOW_STEPS]], 1.0)
+    done = int(run[observation.RUN_STEPS])
+    return ClosedLoopRun(
+        status=status,
+        digest=int(digest),
+        totals=totals,
+        run=run,
+        windows=rows,
+        trace=trace[: -(-done // trace_every)] if trace_every > 0 else trace,
+        last_sense=sense,
+        last_currents=currents,
+        last_command=command,
+    )

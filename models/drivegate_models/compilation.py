@@ -1,0 +1,139 @@
+"""Where compiled kernels are cached, decided before numba is imported.
+
+numba's own cache does not notice an edit in a function of another file, and finds no place to write in a
+read-only installation without a home folder. So the cache folder carries a key made of the sources of this
+package and of the versions that compile them, and falls back to a temporary folder.
+"""
+
+from __future__ import annotations
+
+import getpass
+import hashlib
+import importlib.metadata
+import os
+import platform
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+CACHE_VARIABLE = "DRIVEGATE_CACHE"
+"""Environment variable that overrides the folder in which compiled kernels are kept."""
+
+
+def cache_key() -> str:
+    """Return a key of the kernel sources and of everything that compiles them.
+
+    Returns
+    -------
+    str
+        Sixteen hexadecimal digits.
+    """
+    digest = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(source.name.encode())
+        digest.update(source.read_bytes())
+    for package in ("numba", "numpy", "llvmlite"):
+        digest.update(importlib.metadata.version(package).encode())
+    digest.update(f"{sys.version}{platform.machine()}".encode())
+    return digest.hexdigest()[:16]
+
+
+def _is_writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _candidate_folders() -> list[Path]:
+    folders = []
+    chosen = os.environ.get(CACHE_VARIABLE)
+    if chosen:
+        folders.append(Path(chosen))
+    user_cache = os.environ.get("XDG_CACHE_HOME")
+    if user_cache:
+        folders.append(Path(user_cache) / "drivegate")
+    try:
+        folders.append(Path.home() / ".cache" / "drivegate")
+    except RuntimeError:
+        pass
+    try:
+        user = getpass.getuser()
+    except (OSError, KeyError, ImportError):
+        user = str(os.getuid()) if hasattr(os, "getuid") else "user"
+    folders.append(Path(tempfile.gettempdir()) / f"drivegate-{user}")
+    return folders
+
+
+def choose_cache_folder() -> Path | None:
+    """Return the first writable folder for compiled kernels, or None where nothing can be written.
+
+    Returns
+    -------
+    Path or None
+        A folder that exists and is named after `cache_key`.
+    """
+    key = cache_key()
+    for folder in _candidate_folders():
+        if _is_writable(folder / key):
+            return folder / key
+    return None
+
+
+def _configure() -> bool:
+    """Point numba at the cache folder; return whether compiled kernels can be kept."""
+    if "NUMBA_CACHE_DIR" in os.environ:
+        return True
+    folder = choose_cache_folder()
+    if folder is None:
+        return False
+    os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    return True
+
+
+KEEPS_CACHE = _configure()
+"""Whether compiled kernels are kept between processes."""
+
+import numba  # noqa: E402  (the cache folder must be known before numba is imported)
+
+_Function = TypeVar("_Function", bound=Callable[..., object])
+
+
+def kernel(function: _Function) -> _Function:
+    """Compile `function` in nopython mode, cached, releasing nothing and reordering no arithmetic.
+
+    Parameters
+    ----------
+    function
+        A function of floats, integers, arrays and named tuples.
+
+    Returns
+    -------
+    callable
+        The compiled function, with the signature of the original.
+    """
+    compiled: _Function = numba.njit(cache=KEEPS_CACHE, error_model="numpy")(function)
+    return compiled
+
+
+def inlined(function: _Function) -> _Function:
+    """Compile a leaf function like `kernel`, for copying into its callers by the optimiser.
+
+    Parameters
+    ----------
+    function
+        A small function of floats.
+
+    Returns
+    -------
+    callable
+        The compiled function.
+    """
+    compiled: _Function = numba.njit(cache=KEEPS_CACHE, error_model="numpy", forceinline=True)(
+        function
+    )
+    return compiled

@@ -1,0 +1,112 @@
+"""Back-EMF shapes as corner points of an odd, half-wave symmetric, piecewise linear function of angle.
+
+A sine or a smooth table is refined into straight pieces; the refinement's error is stated where it is made.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drivegate_models.errors import InputError
+
+Corners = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+def trapezoid_corners(flat: float) -> Corners:
+    """Return the corners of a trapezoidal back-EMF over one positive half cycle.
+
+    Parameters
+    ----------
+    flat : float
+        Width of the flat top (rad, electrical), 0 to below pi. Zero gives a triangle.
+
+    Returns
+    -------
+    angles, values : ndarray, shape (k,)
+        Corner angles (rad) in [0, pi), the first of them 0, and the shape's values there (1).
+
+    Raises
+    ------
+    InputError
+        If the flat width is outside its range.
+    """
+    if not 0.0 <= flat < np.pi:
+        raise InputError(f"the flat width is {np.degrees(flat):g} deg; it must lie in 0 to below 180 deg")
+    rise = 0.5 * (np.pi - flat)
+    if flat == 0.0:
+        return np.array([0.0, rise]), np.array([0.0, 1.0])
+    return np.array([0.0, rise, np.pi - rise]), np.array([0.0, 1.0, 1.0])
+
+
+def sine_corners(pieces: int = 90) -> Corners:
+    """Return the corners of a sine in equal straight pieces.
+
+    Parameters
+    ----------
+    pieces : int
+        Number of pieces of the positive half cycle, even so that the peak is a corner.
+
+    Returns
+    -------
+    angles, values : ndarray, shape (pieces,)
+        Corner angles (rad) and the sine's values there (1).
+
+    Notes
+    -----
+    A chord lies below the sine by at most ``(pi / pieces)**2 / 8``: 1.5e-4 of the peak with 90 pieces.
+    """
+    angles = np.arange(pieces) * (np.pi / pieces)
+    values = np.sin(angles)
+    return angles, values
+
+
+def table_corners(angles: ArrayLike, values: ArrayLike) -> Corners:
+    """Return the corners of a measured shape, joined by straight lines.
+
+    Parameters
+    ----------
+    angles : array_like, shape (k,)
+        Angles (rad), increasing from 0 to pi.
+    values : array_like, shape (k,)
+        Values (1), zero at both ends, peak 1.
+
+    Returns
+    -------
+    angles, values : ndarray, shape (k - 1,)
+        The corners without the last point, which the half-wave symmetry repeats.
+
+    Raises
+    ------
+    InputError
+        If the table does not describe one positive half cycle.
+    """
+    angle_array = np.asarray(angles, dtype=np.float64)
+    value_array = np.asarray(values, dtype=np.float64)
+    if angle_array.size != value_array.size or angle_array.size < 3 or np.any(np.diff(angle_array) <= 0.0):
+        raise InputError("the back-EMF table needs three or more points at increasing angles")
+    if angle_array[0] != 0.0 or abs(angle_array[-1] - np.pi) > 1e-9:
+        raise InputError("the back-EMF table must run from 0 to 180 electrical degrees")
+    if value_array[0] != 0.0 or value_array[-1] != 0.0 or abs(np.max(np.abs(value_array)) - 1.0) > 1e-9:
+        raise InputError("the back-EMF table must be 0 at both ends and have a peak of 1")
+    return angle_array[:-1], value_array[:-1]
+
+
+def full_cycle(angles: NDArray[np.float64], values: NDArray[np.float64]) -> Corners:
+    """Return the corners of a whole electrical cycle from those of its positive half.
+
+    Parameters
+    ----------
+    angles, values : ndarray, shape (k,)
+        Corners in [0, pi) (rad, 1).
+
+    Returns
+    -------
+    angles : ndarray, shape (2 k + 1,)
+        Corners in [0, 2 pi], both ends included (rad).
+    values : ndarray, shape (2 k + 1,)
+        Values there (1), with f(x + pi) = -f(x).
+    """
+    whole_angles = np.concatenate([angles, angles + np.pi, [2.0 * np.pi]])
+    whole_values = np.concatenate([values, -values, values[:1]])
+    return whole_angles, whole_values

@@ -1,0 +1,38 @@
+"""Names of the exact integrals that the plant keeps, as indices into one array of totals.
+
+Every entry is a sum over the phases of an integral over time. What the entries must satisfy::
+
+    UPPER + LOWER = EXCHANGED - 2 RETURNED                                       (where the power comes from)
+    UPPER + LOWER = R SQUARE + speed IMPULSE + DEVICE + change of L i**2 / 2      (where it goes)
+"""
+
+from typing import Final
+
+MAGNITUDE: Final = 0
+"""Integral of the magnitudes of the phase currents (A s)."""
+SQUARE: Final = 1
+"""Integral of the squared phase currents (A2 s)."""
+IMPULSE: Final = 2
+"""Integral of the electromagnetic torque (N m s)."""
+UPPER: Final = 3
+"""Energy that the windings and devices take from the upper half-source (J)."""
+LOWER: Final = 4
+"""Energy that the windings and devices take from the lower half-source (J)."""
+EXCHANGED: Final = 5
+"""Integral of half-source voltage times current magnitude, whatever the direction of the power (J)."""
+RETURNED: Final = 6
+"""The part of `EXCHANGED` that flows back into a half-source (J)."""
+DEVICE: Final = 7
+"""Loss in the forward drops of switches and diodes (J)."""
+SWITCHING: Final = 8
+"""Loss at turn-on and turn-off, drawn from the half-sources besides `UPPER` and `LOWER` (J)."""
+CORE_SOURCE: Final = 9
+"""Core loss of connected phases, drawn from the half-sources besides `UPPER` and `LOWER` (J)."""
+CORE_DRAG_IMPULSE: Final = 10
+"""Impulse of the drag torque by which floating phases supply their core loss (N m s)."""
+PEAK: Final = 11
+"""Greatest magnitude of any phase current (A); a maximum, not a sum."""
+EVENTS: Final = 12
+"""Number of intervals between events (1)."""
+ENTRIES: Final = 13
+"""Length of the array."""

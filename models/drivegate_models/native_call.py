@@ -1,0 +1,41 @@
+"""Calling a controller by the address of its C function, from compiled code.
+
+The address is data, so the compiled loop is the same for every controller and stays cached.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import config, typing
+from numba.extending import intrinsic
+
+_STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
+
+
+def _call_step_interpreted(step: int, state: int, sense: int, command: int) -> None:
+    """Call a controller's step from the interpreter, where compilation is switched off."""
+    _STEP(step)(state, sense, command)
+
+
+@intrinsic
+def _call_step_compiled(
+    typingctx: Any, step: Any, state: Any, sense: Any, command: Any
+) -> tuple[typing.Signature, Any]:
+    """Emit a call of ``void (*)(void *, void *, void *)`` at an address."""
+
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        pointer = ir.IntType(8).as_pointer()
+        function = ir.FunctionType(ir.VoidType(), [pointer] * 3).as_pointer()
+        target = builder.inttoptr(arguments[0], function)
+        builder.call(target, [builder.inttoptr(argument, pointer) for argument in arguments[1:]])
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64, types.int64, types.int64), codegen
+
+
+call_step: Any = _call_step_interpreted if config.DISABLE_JIT else _call_step_compiled
+"""Call ``drivegate_step(state, sense, command)``; all four arguments are addresses (int64)."""

@@ -1,0 +1,233 @@
+"""The on-line search for the advance angle of least input power (paper, Fig. 4), literal and guarded.
+
+Input power is judged by the current sum, which is proportional to the power exchanged with the supply
+("Optimal Efficiency Control").
+"""
+
+from __future__ import annotations
+
+from math import inf, radians
+from typing import Any, Final
+
+from drivegate_models.compilation import inlined
+
+SETTLING: Final = 0
+"""Mode: command or load has changed; wait until the current sum repeats."""
+SEARCHING: Final = 1
+"""Mode: each decision moves the angle."""
+HOLDING: Final = 2
+"""Mode: the optimum is found; wait for a change."""
+
+_SETTLED = 0.01
+_CHANGED = 0.03
+_SMALLEST_STEP = radians(0.24)
+_MARGIN = radians(0.2)
+_SMALLEST_POWER = 1.0
+_ALARM = 0.3
+_UNEASY = 0.1
+_CREEP = 1.15
+_CREEP_LEAST = 0.15
+_IMPROVEMENTS = 3
+_RESTLESS = 0.0015
+_DWELL = 0.02
+
+
+@inlined
+def decide_by_flowchart(state: Any, error: float) -> None:
+    """Make one decision of Fig. 4, literally: gate by k1, stop by k2, reverse or go on.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    error : float
+        Speed reference minus speed at the decision (rad/s).
+    """
+    power = state.power_sum / state.count
+    if abs(error) > state.speed_tolerance:
+        return
+    change = power - state.old_power
+    state.old_power = power
+    if abs(change) <= state.power_tolerance * power:
+        return
+    if change > 0.0:
+        state.direction = -state.direction
+    state.offset += state.direction * state.step
+
+
+@inlined
+def rearm(state: Any) -> None:
+    """Return to the initial angle and forget what was found: command or load has changed.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.mode = SETTLING
+    state.offset = 0.0
+    state.step = state.first_step
+    state.direction = -1.0
+    state.old_power = inf
+    state.forbidden = -inf
+    state.quiet = 0
+    state.moved = 0.0
+
+
+@inlined
+def begin_settling(state: Any) -> None:
+    """Start a new decision interval, and wait until the current sum repeats before the next move.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.mode = SETTLING
+    state.old_power = inf
+    state.moved = 0.0
+    state.quiet = 0
+    state.improvements = 0
+    state.count = 0
+    state.power_sum = 0.0
+    state.worst_error = 0.0
+    state.saturated = 0
+
+
+@inlined
+def walk_back(state: Any, angle: float) -> None:
+    """Add angle, since torque is lost at the present one, and forbid the present one.
+
+    The walk starts from the search's own step toward less angle, leads back to the initial angle, and beyond
+    it where even that one cannot give the torque.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    angle : float
+        Angle to add (rad electrical).
+    """
+    state.forbidden = max(state.forbidden, state.offset)
+    state.offset += angle
+    state.step = min(0.5 * state.step, 0.5 * state.first_step)
+    state.direction = -1.0
+    begin_settling(state)
+
+
+@inlined
+def guard_regulation(state: Any, speed: float, speed_reference: float, saturated: bool, period: float) -> None:
+    """Watch the regulator at every step and give the angle back when it costs regulation.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    speed, speed_reference : float
+        (rad/s).
+    saturated : bool
+        Whether the current reference is at its limit.
+    period : float
+        Control period (s).
+    """
+    if speed_reference != state.speed_reference:
+        state.speed_reference = speed_reference
+        rearm(state)
+        begin_settling(state)
+    state.saturated_run = state.saturated_run + 1 if saturated else 0
+    if state.saturated_run == 1:
+        state.speed_mark = speed
+    if state.moved < 0.0 and speed_reference - speed > _ALARM * state.speed_tolerance:
+        # The integral has wound up in vain; with the old angle goes the old current.
+        state.integral = state.good_integral
+        walk_back(state, -state.moved)
+    elif state.saturated_run * period >= _DWELL:
+        state.saturated_run = 0
+        if speed <= state.speed_mark and speed < speed_reference:
+            walk_back(state, state.first_step)
+
+
+@inlined
+def begin_holding(state: Any, power: float) -> None:
+    """Rest at the angle found.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Current sum found there (A).
+    """
+    state.mode = HOLDING
+    state.held_power = power
+    state.moved = 0.0
+    state.quiet = 0
+
+
+@inlined
+def decide_guarded(state: Any) -> None:
+    """Make one decision of the guarded search.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated; its decision interval is complete.
+    """
+    power = state.power_sum / state.count
+    regulated = state.worst_error <= state.speed_tolerance and state.saturated == 0
+    change = power - state.old_power
+    state.old_power = power
+    if state.mode == HOLDING:
+        if abs(power - state.held_power) > _CHANGED * power + 0.2:
+            rearm(state)
+            begin_settling(state)
+        elif state.quiet > 0 and (
+            abs(change) > _RESTLESS * power
+            or state.worst_error > _UNEASY * state.speed_tolerance
+            or state.integral > _CREEP * state.good_integral + _CREEP_LEAST
+        ):
+            # Too near the edge for the regulator to be calm: a little angle buys peace.
+            state.integral = min(state.integral, state.good_integral)
+            state.forbidden = max(state.forbidden, state.offset)
+            state.offset += _SMALLEST_STEP
+            state.held_power = power
+            state.quiet = 0
+        else:
+            state.quiet += 1
+        return
+    if not regulated or power < _SMALLEST_POWER:
+        begin_settling(state)
+        return
+    if state.mode == SETTLING:
+        if abs(change) > _SETTLED * power or state.worst_error > _UNEASY * state.speed_tolerance:
+            return
+        state.mode = SEARCHING
+    elif abs(change) <= state.power_tolerance * power:
+        state.quiet += 1
+        if state.quiet >= 2:
+            begin_holding(state, power)
+            return
+    else:
+        state.quiet = 0
+        state.improvements += 1
+        if change > 0.0:
+            state.direction = -state.direction
+            state.step = 0.5 * state.step
+            state.improvements = 0
+        elif state.improvements >= _IMPROVEMENTS and state.step == state.first_step:
+            state.step = 2.0 * state.first_step
+    while (
+        state.step >= _SMALLEST_STEP
+        and state.direction < 0.0
+        and state.offset - state.step < state.forbidden + _MARGIN
+    ):
+        state.step = 0.5 * state.step
+    if state.step < _SMALLEST_STEP:
+        if change > 0.0 and state.moved != 0.0:
+            # The last step made things worse: it is taken back before the search rests.
+            state.offset -= state.moved
+        begin_holding(state, power)
+        return
+    state.moved = state.direction * state.step
+    state.offset += state.moved
+    state.good_integral = state.integral

@@ -1,0 +1,166 @@
+"""Exact extremes of the torque over an advance, from the segments of all phases.
+
+Between events the torque is a polynomial of second degree plus a straight line times one exponential, so its
+third derivative has one zero at most. Nested isolation from there up finds every stationary point.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models import segments
+from drivegate_models.compilation import inlined, kernel
+from drivegate_models.winding_current import current_after, phi4
+
+Coefficients = tuple[float, float, float, float, float, float]
+
+
+@inlined
+def _derivatives(coefficients: Coefficients, rate: float, time: float) -> tuple[float, float, float]:
+    """Return torque over EMF constant and its first two derivatives at a time of the interval."""
+    c0, c1, d0, d1, q0, q1 = coefficients
+    x = rate * time
+    phi2 = 0.5 - x * (1.0 / 6.0 - x * phi4(x))
+    phi1 = 1.0 - x * phi2
+    decay = 1.0 - x * phi1
+    p1 = time * phi1
+    p2 = time * time * phi2
+    value = c0 + c1 * time + (d0 + d1 * time) * p1 - (q0 + q1 * time) * p2
+    first = c1 + d0 * decay + d1 * (p1 + time * decay) - q0 * p1 - q1 * (p2 + time * p1)
+    second = decay * (2.0 * d1 - rate * (d0 + d1 * time) - q0 - q1 * time) - 2.0 * q1 * p1
+    return value, first, second
+
+
+@kernel
+def _zero(coefficients: Coefficients, rate: float, low: float, high: float, order: int) -> float:
+    """Return the zero of a derivative (1 or 2) that changes sign over [low, high], by safeguarded bisection."""
+    at_low = _derivatives(coefficients, rate, low)[order]
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        if middle == low or middle == high:
+            break
+        at_middle = _derivatives(coefficients, rate, middle)[order]
+        if at_middle == 0.0:
+            return middle
+        if (at_middle > 0.0) == (at_low > 0.0):
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@kernel
+def _interval_extremes(
+    coefficients: Coefficients, rate: float, length: float, lowest: float, highest: float
+) -> tuple[float, float]:
+    """Widen [lowest, highest] by the torque over EMF constant on one interval without events."""
+    start, start_first, start_second = _derivatives(coefficients, rate, 0.0)
+    end, end_first, end_second = _derivatives(coefficients, rate, length)
+    lowest = min(lowest, start, end)
+    highest = max(highest, start, end)
+    _, _, d0, d1, q0, q1 = coefficients
+    divisor = rate * (rate * d1 + q1)
+    inflection = 0.0
+    if divisor != 0.0:
+        inflection = (3.0 * (rate * d1 + q1) - rate * (rate * d0 + q0)) / divisor
+    bends = 0.0 < inflection < length
+    if not bends and start_second * end_second > 0.0 and start_first * end_first > 0.0:
+        return lowest, highest
+
+    # Points between which the second derivative is monotone, then those between which the first one is.
+    limits = np.zeros(5)
+    count = 1
+    previous = 0.0
+    for step in range(2):
+        following = length if step == 1 or not bends else inflection
+        if following > previous:
+            before = _derivatives(coefficients, rate, previous)[2]
+            after = _derivatives(coefficients, rate, following)[2]
+            if before * after < 0.0:
+                limits[count] = _zero(coefficients, rate, previous, following, 2)
+                count += 1
+            previous = following
+    limits[count] = length
+    for k in range(count):
+        before = _derivatives(coefficients, rate, limits[k])[1]
+        after = _derivatives(coefficients, rate, limits[k + 1])[1]
+        if before * after < 0.0:
+            time = _zero(coefficients, rate, limits[k], limits[k + 1], 1)
+            value = _derivatives(coefficients, rate, time)[0]
+            lowest = min(lowest, value)
+            highest = max(highest, value)
+    return lowest, highest
+
+
+@kernel
+def torque_extremes(
+    rows: NDArray[np.float64],
+    row_counts: NDArray[np.int64],
+    emf_constant: float,
+    rate: float,
+    duration: float,
+    lowest: float,
+    highest: float,
+) -> tuple[float, float]:
+    """Widen a range by the torque of all phases over one advance.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (m, n, segments.FIELDS)
+        Segments of each phase, without gaps from 0 to `duration`.
+    row_counts : ndarray of int64, shape (m,)
+        Number of segments of each phase.
+    emf_constant : float
+        Peak torque an ampere (N m/A).
+    rate : float
+        R/L (1/s).
+    duration : float
+        Length of the advance (s).
+    lowest, highest : float
+        Range so far (N m); start with inf and -inf.
+
+    Returns
+    -------
+    lowest, highest : float
+        Range including this advance (N m), at events and stationary points, not on a grid.
+    """
+    phases = rows.shape[0]
+    position = np.zeros(phases, np.int64)
+    low = lowest / emf_constant
+    high = highest / emf_constant
+    time = 0.0
+    while time < duration:
+        until = duration
+        c0 = 0.0
+        c1 = 0.0
+        d0 = 0.0
+        d1 = 0.0
+        q0 = 0.0
+        q1 = 0.0
+        for phase in range(phases):
+            while position[phase] < row_counts[phase] - 1:
+                row = rows[phase, position[phase]]
+                if row[segments.START] + row[segments.LENGTH] > time:
+                    break
+                position[phase] += 1
+            row = rows[phase, position[phase]]
+            ends = row[segments.START] + row[segments.LENGTH]
+            if position[phase] < row_counts[phase] - 1 and ends < until:
+                until = ends
+            offset = time - row[segments.START]
+            current = row[segments.CURRENT]
+            curvature = row[segments.CURVATURE]
+            current, slope = current_after(current, row[segments.SLOPE], curvature, rate, offset)
+            shape_rate = row[segments.SHAPE_RATE]
+            shape = row[segments.SHAPE] + shape_rate * offset
+            c0 += shape * current
+            c1 += shape_rate * current
+            d0 += shape * slope
+            d1 += shape_rate * slope
+            q0 += shape * curvature
+            q1 += shape_rate * curvature
+        if until > time:
+            low, high = _interval_extremes((c0, c1, d0, d1, q0, q1), rate, until - time, low, high)
+        time = until
+    return low * emf_constant, high * emf_constant

@@ -1,0 +1,113 @@
+"""Piecewise linear profiles over time: a list of [time, value], where two points at one time are a step.
+
+The value before the first point is the first one's, after the last point the last one's; at a step itself the
+later value already holds.
+"""
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Sequence
+from itertools import pairwise
+
+ProfilePoint = tuple[float, float]
+Profile = tuple[ProfilePoint, ...]
+
+_POINTS_OF_A_STEP = 2
+
+
+def check_times(points: Profile) -> Profile:
+    """Check that the times of a profile start at 0 and never go back.
+
+    Parameters
+    ----------
+    points : tuple of (float, float)
+        Times (s) and values.
+
+    Returns
+    -------
+    tuple of (float, float)
+        The points themselves.
+
+    Raises
+    ------
+    ValueError
+        With the rule that the times break.
+    """
+    times = [time for time, _ in points]
+    if not times or times[0] != 0.0:
+        raise ValueError("must have its first point at time 0")
+    backward = [later for earlier, later in pairwise(times) if later < earlier]
+    if backward:
+        raise ValueError(f"must have times that never decrease, which the point at {backward[0]} s does")
+    crowded = [time for time in times if times.count(time) > _POINTS_OF_A_STEP]
+    if crowded:
+        raise ValueError(f"must have at most two points at one time, which are a step, but has more at {crowded[0]} s")
+    return points
+
+
+def value_from(points: Profile, time: float) -> float:
+    """Value of a profile at a time and just after it.
+
+    Parameters
+    ----------
+    points : tuple of (float, float)
+        Times (s) and values.
+    time : float
+        Time (s).
+
+    Returns
+    -------
+    float
+        The value, at a step the one behind it.
+    """
+    return _interpolated(points, time, bisect_right([at for at, _ in points], time))
+
+
+def value_until(points: Profile, time: float) -> float:
+    """Value of a profile just before a time.
+
+    Parameters
+    ----------
+    points : tuple of (float, float)
+        Times (s) and values.
+    time : float
+        Time (s).
+
+    Returns
+    -------
+    float
+        The value, at a step the one ahead of it.
+    """
+    return _interpolated(points, time, bisect_left([at for at, _ in points], time))
+
+
+def breakpoints(profiles: Sequence[Profile], end: float) -> list[float]:
+    """Merge the times at which any of several profiles has a point.
+
+    Parameters
+    ----------
+    profiles : sequence of profiles
+        Profiles over the same time.
+    end : float
+        End of the run (s).
+
+    Returns
+    -------
+    list of float
+        Increasing times (s) from 0 to the end, both among them.
+    """
+    times = {time for points in profiles for time, _ in points}
+    return sorted(time for time in times | {0.0, end} if 0.0 <= time <= end)
+
+
+def _interpolated(points: Profile, time: float, following: int) -> float:
+    """Interpolate between the point at index `following` and the one ahead of it, at the ends hold."""
+    if following == 0:
+        return points[0][1]
+    if following == len(points):
+        return points[-1][1]
+    (earlier, low), (later, high) = points[following - 1], points[following]
+    if low == high or time == earlier:
+        return low
+    if time == later:
+        return high
+    return low + (high - low) * ((time - earlier) / (later - earlier))

@@ -1,0 +1,84 @@
+"""Turning names, values and paths of a user's files into words that fit on one line of a message."""
+
+import difflib
+import json
+from collections.abc import Iterable
+from pathlib import Path
+
+_LONGEST_VALUE = 60
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Find the known name that resembles a given one most.
+
+    Parameters
+    ----------
+    name : str
+        The name that is not known.
+    known : iterable of str
+        The names that are.
+
+    Returns
+    -------
+    str or None
+        The most similar name, however little it resembles; None only when nothing is known.
+    """
+    by_lower_case = {candidate.lower(): candidate for candidate in known}
+    closest = difflib.get_close_matches(name.lower(), sorted(by_lower_case), n=1, cutoff=0.0)
+    return by_lower_case[closest[0]] if closest else None
+
+
+def one_line(text: str) -> str:
+    """Make any text printable on one line.
+
+    Parameters
+    ----------
+    text : str
+        Any text, also with line breaks, control characters or unpaired surrogates.
+
+    Returns
+    -------
+    str
+        The text with every unprintable character written as an escape.
+    """
+    return "".join(
+        character if character.isprintable() else character.encode("unicode_escape").decode("ascii")
+        for character in text
+    )
+
+
+def shown(value: object) -> str:
+    """Write a value of a document the way the document would, shortened where it is long.
+
+    Parameters
+    ----------
+    value : object
+        What a TOML or JSON document may hold.
+
+    Returns
+    -------
+    str
+        One line.
+    """
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, int) and not isinstance(value, bool) and value.bit_length() > 128:
+        return f"an integer of {value.bit_length()} bits"
+    text = json.dumps(value, ensure_ascii=False, default=str)
+    return one_line(text if len(text) <= _LONGEST_VALUE else text[:_LONGEST_VALUE] + "…")
+
+
+def shown_path(path: str | Path) -> str:
+    """Write the name of a file so that it fits into one line.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file's name as the user gave it.
+
+    Returns
+    -------
+    str
+        One line; an empty name is written as two quotes.
+    """
+    return one_line(str(path)) or "''"

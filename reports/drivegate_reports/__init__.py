@@ -1,0 +1,1 @@
+"""Conformance and comparison reports: figures, tables and the pages that hold them."""
