@@ -14,7 +14,7 @@ class FlowchartProfile:
     power_tolerance : float
         k2 as a power (W): the search stops when the input power changed by no more; 0 when it is a fraction.
     power_tolerance_fraction : float
-        k2 as a fraction of the previous input power; 0 when it is a power.
+        k2 as a fraction of the new input power, W_new; 0 when it is a power.
     step : float
         Magnitude of one change of the advance angle (electrical rad).
     period : float

@@ -50,7 +50,7 @@ class Fault:
         The candidate's own part of the traceback, or what a dying process printed, of at most
         `LONGEST_TRACEBACK` characters.
     step : int or None
-        Number of steps that the run had completed, when the phase is a step.
+        Number of steps that the run had completed before, when the phase is a step.
     time : float or None
         Time of that step (s, simulated).
     sense : mapping or None

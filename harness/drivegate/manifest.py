@@ -25,7 +25,7 @@ class Flowchart(Section):
         default=None, description="change of input power at or below which the search stops"
     )
     k2_percent: NotNegative | None = Field(
-        default=None, description="the same as a percentage of the previous input power"
+        default=None, description="the same as a percentage of the new input power"
     )
     step_deg: Positive = Field(le=90, description="magnitude of one change of the advance angle")
     period_s: Positive = Field(description="time from one decision of the search to the next")

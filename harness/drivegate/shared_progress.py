@@ -53,7 +53,7 @@ class SharedProgress:
     Attributes
     ----------
     steps : array of int64, shape (1,)
-        Steps that the current run has completed; the closed loop adds one after each.
+        Steps that the current run has begun; the closed loop counts each before it asks the controller.
     sense : array of SENSE, shape (1,)
         The record that the closed loop hands to the controller.
     phase_currents : array, shape (MOST_PHASES,)
@@ -94,7 +94,7 @@ class SharedProgress:
 
     @property
     def state(self) -> tuple[int, int]:
-        """Numbers that differ whenever the worker has moved on."""
+        """Number of changes of activity and of steps begun; it differs once the worker has moved on."""
         return int(self._changes[0]), int(self.steps[0])
 
     def enter(self, activity: Activity) -> None:

@@ -12,9 +12,9 @@ class WorkerLimits:
     Attributes
     ----------
     step_processor_seconds : float
-        Processor time without a completed step, once the first one is completed (s).
+        Processor time of one step, the first one apart (s).
     start_processor_seconds : float
-        Processor time of everything else without progress: imports, compilation, the first step (s).
+        Processor time without progress of all else: imports, compilation, the first step (s).
     idle_seconds : float
         Time without progress in which hardly any processor time is used (s).
     job_seconds : float
@@ -56,7 +56,7 @@ class StallWatch:
         Parameters
         ----------
         state : tuple of int
-            The number of changes of activity, and of completed steps.
+            The number of changes of activity, and of steps begun.
         activity : Activity
             What the worker is doing.
         processor : float
@@ -75,7 +75,7 @@ class StallWatch:
         if state != self._state:
             self._state, self._processor, self._moved = state, processor, now
             return None
-        stepping = activity is Activity.RUNNING and state[1] > 0
+        stepping = activity is Activity.RUNNING and state[1] > 1
         allowed = limits.step_processor_seconds if stepping else limits.start_processor_seconds
         used, waited = processor - self._processor, now - self._moved
         if used > allowed:

@@ -259,10 +259,11 @@ def _located(handle: WorkerHandle, fault: Fault) -> Fault:
     progress = handle.progress
     if progress.activity is not Activity.RUNNING:
         return replace(fault, message=f"{fault.message} while loading the candidate")
-    sense, steps = progress.last_sense(), int(progress.steps[0])
-    if sense is None and steps == 0:
+    begun = int(progress.steps[0])
+    if begun == 0:
         phase: Phase = "reset"
-        return replace(fault, phase=phase, message=f"{fault.message} in reset or the first step")
+        return replace(fault, phase=phase, message=f"{fault.message} in reset")
+    sense, steps = progress.last_sense(), begun - 1
     time_of_step, inputs = (sense.time, sense._asdict()) if sense is not None else (None, None)
     message = f"{fault.message} after {steps} completed step{'' if steps == 1 else 's'}"
     return replace(fault, phase="step", message=message, step=steps, time=time_of_step, sense=inputs)

@@ -100,7 +100,7 @@ def _reply_of(work: Callable[[], Reply], progress: SharedProgress) -> Reply:
 def _with_step(fault: Fault, progress: SharedProgress) -> Fault:
     if fault.phase != "step" or fault.step is not None:
         return fault
-    return replace(fault, step=int(progress.steps[0]))
+    return replace(fault, step=max(int(progress.steps[0]) - 1, 0))
 
 
 def _send(channel: "Connection[Any, Any]", reply: Reply) -> None:

@@ -7,7 +7,7 @@ period, and advances the plant exactly by that period. Memory does not grow with
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import floor, inf, isfinite, pi
+from math import floor, inf, isfinite, nan, pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,7 +64,7 @@ class Exchange(NamedTuple):
     sensed_currents: NDArray[np.float64]
     """Shape (m,) (A)."""
     progress: NDArray[np.int64]
-    """Shape (1,): number of steps begun, watched by the parent process."""
+    """Shape (1,): number of steps done, watched by the parent process."""
     sense_address: int
     """Address of `sense`."""
     command_address: int
@@ -120,7 +120,7 @@ def _run(
     digest = 0
     block = max(int(round(observation.MEAN_TIME / control_period)), 1)
     block_sums = np.zeros(window_steps.shape[0])
-    before = np.zeros(ledger.ENTRIES)
+    period = np.zeros(ledger.ENTRIES)
     stored = stored_energy(drive, phases.currents)
     traced = 0
     for k in range(steps):
@@ -134,7 +134,6 @@ def _run(
         if load.kind == LOCKED:
             speed = wanted
 
-        exchange.progress[0] = k + 1
         sense[0].time = time
         sense[0].speed_reference = wanted
         sense[0].speed = speed
@@ -142,7 +141,11 @@ def _run(
         sense[0].half_supply_voltage = supply
         for phase in range(drive.phases):
             exchange.sensed_currents[phase] = phases.currents[phase]
+        command[0].current_reference = nan
+        command[0].advance_angle = nan
+        command[0].input_power = nan
         call_step(step_address, state_address, exchange.sense_address, exchange.command_address)
+        exchange.progress[0] = k + 1
         if command[0].struct_size < 0:
             run[observation.RUN_STEPS] = k
             return STOPPED, digest
@@ -180,7 +183,7 @@ def _run(
         reference = min(max(reference, 0.0), drive.current_limit)
         advance = min(max(advance, 0.0), 0.5 * pi)
 
-        before[:] = totals
+        period[:] = 0.0
         status = advance_phases(
             drive,
             phases,
@@ -191,21 +194,24 @@ def _run(
             reference,
             advance,
             control_period,
-            totals,
+            period,
         )
         if status != COMPLETED:
             run[observation.RUN_STEPS] = k
             return PLANT_FAULT, digest
 
-        impulse = totals[ledger.IMPULSE] - before[ledger.IMPULSE]
-        drag = totals[ledger.CORE_DRAG_IMPULSE] - before[ledger.CORE_DRAG_IMPULSE]
-        exchanged = totals[ledger.EXCHANGED] - before[ledger.EXCHANGED]
-        returned = totals[ledger.RETURNED] - before[ledger.RETURNED]
+        peak = max(totals[ledger.PEAK], period[ledger.PEAK])
+        totals += period
+        totals[ledger.PEAK] = peak
+        impulse = period[ledger.IMPULSE]
+        drag = period[ledger.CORE_DRAG_IMPULSE]
+        exchanged = period[ledger.EXCHANGED]
+        returned = period[ledger.RETURNED]
         now_stored = stored_energy(drive, phases.currents)
         spent = (
-            drive.resistance * (totals[ledger.SQUARE] - before[ledger.SQUARE])
+            drive.resistance * period[ledger.SQUARE]
             + speed * impulse
-            + (totals[ledger.DEVICE] - before[ledger.DEVICE])
+            + period[ledger.DEVICE]
             + (now_stored - stored)
         )
         throughput = exchanged + stored + now_stored
@@ -215,12 +221,12 @@ def _run(
                 run[observation.RUN_EXCHANGE_ERROR] = mismatch
         stored = now_stored
         source = (
-            (totals[ledger.UPPER] - before[ledger.UPPER])
-            + (totals[ledger.LOWER] - before[ledger.LOWER])
-            + (totals[ledger.CORE_SOURCE] - before[ledger.CORE_SOURCE])
-            + (totals[ledger.SWITCHING] - before[ledger.SWITCHING])
+            period[ledger.UPPER]
+            + period[ledger.LOWER]
+            + period[ledger.CORE_SOURCE]
+            + period[ledger.SWITCHING]
         )
-        current_sum = (totals[ledger.MAGNITUDE] - before[ledger.MAGNITUDE]) / control_period
+        current_sum = period[ledger.MAGNITUDE] / control_period
         run[observation.RUN_SHAFT_ENERGY] += speed * impulse
         run[observation.RUN_INPUT_ENERGY] += source
         asked = load_torque(load, factor, speed)
@@ -251,10 +257,8 @@ def _run(
                         row[observation.WINDOW_MEAN_LOWEST] = mean
                     if mean > row[observation.WINDOW_MEAN_HIGHEST]:
                         row[observation.WINDOW_MEAN_HIGHEST] = mean
-                for phase in range(drive.phases):
-                    magnitude = abs(phases.currents[phase])
-                    if magnitude > row[observation.WINDOW_PEAK]:
-                        row[observation.WINDOW_PEAK] = magnitude
+                if period[ledger.PEAK] > row[observation.WINDOW_PEAK]:
+                    row[observation.WINDOW_PEAK] = period[ledger.PEAK]
         if traced < trace.shape[0] and k % trace_every == 0:
             trace[traced, 0] = time
             trace[traced, 1] = wanted * _RADIANS_TO_RPM
@@ -305,6 +309,11 @@ class ClosedLoopRun:
     last_command: NDArray[Any]
     """The last command, shape (1,) of contract.COMMAND."""
 
+    @property
+    def steps(self) -> int:
+        """Number of control periods done."""
+        return int(self.run[observation.RUN_STEPS])
+
 
 _MEANS = (
     observation.WINDOW_CURRENT_SUM,
@@ -329,6 +338,8 @@ def run_closed_loop(
     control_period: float,
     duration: float,
     windows: list[tuple[float, float]],
+    sense: NDArray[Any] | None = None,
+    sensed_currents: NDArray[np.float64] | None = None,
     progress: NDArray[np.int64] | None = None,
     trace_every: int = 0,
 ) -> ClosedLoopRun:
@@ -354,8 +365,12 @@ def run_closed_loop(
         (s).
     windows : list of tuple of float
         Start and end of each observed window (s).
+    sense : ndarray of SENSE, shape (1,), optional
+        The record to hand to the controller, where another process is to see it.
+    sensed_currents : ndarray, shape (m,) or longer, optional
+        Where its phase currents belong (A).
     progress : ndarray of int64, shape (1,), optional
-        Receives the number of steps begun.
+        Receives the number of steps done.
     trace_every : int
         Keep every n-th control period in the trace; 0 keeps none.
 
@@ -366,15 +381,13 @@ def run_closed_loop(
     """
     steps = round(duration / control_period)
     phases = make_phases(drive)
-    sense = np.zeros(1, SENSE)
+    sense = np.zeros(1, SENSE) if sense is None else sense
+    currents = np.zeros(drive.phases) if sensed_currents is None else sensed_currents
     command = np.zeros(1, COMMAND)
-    currents = np.zeros(drive.phases)
     sense[0]["struct_size"] = SENSE.itemsize
     sense[0]["phase_count"] = drive.phases
     sense[0]["phase_currents"] = currents.ctypes.data
     command[0]["struct_size"] = COMMAND.itemsize
-    for name in ("current_reference", "advance_angle", "input_power"):
-        command[0][name] = np.nan
     exchange = Exchange(
         sense=sense,
         command=command,
@@ -424,7 +437,7 @@ def run_closed_loop(
         run=run,
         windows=rows,
         trace=trace[: -(-done // trace_every)] if trace_every > 0 else trace,
-        last_sense=sense,
-        last_currents=currents,
+        last_sense=sense.copy(),
+        last_currents=currents[: drive.phases].copy(),
         last_command=command,
     )

@@ -10,7 +10,25 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.signals import Nameplate, Sense
+from drivegate_models.signals import Command, Nameplate, Sense
+
+__all__ = [
+    "ABI_MAJOR",
+    "ABI_MINOR",
+    "ABI_VERSION",
+    "COMMAND",
+    "NAMEPLATE",
+    "SENSE",
+    "STATE_ALIGNMENT",
+    "STOP",
+    "Command",
+    "Nameplate",
+    "Sense",
+    "command_record",
+    "nameplate_record",
+    "packing",
+    "sense_record",
+]
 
 ABI_MAJOR: Final = 1
 """Version of the layout; a controller that was built for another one is refused."""

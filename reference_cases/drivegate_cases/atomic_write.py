@@ -1,10 +1,11 @@
 """Writing a file so that a reader sees the old content or the new one, never a part of it."""
 
+import contextlib
 import os
 import secrets
 from pathlib import Path
 
-from drivegate_cases.wording import shown_path
+from drivegate_cases.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
 _WRONG_PLACE = (FileNotFoundError, NotADirectoryError, IsADirectoryError, PermissionError)
@@ -31,18 +32,28 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
         For any other failure of the file system, such as a full disk.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
-    target = Path(path).resolve()
-    beside = target.with_name(f".{target.name[:200]}.{secrets.token_hex(8)}")
+    try:
+        target = Path(path).resolve()
+        beside = target.with_name(f".{secrets.token_hex(12)}.partial")
+        _replace_flushed(beside, target, data)
+    except (*_WRONG_PLACE, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(
+            f"{shown_path(path)} cannot be written: {one_line(reason)}; "
+            "name a file in an existing, writable folder"
+        ) from error
+
+
+def _replace_flushed(beside: Path, target: Path, data: bytes) -> None:
+    """Write the file beside its place and rename it, leaving nothing beside on failure."""
     try:
         _write_flushed(beside, data)
         beside.replace(target)
-        _flush_folder(target.parent)
-    except _WRONG_PLACE as error:
-        raise InputError(
-            f"{shown_path(path)} cannot be written: {error.strerror}; name a file in an existing, writable folder"
-        ) from error
-    finally:
-        beside.unlink(missing_ok=True)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            beside.unlink()
+        raise
+    _flush_folder(target.parent)
 
 
 def _write_flushed(path: Path, data: bytes) -> None:

@@ -1,7 +1,7 @@
 """The documents that people write for drivegate: typed, closed to unknown keys, with a schema number.
 
-A document is a pydantic model whose keys are the model's fields. Whatever is wrong with one is told in a single
-sentence that names the document, each offending key, and what would be right.
+A document is a pydantic model whose keys are the model's fields. Whatever is wrong with one is told in a
+single sentence that names the document, each offending key, and what would be right.
 """
 
 import json
@@ -20,7 +20,7 @@ DocumentT = TypeVar("DocumentT", bound="Document")
 
 
 class Section(BaseModel):
-    """A table inside a document: frozen, closed to unknown keys, strict in its types, finite in its numbers."""
+    """A table inside a document: frozen, closed to unknown keys, strict in its types, all numbers finite."""
 
     model_config = ConfigDict(
         frozen=True,
@@ -157,7 +157,9 @@ def parse_document(
         With everything that is wrong with the data in one sentence.
     """
     if not isinstance(mapping, Mapping):
-        raise InputError(f"{one_line(where)} holds {shown(mapping)}, but must hold a table of keys and values")
+        raise InputError(
+            f"{one_line(where)} holds {shown(mapping)}, but must hold a table of keys and values"
+        )
     values = dict(mapping)
     schema = _supported_schema(values.pop("schema", None), model, where)
     if schema < model.schema_current:
@@ -166,26 +168,29 @@ def parse_document(
 
 
 def _supported_schema(number: object, model: type[Document], where: str) -> int:
+    place = one_line(where)
     current = model.schema_current
     oldest = max(1, current - 1)
     supported = f"{oldest} or {current}" if oldest < current else f"{current}"
     if number is None:
-        raise InputError(f"{one_line(where)}: the key 'schema' is missing, but must be {supported}")
+        raise InputError(f"{place}: the key 'schema' is missing, but must be {supported}")
     if not isinstance(number, int) or isinstance(number, bool):
-        raise InputError(f"{one_line(where)}: the key 'schema' is {shown(number)}, but must be the integer {supported}")
+        raise InputError(f"{place}: the key 'schema' is {shown(number)}, but must be the integer {supported}")
     if number > current:
         raise InputError(
-            f"{one_line(where)}: schema {shown(number)} is newer than this drivegate reads, which is {supported}; "
+            f"{place}: schema {shown(number)} is newer than this drivegate reads, which is {supported}; "
             "a newer drivegate reads it"
         )
     if number < oldest:
         raise InputError(
-            f"{one_line(where)}: schema {shown(number)} is older than this drivegate reads, which is {supported}"
+            f"{place}: schema {shown(number)} is older than this drivegate reads, which is {supported}"
         )
     return number
 
 
-def _validated(values: Mapping[str, Any], model: type[DocumentT], where: str, folder: Path | None) -> DocumentT:
+def _validated(
+    values: Mapping[str, Any], model: type[DocumentT], where: str, folder: Path | None
+) -> DocumentT:
     try:
         return model.model_validate(values, context={"folder": folder})
     except ValidationError as error:

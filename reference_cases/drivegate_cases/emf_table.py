@@ -9,6 +9,7 @@ EmfPoint = Annotated[tuple[float, float], Field(description="electrical degrees,
 EmfTable = tuple[EmfPoint, ...]
 
 _PEAK_TOLERANCE = 1e-9
+_LEAST_STEP_DEG = 1e-6
 
 
 def check_emf_table(table: EmfTable) -> EmfTable:
@@ -17,8 +18,8 @@ def check_emf_table(table: EmfTable) -> EmfTable:
     Parameters
     ----------
     table : tuple of (float, float)
-        Electrical degrees from 0 to 180, strictly increasing, and the EMF there as a share of its peak; the
-        second half cycle is the first one's negative. An empty table stands for none.
+        Electrical degrees from 0 to 180, strictly increasing by a least step, and the EMF there as a share of
+        its peak; the second half cycle is the first one's negative. An empty table stands for none.
 
     Returns
     -------
@@ -36,8 +37,8 @@ def check_emf_table(table: EmfTable) -> EmfTable:
     values = [value for _, value in table]
     if angles[0] != 0.0 or angles[-1] != 180.0:
         raise ValueError("must begin at 0 and end at 180 electrical degrees")
-    if any(later <= earlier for earlier, later in pairwise(angles)):
-        raise ValueError("must have strictly increasing angles")
+    if any(later - earlier < _LEAST_STEP_DEG for earlier, later in pairwise(angles)):
+        raise ValueError(f"must have strictly increasing angles, at least {_LEAST_STEP_DEG:g} degrees apart")
     if values[0] != 0.0 or values[-1] != 0.0:
         raise ValueError("must have the value 0 at 0 and at 180 electrical degrees")
     if abs(max(values) - 1.0) > _PEAK_TOLERANCE or min(values) < -1.0 - _PEAK_TOLERANCE:

@@ -1,7 +1,7 @@
 """What the paper states, what it leaves open, and what was found on the way, as data.
 
-The facts are numbered as everywhere in drivegate: P1 to P12. Findings are results that contradict or qualify the
-paper; they are part of every reproduction report.
+The facts are numbered as everywhere in drivegate: P1 to P12. Findings are results that contradict or qualify
+the paper; they are part of every reproduction report.
 """
 
 from functools import cache
@@ -23,7 +23,9 @@ class Quantity(Section):
     value: float = Field(description="the published value")
     unit: str = Field(max_length=40, description="unit of value and tolerance, empty for a pure number")
     tolerance: float | None = Field(
-        default=None, ge=0.0, description="how far ours may lie from it; none for a statement that is no measurement"
+        default=None,
+        ge=0.0,
+        description="how far ours may lie from it; none for a statement that is no measurement",
     )
     bound: Literal["equal", "at_most", "at_least"] = Field(
         default="equal", description="whether the value is met by equality or is a limit"
@@ -60,7 +62,9 @@ class Fact(Section):
         "by a reproduced figure, or taken as it is"
     )
     checks: tuple[_CheckName, ...] = Field(default=(), description="checks that rest on the fact")
-    cases: tuple[str, ...] = Field(default=(), description="scenarios, points and sweeps that belong to the fact")
+    cases: tuple[str, ...] = Field(
+        default=(), description="scenarios, points and sweeps that belong to the fact"
+    )
     quantities: tuple[Quantity, ...] = Field(default=(), description="published numbers")
 
     @model_validator(mode="after")
@@ -98,7 +102,7 @@ class Publication(Document):
 
     @model_validator(mode="after")
     def _ids_are_unique(self) -> Self:
-        _refuse_repeats([entry.id for entry in (*self.fact, *self.open)])
+        _refuse_repeats([fact.id for fact in self.fact] + [assumption.id for assumption in self.open])
         return self
 
 

@@ -10,7 +10,8 @@ from drivegate_cases.piecewise import Profile, ProfilePoint, check_times
 
 _Torque = Annotated[float, Field(ge=0.0, le=1e6)]
 _FactorPoint = Annotated[
-    ProfilePoint, Field(description="[time in seconds, share of the load, from 0 without it to 1 with all of it]")
+    ProfilePoint,
+    Field(description="[time in seconds, share of the load, from 0 without it to 1 with all of it]"),
 ]
 _GREATEST_FACTOR = 10.0
 

@@ -16,8 +16,8 @@ from drivegate_cases.packaged import load_named, packaged_names
 from drivegate_cases.scales import NOMINAL, Scales
 
 if TYPE_CHECKING:
-    from drivegate_models.contract import Nameplate
     from drivegate_models.drive import Drive
+    from drivegate_models.signals import Nameplate
 
 HIGHEST_CHOPPING_FREQUENCY_HZ = 10e6
 RPM = 2.0 * math.pi / 60.0
@@ -42,12 +42,18 @@ class Motor(Document):
         default=None, ge=0.0, lt=180.0, description="flat width of a trapezoidal EMF, in electrical degrees"
     )
     emf_table: EmfTable = Field(
-        default=(), description="list of [electrical degrees, share of the peak] over 0 to 180, of a table's EMF"
+        default=(),
+        description="list of [electrical degrees, share of the peak] over 0 to 180, of a table's EMF",
     )
     core_loss_conductance_s: float = Field(
-        default=0.0, ge=0.0, le=1e2, description="conductance that stands for the core loss of a phase, in siemens"
+        default=0.0,
+        ge=0.0,
+        le=1e2,
+        description="conductance that stands for the core loss of a phase, in siemens",
     )
-    inertia_kg_m2: float = Field(gt=0.0, le=1e6, description="inertia of the shaft, in kilogram square metres")
+    inertia_kg_m2: float = Field(
+        gt=0.0, le=1e6, description="inertia of the shaft, in kilogram square metres"
+    )
     friction_n_m: _Torque = Field(default=0.0, description="friction torque at any speed, in newton metres")
     viscous_friction_n_m_s_per_rad: _Torque = Field(
         default=0.0, description="friction torque over speed, in newton metre seconds per radian"
@@ -56,14 +62,20 @@ class Motor(Document):
     hysteresis_band_a: float = Field(
         ge=0.0, le=1e4, description="half-width of the current band, in ampere, or 0 for the ideal regulator"
     )
-    window_deg: float = Field(gt=0.0, le=180.0, description="conduction in each half cycle, in electrical degrees")
+    window_deg: float = Field(
+        gt=0.0, le=180.0, description="conduction in each half cycle, in electrical degrees"
+    )
     current_limit_a: float = Field(gt=0.0, le=1e5, description="greatest current reference, in ampere")
     base_speed_rpm: float = Field(gt=0.0, le=1e6, description="base speed of the shaft, in turns a minute")
     rated_power_w: float = Field(gt=0.0, le=1e9, description="rated power at the shaft, in watts")
     switch_drop_v: float = Field(default=0.0, ge=0.0, description="forward drop of a switch, in volts")
     diode_drop_v: float = Field(default=0.0, ge=0.0, description="forward drop of a diode, in volts")
-    turn_on_energy_j: _Energy = Field(default=0.0, description="energy lost each time a switch closes, in joules")
-    turn_off_energy_j: _Energy = Field(default=0.0, description="energy lost each time a switch opens, in joules")
+    turn_on_energy_j: _Energy = Field(
+        default=0.0, description="energy lost each time a switch closes, in joules"
+    )
+    turn_off_energy_j: _Energy = Field(
+        default=0.0, description="energy lost each time a switch opens, in joules"
+    )
     provenance: dict[str, str] = Field(
         default_factory=dict, description="table that says where the values come from, one sentence a key"
     )
@@ -91,7 +103,9 @@ class Motor(Document):
     @model_validator(mode="after")
     def _keys_fit_together(self) -> Self:
         if self.emf_shape == "trapezoid" and self.emf_flat_deg is None:
-            raise ValueError("the key 'emf_flat_deg' is missing, but must be given for the shape \"trapezoid\"")
+            raise ValueError(
+                "the key 'emf_flat_deg' is missing, but must be given for the shape \"trapezoid\""
+            )
         if self.emf_shape == "table" and not self.emf_table:
             raise ValueError("the key 'emf_table' is missing, but must be given for the shape \"table\"")
         for key in ("switch_drop_v", "diode_drop_v"):
@@ -106,7 +120,7 @@ class Motor(Document):
     def _check_chopping(self) -> None:
         """Refuse a band that the current crosses faster than any device could follow.
 
-        With no EMF the current rises by V/L and falls by as much, so it crosses the band's half-width V/(2 L h)
+        With no EMF the current moves by V/L a second, so it crosses the half-width h up and down V/(2 L h)
         times a second; the plant solves each crossing, and its work grows with them.
         """
         if self.hysteresis_band_a == 0.0:
@@ -114,8 +128,8 @@ class Motor(Document):
         narrowest = self.supply_voltage_v / (2.0 * self.inductance_h * HIGHEST_CHOPPING_FREQUENCY_HZ)
         if self.hysteresis_band_a < narrowest:
             raise ValueError(
-                f"the key 'hysteresis_band_a' is {self.hysteresis_band_a}, but with this supply and inductance_h "
-                f"must be at least {narrowest:.3g}, so that the current chops at no more than 10 MHz"
+                f"the key 'hysteresis_band_a' is {self.hysteresis_band_a}, but with this supply and "
+                f"inductance_h must be at least {narrowest:.3g}, so that it chops at no more than 10 MHz"
             )
 
     def __hash__(self) -> int:
@@ -145,7 +159,9 @@ class Motor(Document):
         values = parse_overrides(pairs, SETTABLE_KEYS)
         mapping = self.to_mapping()
         sources = mapping["provenance"] | dict.fromkeys(values, "set on the command line")
-        return parse_document(mapping | values | {"provenance": sources}, Motor, "--set " + " --set ".join(pairs))
+        return parse_document(
+            mapping | values | {"provenance": sources}, Motor, "--set " + " --set ".join(pairs)
+        )
 
     def drive(self, scales: Scales | None = None) -> Drive:
         """Make the plant's parameters, in SI units.
@@ -204,10 +220,10 @@ class Motor(Document):
 
         Returns
         -------
-        drivegate_models.contract.Nameplate
+        drivegate_models.signals.Nameplate
             The nominal values, whatever the scales of the plant are.
         """
-        from drivegate_models.contract import Nameplate
+        from drivegate_models.signals import Nameplate
 
         return Nameplate(
             phases=self.phases,

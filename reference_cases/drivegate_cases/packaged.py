@@ -23,7 +23,9 @@ def packaged_names(folder: str) -> tuple[str, ...]:
         The bare names, sorted.
     """
     entries = (files("drivegate_cases") / folder).iterdir()
-    return tuple(sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml")))
+    return tuple(
+        sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml"))
+    )
 
 
 def load_named(

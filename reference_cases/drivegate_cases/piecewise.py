@@ -40,7 +40,9 @@ def check_times(points: Profile) -> Profile:
         raise ValueError(f"must have times that never decrease, which the point at {backward[0]} s does")
     crowded = [time for time in times if times.count(time) > _POINTS_OF_A_STEP]
     if crowded:
-        raise ValueError(f"must have at most two points at one time, which are a step, but has more at {crowded[0]} s")
+        raise ValueError(
+            f"must have at most two points at one time, which are a step, but has more at {crowded[0]} s"
+        )
     return points
 
 

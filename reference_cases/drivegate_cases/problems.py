@@ -1,11 +1,12 @@
 """Telling everything that is wrong with a document in one sentence, from pydantic's list of errors."""
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from drivegate_cases.wording import nearest, one_line, shown
@@ -88,7 +89,7 @@ def _tell_excess(details: ErrorDetails, path: Location, _: type[BaseModel]) -> s
 
 
 def _tell_rule(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
-    """Tell what a rule of our own says; its message is worded to follow the key's value, or to stand alone."""
+    """Tell what a rule of our own says; its message follows the key's value, or stands alone."""
     reason = one_line(str(details["ctx"]["error"]))
     if not path:
         return reason
@@ -160,7 +161,7 @@ def _walk(model: type[BaseModel], location: Location) -> Iterator[tuple[int | st
 def _inside(annotation: Any, members: list[type[BaseModel]], step: int | str) -> Any:
     """Find the type of what stands at a key or an index of a value of the given type."""
     for member in members:
-        for name, field in member.model_fields.items():
+        for name, field in _fields(member):
             if step in (name, field.alias):
                 return field.annotation
     items = [item for member in _members(annotation) for item in get_args(member) if item is not Ellipsis]
@@ -180,6 +181,10 @@ def _is_model(annotation: Any) -> bool:
     return isinstance(annotation, type) and issubclass(annotation, BaseModel)
 
 
+def _fields(model: type[BaseModel]) -> Iterable[tuple[str, FieldInfo]]:
+    return model.model_fields.items()
+
+
 def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:
     """Take the values of a model's ``kind`` key, by which a union of models is told apart."""
     kind = model.model_fields.get("kind")
@@ -190,7 +195,7 @@ def _keys_beside(model: type[BaseModel], location: Location) -> list[str]:
     """Take the keys that are known in the table where an error's last step stands."""
     _, annotation = list(_walk(model, location))[-1]
     models = [member for member in _members(annotation) if _is_model(member)]
-    return [field.alias or name for member in models for name, field in member.model_fields.items()]
+    return [field.alias or name for member in models for name, field in _fields(member)]
 
 
 def _description(model: type[BaseModel], location: Location) -> str | None:
@@ -198,7 +203,7 @@ def _description(model: type[BaseModel], location: Location) -> str | None:
     step, annotation = list(_walk(model, location))[-1]
     for member in _members(annotation):
         if _is_model(member):
-            for name, field in member.model_fields.items():
+            for name, field in _fields(member):
                 if step in (name, field.alias):
                     return field.description
     return None

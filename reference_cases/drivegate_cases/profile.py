@@ -1,6 +1,6 @@
-"""What follows from the profiles of a scenario: their layout for compiled code, and where they all stand still."""
+"""What follows from a scenario's profiles: their layout for compiled code, and where all stand still."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -77,8 +77,9 @@ def dwells(scenario: Scenario) -> tuple[Dwell, ...]:
         if constant != [value_until(points, end) for points in profiles]:
             continue
         if found and found[-1].end == start and _conditions(found[-1]) == constant:
-            start = found.pop().start
-        found.append(Dwell(start, end, *constant))
+            found[-1] = replace(found[-1], end=end)
+        else:
+            found.append(Dwell(start, end, *constant))
     return tuple(found)
 
 

@@ -1,4 +1,4 @@
-"""From the bytes of a TOML or JSON file to plain data, with one sentence for each way in which that can fail."""
+"""From the bytes of a TOML or JSON file to plain data, with one sentence for each way to fail."""
 
 import json
 import tomllib
@@ -41,7 +41,9 @@ def read_mapping(path: str | Path) -> dict[str, Any]:
 
 def _bytes_of(path: str | Path, where: str) -> bytes:
     if Path(path).suffix.lower() not in SUFFIXES:
-        raise InputError(f"{where} is neither a TOML nor a JSON file by its name, which must end in .toml or .json")
+        raise InputError(
+            f"{where} is neither a TOML nor a JSON file by its name, which must end in .toml or .json"
+        )
     try:
         place = Path(path)
         if place.is_dir():
@@ -70,7 +72,7 @@ def _decoded(data: bytes, where: str) -> str:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise InputError(
-            f"{where} is not text in UTF-8 (byte {error.start}, line {line}), but must be a TOML or JSON document"
+            f"{where} is not text in UTF-8 (byte {error.start}, line {line}), but must be TOML or JSON"
         ) from error
 
 
@@ -79,10 +81,13 @@ def _parsed(text: str, where: str, language: str, parse: Callable[[str], Any]) -
         return parse(text)
     except json.JSONDecodeError as error:
         raise InputError(
-            f"{where} is not well-formed JSON at line {error.lineno}, column {error.colno}: {one_line(error.msg)}"
+            f"{where} is not well-formed JSON at line {error.lineno}, column {error.colno}: "
+            f"{one_line(error.msg)}"
         ) from error
     except RecursionError as error:
-        raise InputError(f"{where} is nested too deeply; a document has a few levels of tables at most") from error
+        raise InputError(
+            f"{where} is nested too deeply; a document has a few levels of tables at most"
+        ) from error
     except ValueError as error:
         raise InputError(f"{where} is not well-formed {language}: {one_line(str(error))}") from error
 

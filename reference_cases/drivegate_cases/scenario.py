@@ -1,4 +1,4 @@
-"""A run as plain data: motor, how the plant differs from it, supply, speed reference, load, duration and seed."""
+"""A run as plain data: motor, plant, supply, speed reference, load, duration and seed."""
 
 import math
 from pathlib import Path
@@ -38,7 +38,9 @@ class Scenario(Document):
     motor: Annotated[Motor, BeforeValidator(_motor_by_name)] = Field(
         description="nominal motor: the name of one, the path of its file, or a table of its keys"
     )
-    scales: Scales = Field(default_factory=Scales, description="table of how the plant differs from the nominal motor")
+    scales: Scales = Field(
+        default_factory=Scales, description="table of how the plant differs from the nominal motor"
+    )
     duration_s: float = Field(gt=0.0, le=86400.0, description="length of the run, in seconds")
     control_period_s: float = Field(
         default=LONGEST_CONTROL_PERIOD_S,
@@ -48,12 +50,14 @@ class Scenario(Document):
     )
     seed: int = Field(default=0, ge=0, lt=2**63, description="seed of everything random in the run")
     initial_speed_rpm: float = Field(
-        ge=0.0, le=_HIGHEST_SPEED_RPM, description="speed of the shaft at time 0, by default the first reference"
+        ge=0.0,
+        le=_HIGHEST_SPEED_RPM,
+        description="speed of the shaft at time 0, by default the first reference",
     )
     speed_rpm: Profile = Field(description="speed reference, a list of [time in seconds, speed in rpm]")
     supply_v: Profile | None = Field(
         default=None,
-        description="voltage of each half of the supply, a list of [time in seconds, volts]; the motor's by default",
+        description="voltage of each half of the supply, a list of [seconds, volts], by default the motor's",
     )
     load: Load = Field(description="table of the load on the shaft")
     sensors: Literal["ideal"] = Field(default="ideal", description="sensors between plant and controller")
@@ -102,7 +106,11 @@ class Scenario(Document):
             )
 
     def _check_profiles_end_in_time(self) -> None:
-        profiles = {"speed_rpm": self.speed_rpm, "supply_v": self.supply_profile, "load.factor": self.load_profile}
+        profiles = {
+            "speed_rpm": self.speed_rpm,
+            "supply_v": self.supply_profile,
+            "load.factor": self.load_profile,
+        }
         for key, profile in profiles.items():
             if profile[-1][0] > self.duration_s:
                 raise ValueError(
@@ -114,21 +122,21 @@ class Scenario(Document):
         if isinstance(self.load, LockedLoad):
             if self.initial_speed_rpm != self.speed_rpm[0][1]:
                 raise ValueError(
-                    f"the key 'initial_speed_rpm' is {self.initial_speed_rpm}, but must be the first speed reference, "
-                    f"{self.speed_rpm[0][1]}, since the load is locked to it"
+                    f"the key 'initial_speed_rpm' is {self.initial_speed_rpm}, but must be the first speed "
+                    f"reference, {self.speed_rpm[0][1]}, since the load is locked to it"
                 )
         elif isinstance(self.load, ConstantPowerLoad):
             for time in breakpoints([self.speed_rpm, self.load.factor], self.duration_s):
                 for value in (value_until, value_from):
                     if value(self.speed_rpm, time) == 0.0 and value(self.load.factor, time) > 0.0:
                         raise ValueError(
-                            f"the key 'speed_rpm' is 0 at {time} s, but must be above 0 wherever a load of constant "
-                            "power is drawn"
+                            f"the key 'speed_rpm' is 0 at {time} s, but must be above 0 wherever a load "
+                            "of constant power is drawn"
                         )
 
     @property
     def supply_profile(self) -> Profile:
-        """Voltage of each half of the supply over time (s, V), the motor's nominal one where none is given."""
+        """Voltage of each half of the supply over time (s, V), the motor's where none is given."""
         return self.supply_v if self.supply_v is not None else ((0.0, self.motor.supply_voltage_v),)
 
     @property

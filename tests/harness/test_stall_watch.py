@@ -8,7 +8,7 @@ from drivegate.stall_watch import StallWatch, WorkerLimits
 LIMITS = WorkerLimits(
     step_processor_seconds=5.0, start_processor_seconds=120.0, idle_seconds=60.0, job_seconds=1000.0
 )
-FIRST, LATER = (3, 0), (3, 7)
+RESET, FIRST, LATER = (3, 0), (3, 1), (3, 7)
 
 
 def after(state, activity, processor, now):
@@ -25,6 +25,7 @@ def after(state, activity, processor, now):
         (LATER, Activity.RUNNING, 5.1, 5.2, "no progress within 5 s of processor time"),
         (FIRST, Activity.RUNNING, 119.0, 119.0, None),
         (FIRST, Activity.RUNNING, 121.0, 121.0, "no progress within 120 s of processor time"),
+        (RESET, Activity.RUNNING, 121.0, 121.0, "no progress within 120 s of processor time"),
         (LATER, Activity.PREPARING, 119.0, 119.0, None),
         (FIRST, Activity.LOADING, 121.0, 121.0, "no progress within 120 s of processor time"),
         (LATER, Activity.RUNNING, 0.1, 59.0, None),

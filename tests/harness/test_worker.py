@@ -307,13 +307,25 @@ def test_a_pool_goes_on_after_crashes_and_hangs(candidate, jobs):
     assert [outcome.kind for outcome in outcomes[1::2]] == [FaultKind.CRASH] * 2
 
 
-def test_a_pool_tries_a_hang_again_with_nothing_beside_it(candidate, jobs):
+def test_a_pool_tells_a_hang_after_a_second_try(candidate, jobs):
+    steps = [WITH_FAULT, NORMAL, NORMAL, NORMAL]
     with WorkerPool(candidate("while True: pass"), load_python_controller, workers=2, limits=QUICK) as pool:
-        outcomes = list(
-            pool.map([Job(jobs.drive, number) for number in (WITH_FAULT, NORMAL, NORMAL, NORMAL)])
-        )
+        outcomes = list(pool.map([Job(jobs.drive, number) for number in steps]))
     assert outcomes[0].kind is FaultKind.HANG
     assert outcomes[1:] == [3.0] * 3
+
+
+def test_a_pool_tries_a_hang_again_with_nothing_beside_it(candidate, jobs, tmp_path):
+    mark = tmp_path / "tried"
+    once = f"while not os.path.exists({str(mark)!r}) or self.looping: self.looping = open({str(mark)!r}, 'w')"
+    steps = [WITH_FAULT, NORMAL, NORMAL, NORMAL]
+    hanging = candidate(once, reset="self.looping = None")
+    with WorkerPool(hanging, load_python_controller, workers=2, limits=QUICK) as pool:
+        (total, began, ended), *others = pool.map([Job(jobs.drive_slowly, number) for number in steps])
+    assert total == 7.0
+    assert [other[0] for other in others] == [3.0] * 3
+    beside = [(start, end) for _, start, end in others if start < ended and end > began]
+    assert beside == [], "other jobs ran while the suspected one was tried again"
 
 
 def test_a_pool_gives_a_fault_while_loading_to_all_jobs_without_repeating_it(candidate, jobs, tmp_path):

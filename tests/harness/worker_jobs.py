@@ -24,6 +24,7 @@ def drive(loaded: LoadedCandidate, steps: int) -> float:
         controller.reset(NAMEPLATE)
         progress.phase_currents[:5] = 1.0
         for index in range(steps):
+            progress.steps[0] = index + 1
             progress.sense[0] = (
                 SENSE.itemsize,
                 index * NAMEPLATE.control_period,
@@ -38,12 +39,19 @@ def drive(loaded: LoadedCandidate, steps: int) -> float:
             if command[0]["struct_size"] < 0:
                 raise CandidateFault(controller.fault)
             total += float(command[0]["current_reference"])
-            progress.steps[0] += 1
     return total
 
 
 def drive_then_tell_process(loaded: LoadedCandidate, steps: int) -> tuple[float, int]:
     return drive(loaded, steps), os.getpid()
+
+
+def drive_slowly(loaded: LoadedCandidate, steps: int) -> tuple[float, float, float]:
+    """Drive, then take longer than a process needs to start; tell when that was."""
+    began = time.monotonic()
+    total = drive(loaded, steps)
+    time.sleep(1.5)
+    return total, began, time.monotonic()
 
 
 def sleep_by_turns(loaded: LoadedCandidate, index: int) -> int:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pytest
@@ -170,7 +171,8 @@ def _events(leg: Leg, mode: str, voltage: float, sector: int, side: float) -> It
         yield ON, lambda time, state: sector * peak * leg.shape(time) + needed - supply, 1
         yield OFF, lambda time, state: sector * peak * leg.shape(time) + needed + supply, -1
         return
-    yield "zero", lambda time, state: state[0], -int(side)
+    if leg.state[CURRENT] != 0.0:
+        yield "zero", lambda time, state: state[0], -int(side)
     if mode == ON:
         upper = point.reference + point.band
         yield "off", lambda time, state: sector * state[0] - upper, 1
@@ -182,22 +184,22 @@ def _events(leg: Leg, mode: str, voltage: float, sector: int, side: float) -> It
         yield "turn", lambda time, state: voltage - drive.resistance * state[0] - peak * leg.shape(time), 0
 
 
-def _advance(leg: Leg, time: float, end: float, sector: int) -> float:
-    """Integrate one mode until it ends and return when it did."""
-    mode, voltage = _mode(leg, sector, time)
-    current = leg.state[CURRENT]
-    gap = voltage - leg.peak_emf * leg.shape(time)
-    side = math.copysign(1.0, current if current != 0.0 else (-leg.rectifying or gap))
-    leg.rectifying = 0
-    events = list(_events(leg, mode, voltage, sector, side))
+def _solved(
+    equations: Callable[[float, np.ndarray], list[float]],
+    time: float,
+    end: float,
+    state: np.ndarray,
+    events: list[Event],
+) -> tuple[Any, str]:
+    """Integrate to the end or to the first event; return the solution and that event's name."""
     functions = []
     for _, function, direction in events:
         function.terminal, function.direction = True, direction  # type: ignore[attr-defined]
         functions.append(function)
     solution = solve_ivp(
-        _equations(leg, mode, voltage, side),
+        equations,
         (time, end),
-        leg.state,
+        state,
         method="DOP853",
         rtol=1e-12,
         atol=1e-14,
@@ -206,16 +208,35 @@ def _advance(leg: Leg, time: float, end: float, sector: int) -> float:
         events=functions,
     )
     assert solution.success, solution.message
+    assert solution.t[-1] > time, f"the integration is stuck at {time!r} s"
+    if solution.status == 0:
+        return solution, ""
+    fired = zip(events, solution.t_events, strict=True)
+    return solution, next(event[0] for event, times in fired if times.size)
+
+
+def _advance(leg: Leg, time: float, end: float, sector: int) -> float:
+    """Integrate one mode until it ends and return when it did."""
+    mode, voltage = _mode(leg, sector, time)
+    current = leg.state[CURRENT]
+    gap = voltage - leg.peak_emf * leg.shape(time)
+    side = math.copysign(1.0, current if current != 0.0 else (-leg.rectifying or gap))
+    leg.rectifying = 0
+    events = list(_events(leg, mode, voltage, sector, side))
+    equations = _equations(leg, mode, voltage, side)
+    solution, name = _solved(equations, time, end, leg.state, events)
+    if name == "turn":
+        # Up to its turning point the current is monotone, so that no pair of crossings can hide in one step.
+        events = [event for event in events if event[0] != "turn"]
+        solution, name = _solved(equations, time, float(solution.t[-1]), leg.state, events)
+        name = name or "turn"
     stop = float(solution.t[-1])
     leg.pieces.append((time, stop, solution.sol))
     leg.state = solution.y[:, -1].copy()
-    leg.turned = False
-    if solution.status == 1:
-        name = next(event[0] for event, times in zip(events, solution.t_events, strict=True) if times.size)
+    leg.turned = name == "turn"
+    if name not in ("", "turn"):
         if name == "zero":
             leg.state[CURRENT] = 0.0
-        elif name == "turn":
-            leg.turned = True
         elif name == "rectify":
             leg.rectifying = 1 if leg.shape(stop) > 0.0 else -1
             leg.turned = True

@@ -1,0 +1,66 @@
+"""Loading the controllers that come with drivegate, which are compiled code behind the native interface."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidate import Candidate
+from drivegate.fault import Fault
+from drivegate_models.builtin_controllers import SEARCHES, reset_function, step_function
+from drivegate_models.contract import nameplate_record
+from drivegate_models.controller_state import CONTROLLER_STATE
+from drivegate_models.signals import Nameplate
+
+
+def load_builtin_controller(candidate: Candidate) -> "BuiltinController":
+    """Make a new instance of a built-in controller.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        A candidate of kind ``builtin``.
+
+    Returns
+    -------
+    BuiltinController
+        The instance, not yet reset.
+    """
+    return BuiltinController(SEARCHES[candidate.entry])
+
+
+class BuiltinController:
+    """One instance of a built-in controller: its state, and the compiled functions that it shares.
+
+    Parameters
+    ----------
+    search : int
+        Which search the controller does, as `drivegate_models.builtin_controllers.SEARCHES` has it.
+
+    Attributes
+    ----------
+    step_address : int
+        Address of the compiled `drivegate_step`.
+    state_address : int
+        Address of the state; valid as long as this object lives.
+    fault : None
+        Always None: these controllers report no fault of their own.
+    """
+
+    def __init__(self, search: int) -> None:
+        self._search = search
+        self._step = step_function()
+        self._state: NDArray[Any] = np.zeros(1, CONTROLLER_STATE)
+        self.step_address: int = self._step.address
+        self.state_address: int = self._state.ctypes.data
+        self.fault: Fault | None = None
+
+    def reset(self, nameplate: Nameplate) -> None:
+        """Write the constants and forget everything else.
+
+        Parameters
+        ----------
+        nameplate : Nameplate
+            The drive's nominal data.
+        """
+        reset_function()(self._state, nameplate_record(nameplate), self._search)

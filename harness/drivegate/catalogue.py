@@ -1,0 +1,28 @@
+"""All checks, in the order in which they are reported."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from drivegate.check import Check
+from drivegate.checks.command_range import ADV_1, ADV_2, CMD_1
+from drivegate.checks.convergence import CNV_1, CNV_2, CPW_1
+from drivegate.checks.current import CUR_1
+from drivegate.checks.determinism import DET_1
+from drivegate.checks.power import PWR_1, PWR_2
+from drivegate.checks.ripple import RIP_1
+
+CHECKS: Final[tuple[Check, ...]] = (
+    PWR_1,
+    PWR_2,
+    ADV_1,
+    ADV_2,
+    CMD_1,
+    RIP_1,
+    CNV_1,
+    CNV_2,
+    CPW_1,
+    CUR_1,
+    DET_1,
+)
+"""Every check there is."""

@@ -1,0 +1,107 @@
+"""Checks of the commands' ranges: advance angle and current reference."""
+
+from __future__ import annotations
+
+import math
+
+from drivegate.check import Check
+from drivegate.margin import Margin
+from drivegate.run_record import RunRecord
+from drivegate_models import observation
+
+LARGEST_ANGLE = math.pi / 2.0
+"""Greatest advance angle of the contract (rad electrical)."""
+
+
+def angle_below_base(record: RunRecord) -> Margin | None:
+    """Judge the advance angle in steps whose own Sense shows less than base speed (paper, Fig. 3).
+
+    Parameters
+    ----------
+    record : RunRecord
+        The run.
+
+    Returns
+    -------
+    Margin or None
+        1 when the angle is exactly zero throughout, minus the largest angle in degrees when not; None where
+        the speed was never below base speed.
+    """
+    run = record.run.run
+    if run[observation.RUN_STEPS_BELOW_BASE] == 0.0:
+        return None
+    angle = math.degrees(float(run[observation.RUN_ANGLE_BELOW_BASE]))
+    if angle == 0.0:
+        return Margin("ADV-1", 1.0, "0° throughout")
+    first = float(run[observation.RUN_FIRST_BELOW_BASE])
+    return Margin("ADV-1", -angle, f"{angle:.3g}° at {first:.4g} s")
+
+
+def angle_range(record: RunRecord) -> Margin:
+    """Judge the range of the advance angle.
+
+    Parameters
+    ----------
+    record : RunRecord
+        The run.
+
+    Returns
+    -------
+    Margin
+        Distance from the nearer end over 90°, before the plant's clamping.
+    """
+    lowest = float(record.run.run[observation.RUN_ANGLE_LOWEST])
+    highest = float(record.run.run[observation.RUN_ANGLE_HIGHEST])
+    value = min(lowest, LARGEST_ANGLE - highest) / LARGEST_ANGLE
+    return Margin("ADV-2", value, f"{math.degrees(lowest):.4g}° to {math.degrees(highest):.4g}°")
+
+
+def reference_range(record: RunRecord) -> Margin:
+    """Judge the range of the current reference.
+
+    Parameters
+    ----------
+    record : RunRecord
+        The run.
+
+    Returns
+    -------
+    Margin
+        Distance from the nearer end over the limit, before the plant's clamping.
+    """
+    limit = record.scenario.motor.current_limit_a
+    lowest = float(record.run.run[observation.RUN_REFERENCE_LOWEST])
+    highest = float(record.run.run[observation.RUN_REFERENCE_HIGHEST])
+    return Margin("CMD-1", min(lowest, limit - highest) / limit, f"{lowest:.4g} A to {highest:.4g} A")
+
+
+ADV_1 = Check(
+    "ADV-1",
+    "The advance angle is 0 whenever the speed in that step's own Sense is below base speed.",
+    "P5",
+    "candidate",
+    "required",
+    "exactly 0° below 500 rpm",
+    "runs that come below base speed",
+    angle_below_base,
+)
+ADV_2 = Check(
+    "ADV-2",
+    "The advance angle stays within 0° to 90°.",
+    "P10",
+    "candidate",
+    "required",
+    "0° to 90°",
+    "every run",
+    angle_range,
+)
+CMD_1 = Check(
+    "CMD-1",
+    "The current reference stays within 0 to the limit.",
+    "P3",
+    "candidate",
+    "required",
+    "0 to 26 A",
+    "every run",
+    reference_range,
+)

@@ -1,0 +1,40 @@
+"""Check of determinism: the same scenario gives the same commands."""
+
+from __future__ import annotations
+
+from drivegate.check import Check
+from drivegate.margin import Margin
+from drivegate.run_record import RunRecord
+
+
+def repeats_itself(record: RunRecord) -> Margin | None:
+    """Judge whether further runs of the scenario gave the same commands, bit for bit.
+
+    Parameters
+    ----------
+    record : RunRecord
+        The run; its repetitions were made after other scenarios and by a second instance.
+
+    Returns
+    -------
+    Margin or None
+        1 when every repetition is the same, -1 when not; None where the scenario ran once.
+    """
+    if not record.repeated_digests:
+        return None
+    different = sum(digest != record.run.digest for digest in record.repeated_digests)
+    if different == 0:
+        return Margin("DET-1", 1.0, f"{len(record.repeated_digests)} repetitions are the same")
+    return Margin("DET-1", -1.0, f"{different} of {len(record.repeated_digests)} repetitions differ")
+
+
+DET_1 = Check(
+    "DET-1",
+    "The same scenario twice gives the same outputs, and reset forgets everything.",
+    "the contract",
+    "candidate",
+    "required",
+    "bit for bit",
+    "repeated runs: after another scenario on the same instance, and on a new instance",
+    repeats_itself,
+)

@@ -1,0 +1,62 @@
+"""What the engine tells while it works; progress, JSON, JUnit and HTML are handlers of these."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from drivegate.result import CheckResult
+
+
+@dataclass(frozen=True)
+class CheckStarted:
+    """A candidate's check begins.
+
+    Attributes
+    ----------
+    candidate_name : str
+        The candidate.
+    planned_runs : int
+        Number of runs at most.
+    """
+
+    candidate_name: str
+    planned_runs: int
+
+
+@dataclass(frozen=True)
+class RunDone:
+    """Some runs have been made.
+
+    Attributes
+    ----------
+    done : int
+        Runs accounted for so far.
+    planned : int
+        Number of runs at most.
+    scenario : str
+        Name of the last scenario.
+    worst : str
+        Check with the least margin so far, with that margin; empty before there is one.
+    """
+
+    done: int
+    planned: int
+    scenario: str
+    worst: str
+
+
+@dataclass(frozen=True)
+class CheckFinished:
+    """A candidate's check has ended.
+
+    Attributes
+    ----------
+    result : CheckResult
+        The result.
+    """
+
+    result: CheckResult
+
+
+Event: TypeAlias = CheckStarted | RunDone | CheckFinished
