@@ -1,73 +1,106 @@
 """Searches over the advance angle: the feasible edge, and the least cost of a torque.
 
-The angle runs from 0 to 90 degrees, the paper's range ("Constant Power Operation"). Only robustly feasible
-angles count: those at which the torque at the current limit reaches the wanted one.
+The angle runs from 0 to 90 degrees, the paper's range ("Constant Power Operation"). The time goes into the
+compiled kernels, which each call runs many times; only the choice of the next angle is made here.
 """
 
 from __future__ import annotations
 
-from math import inf, nan, pi
+from collections.abc import Iterable
+from math import inf, nan, pi, radians
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from drivegate_models.compilation import kernel
 from drivegate_models.drive import Drive
 from drivegate_models.plant import Phases
 from drivegate_models.reference_search import (
     CURRENT_TOLERANCE,
-    OUT_OF_REACH,
     ROBUST,
+    ReferenceSearch,
     greatest_torque,
+    least_conceivable,
     mean_state,
     reference_for_torque,
 )
 
-EDGE_TOLERANCE: float = 1e-4 * pi / 180.0
+EDGE_TOLERANCE: float = radians(1e-4)
 """Width to which a feasible edge is located (rad)."""
 
-_DEGREE = pi / 180.0
-_ANGLES = 91
+_DEGREES = 90
+_HIGHEST = 0.5 * pi
 _FINE_PARTS = 10
 _GOLDEN = 0.6180339887498949
-_ANGLE_TOLERANCE = 1e-3 * _DEGREE
-_SEARCH_TOLERANCE = 1e-5
+_ANGLE_TOLERANCE = radians(1e-3)
+_SEARCH_TOLERANCE = 1e-4
 _VALLEYS = 2
+# A valley this much above the least found is not worth a closer look.
+_HOPELESS = 1.05
+# How far below a neighbouring angle's reference the scan starts, over the current limit.
+_BELOW = 0.05
 
 
-class Cost(NamedTuple):
-    """What a torque costs at one advance angle."""
+class Demand(NamedTuple):
+    """A torque asked of a drive at a speed, with room for the computation."""
 
-    feasibility: int
-    """`ROBUST`, `STATIC` or `OUT_OF_REACH`."""
+    drive: Drive
+    """The drive's constants."""
+    work: Phases
+    """Room for the state of all phases."""
+    slices: Phases
+    """Room for one phase's state at each shift."""
+    speed: float
+    """Shaft speed (rad/s)."""
+    voltage: float
+    """Voltage of each half-source (V)."""
+    torque: float
+    """Wanted mean electromagnetic torque (N m)."""
+
+
+class Evaluation(NamedTuple):
+    """What a robustly feasible angle costs; infinite where it is not."""
+
+    cost: float
+    """Sum of current magnitudes (A) or net input power (W)."""
+    advance: float
+    """Advance angle (rad electrical)."""
     reference: float
-    """Current reference (A), the time mean of both where the torque is a mix; NaN out of reach."""
-    current_sum: float
-    """Mean of the sum of the phase currents' magnitudes (A); NaN out of reach."""
-    input_power: float
-    """Net power taken from the supply, core loss and switching included (W); NaN out of reach."""
+    """Current reference on the side of less torque (A); NaN where not feasible."""
 
 
-@kernel
-def reaches(
-    drive: Drive,
-    work: Phases,
-    slices: Phases,
-    speed: float,
-    voltage: float,
-    advance: float,
-    torque: float,
-    static: bool,
-) -> bool:
+def search_reference(
+    demand: Demand, advance: float, tolerance: float = CURRENT_TOLERANCE, floor: float = 0.0
+) -> ReferenceSearch:
+    """Return the reference and the cost of a torque at one advance angle, if robustly feasible.
+
+    Parameters
+    ----------
+    demand : Demand
+        Drive, speed, supply and torque.
+    advance : float
+        Advance angle (rad electrical).
+    tolerance, floor
+        As in `drivegate_models.reference_search.reference_for_torque`.
+
+    Returns
+    -------
+    ReferenceSearch
+        Out of reach unless the torque at the current limit reaches the wanted one.
+    """
+    drive, work, slices, speed, voltage, torque = demand
+    limit = drive.current_limit
+    return reference_for_torque(
+        drive, work, slices, speed, voltage, advance, torque, limit, tolerance, floor, True
+    )
+
+
+def reaches(demand: Demand, advance: float, static: bool = False) -> bool:
     """Return whether an advance angle can give a torque.
 
     Parameters
     ----------
-    drive, work, slices, speed, voltage, advance
-        As in `drivegate_models.reference_search.mean_state`.
-    torque : float
-        Wanted mean electromagnetic torque (N m).
+    demand : Demand
+        Drive, speed, supply and torque.
+    advance : float
+        Advance angle (rad electrical).
     static : bool
         Whether any current reference up to the limit will do, not only the limit itself.
 
@@ -76,46 +109,36 @@ def reaches(
     bool
         Whether it reaches the torque.
     """
+    drive, work, slices, speed, voltage, torque = demand
     limit = drive.current_limit
     if mean_state(drive, work, slices, speed, voltage, limit, advance).torque >= torque:
         return True
     if not static:
         return False
-    most, _ = greatest_torque(drive, work, slices, speed, voltage, advance, limit)
+    least = least_conceivable(drive, torque)
+    most, _ = greatest_torque(drive, work, slices, speed, voltage, advance, limit, least)
     return most >= torque
 
 
-@kernel
-def _edge_between(
-    drive: Drive,
-    work: Phases,
-    slices: Phases,
-    speed: float,
-    voltage: float,
-    torque: float,
-    static: bool,
-    outside: float,
-    inside: float,
-) -> float:
-    """Return the feasible side of the edge between an infeasible and a feasible angle, on either side of it."""
+def _edge_between(demand: Demand, outside: float, inside: float, static: bool = False) -> float:
+    """Return the edge between an infeasible and a feasible angle, in either order, on its feasible side."""
     while abs(inside - outside) > EDGE_TOLERANCE:
         middle = 0.5 * (outside + inside)
-        if reaches(drive, work, slices, speed, voltage, middle, torque, static):
+        if reaches(demand, middle, static):
             inside = middle
         else:
             outside = middle
     return inside
 
 
-@kernel
-def smallest_feasible(
-    drive: Drive, work: Phases, slices: Phases, speed: float, voltage: float, torque: float, static: bool
-) -> float:
+def smallest_feasible(demand: Demand, static: bool = False) -> float:
     """Return the smallest advance angle that can give a torque, from a scan in steps of 1 degree.
 
     Parameters
     ----------
-    drive, work, slices, speed, voltage, torque, static
+    demand : Demand
+        Drive, speed, supply and torque.
+    static : bool
         As in `reaches`.
 
     Returns
@@ -123,209 +146,80 @@ def smallest_feasible(
     float
         The edge (rad electrical), 0 where no advance is needed; NaN if there is none up to 90 degrees.
     """
-    for k in range(_ANGLES):
-        inside = k * _DEGREE
-        if reaches(drive, work, slices, speed, voltage, inside, torque, static):
-            if k == 0:
-                return 0.0
-            outside = (k - 1) * _DEGREE
-            return _edge_between(drive, work, slices, speed, voltage, torque, static, outside, inside)
+    for degrees in range(_DEGREES + 1):
+        inside = radians(degrees)
+        if reaches(demand, inside, static):
+            return _edge_between(demand, radians(degrees - 1), inside, static) if degrees else 0.0
     return nan
 
 
-@kernel
-def cost_at(
-    drive: Drive,
-    work: Phases,
-    slices: Phases,
-    speed: float,
-    voltage: float,
-    torque: float,
-    advance: float,
-    tolerance: float,
-) -> Cost:
-    """Return what a torque costs at one advance angle.
-
-    Parameters
-    ----------
-    drive, work, slices, speed, voltage, torque, advance
-        As in `reaches`.
-    tolerance : float
-        Width to which the current reference is located (A).
-
-    Returns
-    -------
-    Cost
-        Means; a mix of two references where the torque jumps across the wanted one.
-    """
-    found = reference_for_torque(
-        drive, work, slices, speed, voltage, advance, torque, drive.current_limit, tolerance
-    )
-    if found.feasibility == OUT_OF_REACH:
-        return Cost(OUT_OF_REACH, nan, nan, nan)
-    low = mean_state(drive, work, slices, speed, voltage, found.low, advance)
-    if found.share == 0.0:
-        return Cost(found.feasibility, found.low, low.current_sum, low.input_power)
-    high = mean_state(drive, work, slices, speed, voltage, found.high, advance)
-    share = found.share
-    return Cost(
-        found.feasibility,
-        found.low + share * (found.high - found.low),
-        low.current_sum + share * (high.current_sum - low.current_sum),
-        low.input_power + share * (high.input_power - low.input_power),
-    )
+def _evaluated(demand: Demand, by_power: bool, advance: float, nearby: float) -> Evaluation:
+    """Return the cost of an angle; the scan starts just below a reference nearby, if that is not NaN."""
+    floor = nearby - _BELOW * demand.drive.current_limit if nearby == nearby else 0.0
+    found = search_reference(demand, advance, _SEARCH_TOLERANCE, floor)
+    if found.feasibility != ROBUST:
+        return Evaluation(inf, advance, nan)
+    return Evaluation(found.input_power if by_power else found.current_sum, advance, found.low)
 
 
-@kernel
-def _objective(
-    drive: Drive,
-    work: Phases,
-    slices: Phases,
-    speed: float,
-    voltage: float,
-    torque: float,
-    by_power: bool,
-    advance: float,
-) -> float:
-    """Return the quantity to be minimised, infinite where the angle is not robustly feasible."""
-    limit = drive.current_limit
-    if mean_state(drive, work, slices, speed, voltage, limit, advance).torque < torque:
-        return inf
-    cost = cost_at(drive, work, slices, speed, voltage, torque, advance, _SEARCH_TOLERANCE)
-    if cost.feasibility != ROBUST:
-        return inf
-    return cost.input_power if by_power else cost.current_sum
+def _golden(demand: Demand, by_power: bool, low: float, high: float, nearby: float) -> Evaluation:
+    """Return the least cost between two angles, by golden section."""
+    left = _evaluated(demand, by_power, high - _GOLDEN * (high - low), nearby)
+    right = _evaluated(demand, by_power, low + _GOLDEN * (high - low), nearby)
+    while high - low > _ANGLE_TOLERANCE:
+        if left.cost <= right.cost:
+            high, right = right.advance, left
+            left = _evaluated(demand, by_power, high - _GOLDEN * (high - low), nearby)
+        else:
+            low, left = left.advance, right
+            right = _evaluated(demand, by_power, low + _GOLDEN * (high - low), nearby)
+    return min(left, right)
 
 
-@kernel
-def _finest(
-    drive: Drive,
-    work: Phases,
-    slices: Phases,
-    speed: float,
-    voltage: float,
-    torque: float,
-    by_power: bool,
-    center: float,
-) -> tuple[float, float]:
-    """Return the angle of least cost within 1 degree of a grid point, and that cost.
+def _finest(demand: Demand, by_power: bool, valley: Evaluation) -> Evaluation:
+    """Return the least cost within 1 degree of a valley of the coarse grid.
 
     A grid of 0.1 degree, then the edges beside its best point, then golden section between them.
     """
-    step = _DEGREE / _FINE_PARTS
-    best = center
-    least = inf
-    for k in range(-_FINE_PARTS, _FINE_PARTS + 1):
-        advance = center + k * step
-        if 0.0 <= advance <= 0.5 * pi:
-            cost = _objective(drive, work, slices, speed, voltage, torque, by_power, advance)
-            if cost < least:
-                least = cost
-                best = advance
-    low = max(best - step, 0.0)
-    high = min(best + step, 0.5 * pi)
-    grid_best = best
-    for outer in (low, high):
-        edge = outer
-        cost = _objective(drive, work, slices, speed, voltage, torque, by_power, outer)
-        if cost == inf:
-            edge = _edge_between(drive, work, slices, speed, voltage, torque, False, outer, grid_best)
-            cost = _objective(drive, work, slices, speed, voltage, torque, by_power, edge)
-        if outer == low:
-            low = edge
-        else:
-            high = edge
-        if cost < least:
-            least = cost
-            best = edge
-    while high - low > _ANGLE_TOLERANCE:
-        left = high - _GOLDEN * (high - low)
-        right = low + _GOLDEN * (high - low)
-        left_cost = _objective(drive, work, slices, speed, voltage, torque, by_power, left)
-        right_cost = _objective(drive, work, slices, speed, voltage, torque, by_power, right)
-        if left_cost < least:
-            least = left_cost
-            best = left
-        if right_cost < least:
-            least = right_cost
-            best = right
-        if left_cost <= right_cost:
-            high = right
-        else:
-            low = left
-    return best, least
+    step = radians(1.0) / _FINE_PARTS
+    angles: Iterable[float] = (valley.advance + k * step for k in range(-_FINE_PARTS, _FINE_PARTS + 1))
+    inside = [advance for advance in angles if 0.0 <= advance <= _HIGHEST]
+    best = min(_evaluated(demand, by_power, advance, valley.reference) for advance in inside)
+    ends = []
+    for end in (max(best.advance - step, 0.0), min(best.advance + step, _HIGHEST)):
+        feasible = reaches(demand, end)
+        ends.append(end if feasible else _edge_between(demand, end, best.advance))
+    candidates = [_evaluated(demand, by_power, end, valley.reference) for end in ends]
+    return min(best, *candidates, _golden(demand, by_power, ends[0], ends[1], valley.reference))
 
 
-@kernel
-def least_cost(
-    drive: Drive, work: Phases, slices: Phases, speed: float, voltage: float, torque: float, by_power: bool
-) -> tuple[float, Cost]:
+def least_cost(demand: Demand, by_power: bool) -> float:
     """Return the robustly feasible advance angle at which a torque costs least.
 
     Parameters
     ----------
-    drive, work, slices, speed, voltage, torque
-        As in `reaches`.
+    demand : Demand
+        Drive, speed, supply and torque.
     by_power : bool
         Whether the net input power is to be least, instead of the sum of current magnitudes.
 
     Returns
     -------
-    advance : float
-        The angle (rad electrical); NaN if no angle is robustly feasible.
-    cost : Cost
-        The cost there.
+    float
+        The angle (rad electrical), from a grid of 1 degree, the two lowest valleys of it on a grid of 0.1
+        degree, and golden section with the feasible edges; NaN if no angle is robustly feasible.
     """
-    costs = np.empty(_ANGLES)
-    for k in range(_ANGLES):
-        costs[k] = _objective(drive, work, slices, speed, voltage, torque, by_power, k * _DEGREE)
-    is_valley = np.isfinite(costs)
-    for k in range(_ANGLES):
-        if (k > 0 and costs[k - 1] < costs[k]) or (k < _ANGLES - 1 and costs[k + 1] < costs[k]):
-            is_valley[k] = False
-    best = nan
-    least = inf
-    for _ in range(_VALLEYS):
-        valley = -1
-        for k in range(_ANGLES):
-            if is_valley[k] and (valley < 0 or costs[k] < costs[valley]):
-                valley = k
-        if valley < 0:
-            break
-        is_valley[valley] = False
-        advance, cost = _finest(drive, work, slices, speed, voltage, torque, by_power, valley * _DEGREE)
-        if cost < least:
-            least = cost
-            best = advance
-    if least == inf:
-        return nan, Cost(OUT_OF_REACH, nan, nan, nan)
-    return best, cost_at(drive, work, slices, speed, voltage, torque, best, CURRENT_TOLERANCE)
-
-
-@kernel
-def costs_along(
-    drive: Drive,
-    work: Phases,
-    slices: Phases,
-    speed: float,
-    voltage: float,
-    torque: float,
-    advances: NDArray[np.float64],
-    table: NDArray[np.float64],
-) -> None:
-    """Fill a table with what a torque costs at each of several advance angles.
-
-    Parameters
-    ----------
-    drive, work, slices, speed, voltage, torque
-        As in `reaches`.
-    advances : ndarray, shape (n,)
-        Advance angles (rad electrical).
-    table : ndarray, shape (n, 3)
-        Receives feasibility code, sum of current magnitudes (A) and net input power (W).
-    """
-    for k in range(advances.size):
-        cost = cost_at(drive, work, slices, speed, voltage, torque, advances[k], CURRENT_TOLERANCE)
-        table[k, 0] = cost.feasibility
-        table[k, 1] = cost.current_sum
-        table[k, 2] = cost.input_power
+    grid: list[Evaluation] = []
+    nearby = nan
+    for degrees in range(_DEGREES + 1):
+        grid.append(_evaluated(demand, by_power, radians(degrees), nearby))
+        nearby = grid[-1].reference
+    costs = [inf, *(point.cost for point in grid), inf]
+    valleys = sorted(
+        point for k, point in enumerate(grid) if point.cost < inf and costs[k] >= point.cost <= costs[k + 2]
+    )
+    best = Evaluation(inf, nan, nan)
+    for valley in valleys[:_VALLEYS]:
+        if valley.cost <= _HOPELESS * best.cost:
+            best = min(best, _finest(demand, by_power, valley))
+    return best.advance

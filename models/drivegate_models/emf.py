@@ -34,7 +34,7 @@ def trapezoid_corners(flat: float) -> Corners:
     if not 0.0 <= flat < np.pi:
         raise InputError(f"the flat width is {np.degrees(flat):g} deg; it must lie in 0 to below 180 deg")
     rise = 0.5 * (np.pi - flat)
-    if flat == 0.0:
+    if rise >= np.pi - rise:
         return np.array([0.0, rise]), np.array([0.0, 1.0])
     return np.array([0.0, rise, np.pi - rise]), np.array([0.0, 1.0, 1.0])
 

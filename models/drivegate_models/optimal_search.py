@@ -22,6 +22,7 @@ _SETTLED = 0.01
 _CHANGED = 0.03
 _SMALLEST_STEP = radians(0.24)
 _MARGIN = radians(0.2)
+_RECOVERY = radians(0.3)
 _SMALLEST_POWER = 1.0
 _ALARM = 0.3
 _UNEASY = 0.1
@@ -72,6 +73,7 @@ def rearm(state: Any) -> None:
     state.forbidden = -inf
     state.quiet = 0
     state.moved = 0.0
+    state.good_integral = inf
 
 
 @inlined
@@ -92,6 +94,7 @@ def begin_settling(state: Any) -> None:
     state.power_sum = 0.0
     state.worst_error = 0.0
     state.saturated = 0
+    state.saturated_run = 0
 
 
 @inlined
@@ -110,7 +113,7 @@ def walk_back(state: Any, angle: float) -> None:
     """
     state.forbidden = max(state.forbidden, state.offset)
     state.offset += angle
-    state.step = min(0.5 * state.step, 0.5 * state.first_step)
+    state.step = max(min(0.5 * state.step, 0.5 * state.first_step), _SMALLEST_STEP)
     state.direction = -1.0
     begin_settling(state)
 
@@ -140,7 +143,7 @@ def guard_regulation(state: Any, speed: float, speed_reference: float, saturated
     if state.moved < 0.0 and speed_reference - speed > _ALARM * state.speed_tolerance:
         # The integral has wound up in vain; with the old angle goes the old current.
         state.integral = state.good_integral
-        walk_back(state, -state.moved)
+        walk_back(state, -state.moved + _RECOVERY)
     elif state.saturated_run * period >= _DWELL:
         state.saturated_run = 0
         if speed <= state.speed_mark and speed < speed_reference:
@@ -165,6 +168,52 @@ def begin_holding(state: Any, power: float) -> None:
 
 
 @inlined
+def is_creeping(state: Any) -> bool:
+    """Return whether the regulator winds up in vain: more current reference than at the last good angle.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    bool
+        False as long as no good angle is known.
+    """
+    creeping: bool = state.integral > _CREEP * state.good_integral + _CREEP_LEAST
+    return creeping
+
+
+@inlined
+def decide_holding(state: Any, power: float, change: float) -> None:
+    """Watch what was found: search anew after a change of load, and keep off an edge that is too near.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power, change : float
+        Mean current sum of the decision interval, and its change from the one before (A).
+    """
+    uneasy = state.worst_error > _UNEASY * state.speed_tolerance
+    if is_creeping(state) and power < (1.0 + 0.5 * _CHANGED) * state.held_power:
+        state.integral = state.good_integral
+        walk_back(state, state.first_step if uneasy else _SMALLEST_STEP)
+    elif state.quiet == 0:
+        # Still moving after its own last step.
+        state.held_power = power
+        state.quiet = 0 if uneasy else 1
+    elif abs(power - state.held_power) > _CHANGED * power + 0.2:
+        rearm(state)
+        begin_settling(state)
+    elif uneasy or abs(change) > _RESTLESS * power:
+        state.forbidden = max(state.forbidden, state.offset)
+        state.offset += _SMALLEST_STEP
+        state.quiet = 0
+
+
+@inlined
 def decide_guarded(state: Any) -> None:
     """Make one decision of the guarded search.
 
@@ -178,22 +227,11 @@ def decide_guarded(state: Any) -> None:
     change = power - state.old_power
     state.old_power = power
     if state.mode == HOLDING:
-        if abs(power - state.held_power) > _CHANGED * power + 0.2:
-            rearm(state)
-            begin_settling(state)
-        elif state.quiet > 0 and (
-            abs(change) > _RESTLESS * power
-            or state.worst_error > _UNEASY * state.speed_tolerance
-            or state.integral > _CREEP * state.good_integral + _CREEP_LEAST
-        ):
-            # Too near the edge for the regulator to be calm: a little angle buys peace.
-            state.integral = min(state.integral, state.good_integral)
-            state.forbidden = max(state.forbidden, state.offset)
-            state.offset += _SMALLEST_STEP
-            state.held_power = power
-            state.quiet = 0
-        else:
-            state.quiet += 1
+        decide_holding(state, power, change)
+        return
+    if is_creeping(state) and state.worst_error > _UNEASY * state.speed_tolerance:
+        state.integral = state.good_integral
+        walk_back(state, 0.5 * state.first_step)
         return
     if not regulated or power < _SMALLEST_POWER:
         begin_settling(state)

@@ -6,13 +6,13 @@ electromagnetic torque; the core loss's drag on the shaft is not taken off it.
 
 from __future__ import annotations
 
-from math import isfinite, nan
+from math import isfinite, isnan, nan
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drivegate_models.angle_search import costs_along, least_cost, smallest_feasible
+from drivegate_models.angle_search import Demand, least_cost, search_reference, smallest_feasible
 from drivegate_models.drive import Drive
 from drivegate_models.errors import InputError
 from drivegate_models.plant import make_phases
@@ -21,6 +21,7 @@ from drivegate_models.reference_search import (
     OUT_OF_REACH,
     ROBUST,
     STATIC,
+    ReferenceSearch,
     reference_for_torque,
 )
 from drivegate_models.steady_state import KEPT_TIME, SteadyState, solve_steady_state
@@ -110,8 +111,8 @@ class CurrentSumCurve(NamedTuple):
     """Whether the angle is robustly feasible, shape (n,)."""
 
 
-def _supply(drive: Drive, speed: float, torque: float, voltage: float | None) -> float:
-    """Return the half-source voltage, after a look at the operating point."""
+def _demand(drive: Drive, speed: float, torque: float, voltage: float | None) -> Demand:
+    """Return the demand with room for its computation, after a look at the operating point."""
     if not (isfinite(speed) and speed > 0.0):
         raise InputError(f"the speed is {speed:g} rad/s; a steady state needs a finite speed above 0")
     if not isfinite(torque):
@@ -119,7 +120,11 @@ def _supply(drive: Drive, speed: float, torque: float, voltage: float | None) ->
     supply = drive.half_supply_voltage if voltage is None else voltage
     if not (isfinite(supply) and supply > 0.0):
         raise InputError(f"the half-supply voltage is {supply:g} V; it must be finite and above 0")
-    return supply
+    return Demand(drive, make_phases(drive), make_phases(drive), float(speed), float(supply), float(torque))
+
+
+def _mean_reference(found: ReferenceSearch) -> float:
+    return found.low + found.share * (found.high - found.low)
 
 
 def _mixed(low: SteadyState, high: SteadyState, share: float, name: str) -> float:
@@ -155,22 +160,12 @@ def point_at_torque(
     InputError
         If speed, torque or voltage is not a usable number.
     """
-    supply = _supply(drive, speed, torque, voltage)
-    work = make_phases(drive, KEPT_TIME)
-    slices = make_phases(drive)
-    found = reference_for_torque(
-        drive,
-        make_phases(drive),
-        slices,
-        speed,
-        supply,
-        advance,
-        torque,
-        drive.current_limit,
-        CURRENT_TOLERANCE,
-    )
+    demand = _demand(drive, speed, torque, voltage)
+    _, work, slices, speed, supply, torque = demand
+    found = reference_for_torque(drive, work, slices, speed, supply, advance, torque, drive.current_limit)
     if found.feasibility == OUT_OF_REACH:
         return TorquePoint(False, False, *(nan,) * 15, False)
+    work = make_phases(drive, KEPT_TIME)
     low = solve_steady_state(drive, work, slices, speed, supply, found.low, advance)
     high = low
     if found.share > 0.0:
@@ -182,7 +177,7 @@ def point_at_torque(
     return TorquePoint(
         robust=found.feasibility == ROBUST,
         static=True,
-        reference=found.low + share * (found.high - found.low),
+        reference=_mean_reference(found),
         reference_low=found.low,
         reference_high=found.high,
         share=share,
@@ -232,16 +227,16 @@ def feasible_edge(
     InputError
         If speed, torque or voltage is not a usable number.
     """
-    supply = _supply(drive, speed, torque, voltage)
-    work, slices = make_phases(drive), make_phases(drive)
-    return float(smallest_feasible(drive, work, slices, speed, supply, torque, static))
+    return smallest_feasible(_demand(drive, speed, torque, voltage), static)
 
 
 def _least(drive: Drive, speed: float, torque: float, voltage: float | None, by_power: bool) -> Optimum:
-    supply = _supply(drive, speed, torque, voltage)
-    work, slices = make_phases(drive), make_phases(drive)
-    advance, cost = least_cost(drive, work, slices, speed, supply, torque, by_power)
-    return Optimum(advance, cost.current_sum, cost.input_power, cost.reference)
+    demand = _demand(drive, speed, torque, voltage)
+    advance = least_cost(demand, by_power)
+    if isnan(advance):
+        return Optimum(nan, nan, nan, nan)
+    found = search_reference(demand, advance)
+    return Optimum(advance, found.current_sum, found.input_power, _mean_reference(found))
 
 
 def least_current_sum(drive: Drive, speed: float, torque: float, voltage: float | None = None) -> Optimum:
@@ -315,11 +310,11 @@ def current_sum_curve(
     InputError
         If speed, torque or voltage is not a usable number.
     """
-    supply = _supply(drive, speed, torque, voltage)
-    angles = np.ascontiguousarray(advances, dtype=np.float64).ravel()
-    table = np.empty((angles.size, 3))
-    work, slices = make_phases(drive), make_phases(drive)
-    costs_along(drive, work, slices, speed, supply, torque, angles, table)
-    feasible = table[:, 0] == ROBUST
-    table[~feasible, 1:] = nan
-    return CurrentSumCurve(table[:, 1].copy(), table[:, 2].copy(), feasible)
+    demand = _demand(drive, speed, torque, voltage)
+    angles = np.asarray(advances, dtype=np.float64).ravel()
+    found = [search_reference(demand, float(advance)) for advance in angles]
+    return CurrentSumCurve(
+        np.array([point.current_sum for point in found]),
+        np.array([point.input_power for point in found]),
+        np.array([point.feasibility == ROBUST for point in found], dtype=np.bool_),
+    )

@@ -44,16 +44,23 @@ class MeanState(NamedTuple):
 
 
 class ReferenceSearch(NamedTuple):
-    """Current reference, or pair of references in time shares, that gives a wanted mean torque."""
+    """Current reference, or pair of references in time shares, that gives a wanted mean torque.
+
+    Every number is NaN out of reach.
+    """
 
     feasibility: int
     """`ROBUST`, `STATIC` or `OUT_OF_REACH`."""
     low: float
-    """Reference on the side of less torque (A); NaN out of reach."""
+    """Reference on the side of less torque (A)."""
     high: float
     """Reference on the side of more torque (A), equal to `low` where the torque is continuous."""
     share: float
     """Share of time at `high`, 0 to 1, at which the mean torque is the wanted one."""
+    current_sum: float
+    """Mean of the sum of the phase currents' magnitudes (A)."""
+    input_power: float
+    """Net power taken from the supply, core loss and switching included (W)."""
 
 
 @kernel
@@ -107,21 +114,15 @@ def mean_state(
 
 
 @kernel
-def _mean_torque(
+def greatest_torque(
     drive: Drive,
     work: Phases,
     slices: Phases,
     speed: float,
     voltage: float,
-    reference: float,
     advance: float,
-) -> float:
-    return mean_state(drive, work, slices, speed, voltage, reference, advance).torque
-
-
-@kernel
-def greatest_torque(
-    drive: Drive, work: Phases, slices: Phases, speed: float, voltage: float, advance: float, limit: float
+    limit: float,
+    floor: float = 0.0,
 ) -> tuple[float, float]:
     """Return the greatest mean torque over all current references up to a limit.
 
@@ -131,19 +132,21 @@ def greatest_torque(
         As in `mean_state`.
     limit : float
         Greatest current reference (A).
+    floor : float
+        Least current reference (A).
 
     Returns
     -------
     torque : float
-        Greatest mean torque (N m), on a grid of a hundredth of the limit and by golden section about the best.
+        Greatest mean torque (N m), on a grid of a hundredth of the limit and then by golden section.
     reference : float
         Where it is (A).
     """
     step = limit / _SCAN_STEPS
     best = limit
-    most = _mean_torque(drive, work, slices, speed, voltage, limit, advance)
-    for k in range(_SCAN_STEPS):
-        torque = _mean_torque(drive, work, slices, speed, voltage, k * step, advance)
+    most = mean_state(drive, work, slices, speed, voltage, limit, advance).torque
+    for k in range(int(max(floor, 0.0) / step), _SCAN_STEPS):
+        torque = mean_state(drive, work, slices, speed, voltage, k * step, advance).torque
         if torque > most:
             most = torque
             best = k * step
@@ -152,8 +155,8 @@ def greatest_torque(
     while high - low > 1e-6 * limit:
         left = high - _GOLDEN * (high - low)
         right = low + _GOLDEN * (high - low)
-        left_torque = _mean_torque(drive, work, slices, speed, voltage, left, advance)
-        right_torque = _mean_torque(drive, work, slices, speed, voltage, right, advance)
+        left_torque = mean_state(drive, work, slices, speed, voltage, left, advance).torque
+        right_torque = mean_state(drive, work, slices, speed, voltage, right, advance).torque
         if left_torque > most:
             most = left_torque
             best = left
@@ -168,6 +171,27 @@ def greatest_torque(
 
 
 @kernel
+def least_conceivable(drive: Drive, torque: float) -> float:
+    """Return a current reference below which the drive cannot give a torque.
+
+    A phase whose current stays within i* + h gives at most ``k_e (i* + h)``.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive's constants.
+    torque : float
+        Mean electromagnetic torque (N m).
+
+    Returns
+    -------
+    float
+        Current reference (A), 0 or more.
+    """
+    return max(torque / (drive.phases * drive.emf_constant) - drive.hysteresis_band, 0.0)
+
+
+@kernel
 def _located(
     drive: Drive,
     work: Phases,
@@ -176,20 +200,19 @@ def _located(
     voltage: float,
     advance: float,
     torque: float,
-    feasibility: int,
     low: float,
-    low_gap: float,
+    low_state: MeanState,
     high: float,
-    high_gap: float,
+    high_state: MeanState,
     tolerance: float,
 ) -> ReferenceSearch:
-    """Shrink a bracket of the wanted torque (gap < 0 at `low`, >= 0 at `high`) by safeguarded regula falsi."""
+    """Shrink a bracket, below the wanted torque at `low` and not at `high`, by regula falsi and halving."""
     near = drive.phases * drive.emf_constant * tolerance
-    low_weight = low_gap
-    high_weight = high_gap
+    low_weight = low_state.torque - torque
+    high_weight = high_state.torque - torque
     side = 0
     turn = 0
-    while high - low > tolerance and high_gap > near and low_gap < -near:
+    while high - low > tolerance and high_state.torque > torque + near and low_state.torque < torque - near:
         turn += 1
         middle = 0.5 * (low + high)
         # Every third step halves the bracket: across a jump the false position alone would creep.
@@ -199,26 +222,38 @@ def _located(
                 middle = secant
         if not low < middle < high:
             break
-        gap = _mean_torque(drive, work, slices, speed, voltage, middle, advance) - torque
-        if gap >= 0.0:
+        state = mean_state(drive, work, slices, speed, voltage, middle, advance)
+        if state.torque >= torque:
             high = middle
-            high_gap = gap
-            high_weight = gap
+            high_state = state
+            high_weight = state.torque - torque
             if side == 1:
                 low_weight *= 0.5
             side = 1
         else:
             low = middle
-            low_gap = gap
-            low_weight = gap
+            low_state = state
+            low_weight = state.torque - torque
             if side == -1:
                 high_weight *= 0.5
             side = -1
-    if high_gap <= near:
-        return ReferenceSearch(feasibility, high, high, 0.0)
-    if low_gap >= -near:
-        return ReferenceSearch(feasibility, low, low, 0.0)
-    return ReferenceSearch(feasibility, low, high, low_gap / (low_gap - high_gap))
+    share = (torque - low_state.torque) / (high_state.torque - low_state.torque)
+    if high_state.torque <= torque + near:
+        low = high
+        low_state = high_state
+        share = 0.0
+    elif low_state.torque >= torque - near:
+        high = low
+        high_state = low_state
+        share = 0.0
+    return ReferenceSearch(
+        ROBUST,
+        low,
+        high,
+        share,
+        low_state.current_sum + share * (high_state.current_sum - low_state.current_sum),
+        low_state.input_power + share * (high_state.input_power - low_state.input_power),
+    )
 
 
 @kernel
@@ -231,7 +266,9 @@ def reference_for_torque(
     advance: float,
     torque: float,
     limit: float,
-    tolerance: float,
+    tolerance: float = CURRENT_TOLERANCE,
+    floor: float = 0.0,
+    robust_only: bool = False,
 ) -> ReferenceSearch:
     """Return the least current reference at which the mean torque is the wanted one.
 
@@ -247,69 +284,57 @@ def reference_for_torque(
     limit : float
         Greatest current reference (A).
     tolerance : float
-        Width to which the reference is located (A), `CURRENT_TOLERANCE` unless speed matters more.
+        Width to which the reference is located (A).
+    floor : float
+        Reference to start from (A) where the answer is known to lie above; 0 leaves nothing out.
+    robust_only : bool
+        Whether to give up at once where the torque at the limit does not reach the wanted one.
 
     Returns
     -------
     ReferenceSearch
-        One reference, or two with the share of time at the higher torque where it jumps across the wanted one.
+        One reference; two with their shares of time where the torque jumps across the wanted one.
     """
-    at_limit = _mean_torque(drive, work, slices, speed, voltage, limit, advance) - torque
-    feasibility = ROBUST if at_limit >= 0.0 else STATIC
-    # No phase gives more than k_e (i* + h) while its current is regulated, so the scan can start there.
-    low = max(torque / (drive.phases * drive.emf_constant) - drive.hysteresis_band, 0.0)
-    if low >= limit:
-        low = 0.0
-    low_gap = _mean_torque(drive, work, slices, speed, voltage, low, advance) - torque
-    if low_gap >= 0.0 and low > 0.0:
-        low = 0.0
-        low_gap = _mean_torque(drive, work, slices, speed, voltage, low, advance) - torque
-    if low_gap >= 0.0:
-        # Gates blocked; a braking torque beyond what rectification gives cannot be asked for.
-        if low_gap <= drive.phases * drive.emf_constant * CURRENT_TOLERANCE:
-            return ReferenceSearch(feasibility, 0.0, 0.0, 0.0)
-        return ReferenceSearch(OUT_OF_REACH, nan, nan, nan)
+    nowhere = ReferenceSearch(OUT_OF_REACH, nan, nan, nan, nan, nan)
+    at_limit = mean_state(drive, work, slices, speed, voltage, limit, advance)
+    feasibility = ROBUST if at_limit.torque >= torque else STATIC
+    if robust_only and feasibility != ROBUST:
+        return nowhere
+    least = least_conceivable(drive, torque)
+    low = 0.0
+    low_state = at_limit
+    # Each start is taken back to a safer one if the torque there is beyond the wanted one already.
+    for start in (max(floor, least), least, 0.0):
+        low = start if start < limit else 0.0
+        low_state = mean_state(drive, work, slices, speed, voltage, low, advance)
+        if low_state.torque < torque:
+            break
+    if low_state.torque >= torque:
+        # Gates blocked; more braking than rectification gives cannot be had.
+        if low_state.torque > torque + drive.phases * drive.emf_constant * CURRENT_TOLERANCE:
+            return nowhere
+        return ReferenceSearch(feasibility, 0.0, 0.0, 0.0, low_state.current_sum, low_state.input_power)
     step = limit / _SCAN_STEPS
-    while low < limit:
-        high = min(low + step, limit)
-        high_gap = at_limit
-        if high < limit:
-            high_gap = _mean_torque(drive, work, slices, speed, voltage, high, advance) - torque
-        if high_gap >= 0.0:
-            return _located(
-                drive,
-                work,
-                slices,
-                speed,
-                voltage,
-                advance,
-                torque,
-                feasibility,
-                low,
-                low_gap,
-                high,
-                high_gap,
-                tolerance,
-            )
+    high = low
+    high_state = low_state
+    while high < limit and high_state.torque < torque:
         low = high
-        low_gap = high_gap
-    most, best = greatest_torque(drive, work, slices, speed, voltage, advance, limit)
-    if most < torque:
-        return ReferenceSearch(OUT_OF_REACH, nan, nan, nan)
-    low = max(best - step, 0.0)
-    low_gap = _mean_torque(drive, work, slices, speed, voltage, low, advance) - torque
-    return _located(
-        drive,
-        work,
-        slices,
-        speed,
-        voltage,
-        advance,
-        torque,
-        feasibility,
-        low,
-        low_gap,
-        best,
-        most - torque,
-        tolerance,
+        low_state = high_state
+        high = min(low + step, limit)
+        high_state = at_limit
+        if high < limit:
+            high_state = mean_state(drive, work, slices, speed, voltage, high, advance)
+    if high_state.torque < torque:
+        # A summit between two steps of the scan: its lower side holds the least reference.
+        _, high = greatest_torque(drive, work, slices, speed, voltage, advance, limit, least)
+        high_state = mean_state(drive, work, slices, speed, voltage, high, advance)
+        if high_state.torque < torque:
+            return nowhere
+        low = max(high - step, 0.0)
+        low_state = mean_state(drive, work, slices, speed, voltage, low, advance)
+    found = _located(
+        drive, work, slices, speed, voltage, advance, torque, low, low_state, high, high_state, tolerance
+    )
+    return ReferenceSearch(
+        feasibility, found.low, found.high, found.share, found.current_sum, found.input_power
     )

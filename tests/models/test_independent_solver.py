@@ -21,7 +21,7 @@ from drivegate_models.drive import Drive
 from drivegate_models.plant import make_phases
 from drivegate_models.steady_state import KEPT_TIME, SteadyState, cycles_from_rest
 
-AGREEMENT = 1e-9
+AGREEMENT = 1e-10
 """Greatest difference from the integrated means, relative to the scale of each."""
 
 ON, OFF, SLIDE, FLOAT = "on", "off", "slide", "float"
