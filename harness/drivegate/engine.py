@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from drivegate.candidate import Candidate
 from drivegate.controller_loading import load_controller
-from drivegate.events import CheckFinished, CheckStarted, Event, RunDone
+from drivegate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone
 from drivegate.fault import Fault, FaultKind
 from drivegate.fixed_scenarios import REFERENCE_MOTOR, fixed_scenarios
 from drivegate.margin import Margin
@@ -19,6 +19,7 @@ from drivegate.provenance import provenance
 from drivegate.result import CheckResult
 from drivegate.search_shard import DrawnRuns, FixedRuns, JudgedRun, ShardOutcome, run_drawn, run_fixed
 from drivegate.verdict import candidate_verdict, check_outcomes
+from drivegate.warm_up import compile_kernels, missing_marker
 from drivegate.worker_messages import Job
 from drivegate.worker_pool import WorkerPool
 from drivegate_models.errors import InputError
@@ -95,6 +96,10 @@ def check_candidate(
     work = _planned(effort, seed)
     planned = sum(item.runs for item in work)
     yield CheckStarted(candidate.name, planned)
+    marker = missing_marker()
+    if marker is not None:
+        yield Compiling()
+        compile_kernels(marker)
 
     runs: list[JudgedRun] = []
     faults: list[Fault] = []

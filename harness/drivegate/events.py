@@ -25,6 +25,11 @@ class CheckStarted:
 
 
 @dataclass(frozen=True)
+class Compiling:
+    """The kernels are being compiled, which is done once for each installation and takes a minute."""
+
+
+@dataclass(frozen=True)
 class RunDone:
     """Some runs have been made.
 
@@ -59,4 +64,4 @@ class CheckFinished:
     result: CheckResult
 
 
-Event: TypeAlias = CheckStarted | RunDone | CheckFinished
+Event: TypeAlias = CheckStarted | Compiling | RunDone | CheckFinished

@@ -33,6 +33,7 @@ TOO_MANY_EVENTS = 1
 EVENT_LIMIT = 200_000
 """Greatest number of events of one phase in one advance."""
 
+_STANDSTILL = 1e-100
 _FLOATS = 0
 _SLIDES = 2
 
@@ -141,6 +142,9 @@ def advance_phase(
     rate = resistance * inverse_inductance
     band = drive.hysteresis_band
     electrical = drive.pole_pairs * speed
+    if electrical < _STANDSTILL:
+        # So slow that the time of a radian is no number any more.
+        electrical = 0.0
     emf_peak = drive.emf_constant * speed
     switch_drop = drive.switch_drop
     diode_drop = drive.diode_drop
