@@ -72,7 +72,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.saturated_run = 0
     state.speed_mark = 0.0
     state.improvements = 0
-    state.good_integral = 0.0
+    state.good_offset = 0.0
     rearm(state)
 
 

@@ -9,6 +9,7 @@ Regulator ideal, core loss nil, resistance assumed.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import degrees, pi, radians
 
@@ -49,7 +50,7 @@ class PublishedFigures:
     """Rated power at 500 rpm and 26 A, Table 1 (W)."""
 
 
-ROUNDING: dict[str, float] = {
+ROUNDING: Mapping[str, float] = {
     "worst_ripple_angle": 0.5,
     "worst_ripple_torque": 0.05,
     "middle_angle": 0.5,
@@ -286,7 +287,7 @@ def _fitted(
         np.ones(3),
         bounds=(lowest, highest),
         args=(scale, resistance, figures),
-        diff_step=1e-4,
+        diff_step=[1e-4] * 3,
         xtol=1e-13,
         ftol=1e-13,
         gtol=1e-13,

@@ -54,6 +54,7 @@ CONTROLLER_STATE: Final = np.dtype(
         ("moved", np.float64),
         ("improvements", np.int64),
         ("good_integral", np.float64),
+        ("good_offset", np.float64),
     ],
     align=True,
 )

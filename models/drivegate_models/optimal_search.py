@@ -29,8 +29,9 @@ _UNEASY = 0.1
 _CREEP = 1.15
 _CREEP_LEAST = 0.15
 _IMPROVEMENTS = 3
-_RESTLESS = 0.0015
+_RESTLESS = 0.003
 _DWELL = 0.02
+_REGAIN = 0.25
 
 
 @inlined
@@ -146,7 +147,9 @@ def guard_regulation(state: Any, speed: float, speed_reference: float, saturated
         walk_back(state, -state.moved + _RECOVERY)
     elif state.saturated_run * period >= _DWELL:
         state.saturated_run = 0
-        if speed <= state.speed_mark and speed < speed_reference:
+        # Below the initial angle torque must return soon; at it, a heavy load may take its time to accelerate.
+        wanted = (speed_reference - speed) * _DWELL / _REGAIN if state.offset < 0.0 else 0.0
+        if speed - state.speed_mark <= wanted and speed < speed_reference:
             walk_back(state, state.first_step)
 
 
@@ -179,9 +182,10 @@ def is_creeping(state: Any) -> bool:
     Returns
     -------
     bool
-        False as long as no good angle is known.
+        False as long as no good angle is known, and well above it.
     """
-    creeping: bool = state.integral > _CREEP * state.good_integral + _CREEP_LEAST
+    near = state.offset < state.good_offset + state.first_step
+    creeping: bool = near and state.integral > _CREEP * state.good_integral + _CREEP_LEAST
     return creeping
 
 
@@ -267,5 +271,6 @@ def decide_guarded(state: Any) -> None:
         begin_holding(state, power)
         return
     state.moved = state.direction * state.step
-    state.offset += state.moved
+    state.good_offset = state.offset
     state.good_integral = state.integral
+    state.offset += state.moved

@@ -34,6 +34,7 @@ EVENT_LIMIT = 200_000
 """Greatest number of events of one phase in one advance."""
 
 _STANDSTILL = 1e-100
+_LEAST_REFERENCE = 1e-20
 _FLOATS = 0
 _SLIDES = 2
 
@@ -145,6 +146,9 @@ def advance_phase(
     if electrical < _STANDSTILL:
         # So slow that the time of a radian is no number any more.
         electrical = 0.0
+    if reference < _LEAST_REFERENCE:
+        # Such a current comes and goes within the rounding of time; the gates stay blocked, as at zero.
+        reference = 0.0
     emf_peak = drive.emf_constant * speed
     switch_drop = drive.switch_drop
     diode_drop = drive.diode_drop

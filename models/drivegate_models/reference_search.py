@@ -238,6 +238,8 @@ def _located(
                 high_weight *= 0.5
             side = -1
     share = (torque - low_state.torque) / (high_state.torque - low_state.torque)
+    # What is left of a coarse search is interpolated like a jump, which costs it no precision.
+    near = drive.phases * drive.emf_constant * CURRENT_TOLERANCE
     if high_state.torque <= torque + near:
         low = high
         low_state = high_state

@@ -21,7 +21,7 @@ class Waveforms:
     """One electrical cycle of the steady state, from the opening of the first phase's positive window on."""
 
     times: NDArray[np.float64]
-    """Increasing, shape (n,) (s); every event of every phase is among them."""
+    """Never decreasing, shape (n,) (s); every event of every phase is among them."""
     currents: NDArray[np.float64]
     """Phase currents, shape (m, n) (A)."""
     shapes: NDArray[np.float64]

@@ -1,0 +1,224 @@
+"""The search for the optimal angle, over time and in the plane of current sum over angle (paper, Fig. 5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.builtin_loading import BuiltinController
+from drivegate.scenario_run import run_scenario
+from drivegate_cases.load import ConstantTorqueLoad
+from drivegate_cases.scenario import Scenario, load_scenario
+from drivegate_models.builtin_controllers import SEARCH_PERIOD, SEARCHES
+from drivegate_models.observation import TRACE_COLUMNS
+from drivegate_models.oracle import current_sum_curve, least_current_sum
+from drivegate_reports.reference_drive import RADIANS_PER_RPM, banded_drive
+from drivegate_reports.style import BLUE, GREEN, GREY, VERMILION, label, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SCENARIO = "fig5-search"
+COLOURS = {"reference": BLUE, "published": VERMILION}
+_CURVE_DEG = np.arange(47.0, 63.01, 0.25)
+
+
+@dataclass(frozen=True)
+class SearchRun:
+    """One controller's search, as means over each of its decision periods.
+
+    Attributes
+    ----------
+    name : str
+        The controller.
+    time_s : ndarray, shape (n,)
+        End of each decision period (s).
+    advance_deg : ndarray, shape (n,)
+        Advance angle in it (electrical deg).
+    current_sum_a : ndarray, shape (n,)
+        Mean sum of current magnitudes (A).
+    speed_error_rpm : ndarray, shape (n,)
+        Mean of true speed minus reference (rpm).
+    current_reference_a : ndarray, shape (n,)
+        Mean current reference (A).
+    """
+
+    name: str
+    time_s: NDArray[np.float64]
+    advance_deg: NDArray[np.float64]
+    current_sum_a: NDArray[np.float64]
+    speed_error_rpm: NDArray[np.float64]
+    current_reference_a: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SearchTrajectory:
+    """The searches of two controllers, and the curve on which they look for the minimum.
+
+    Attributes
+    ----------
+    reference, published : SearchRun
+        The guarded search, and Fig. 4 taken literally.
+    speed_rpm, torque_nm, current_limit_a, load_begins_s : float
+        Operating point, limit of the current reference, and when the load comes on.
+    curve_advance_deg : ndarray, shape (k,)
+        Angles of the curve (electrical deg).
+    curve_current_sum_a : ndarray, shape (k,)
+        Sum of current magnitudes in the steady state (A); NaN where the torque is out of reach.
+    optimum_deg, optimum_current_sum_a : float
+        The least of the curve.
+    """
+
+    reference: SearchRun
+    published: SearchRun
+    speed_rpm: float
+    torque_nm: float
+    current_limit_a: float
+    load_begins_s: float
+    curve_advance_deg: NDArray[np.float64]
+    curve_current_sum_a: NDArray[np.float64]
+    optimum_deg: float
+    optimum_current_sum_a: float
+
+
+def _search_run(name: str, scenario: Scenario) -> SearchRun:
+    run = run_scenario(scenario, BuiltinController(SEARCHES[name]), trace_every=1)
+    block = round(SEARCH_PERIOD / scenario.control_period_s)
+    blocks = run.trace.shape[0] // block
+    means = run.trace[: blocks * block].reshape(blocks, block, -1).mean(axis=1)
+    column = {key: means[:, index] for index, key in enumerate(TRACE_COLUMNS)}
+    return SearchRun(
+        name=name,
+        time_s=(np.arange(blocks) + 1.0) * block * scenario.control_period_s,
+        advance_deg=column["advance_deg"],
+        current_sum_a=column["current_sum_a"],
+        speed_error_rpm=column["speed_rpm"] - column["speed_reference_rpm"],
+        current_reference_a=column["current_reference_a"],
+    )
+
+
+@cache
+def search_trajectory() -> SearchTrajectory:
+    """Run the searches at 1500 rpm and 9.8 N·m.
+
+    Returns
+    -------
+    SearchTrajectory
+        In closed loop with the nominal plant.
+    """
+    scenario = load_scenario(SCENARIO)
+    load = scenario.load
+    assert isinstance(load, ConstantTorqueLoad), f"the scenario {SCENARIO} has a load of constant torque"
+    speed = scenario.speed_rpm[0][1]
+    drive = banded_drive()
+    curve = current_sum_curve(drive, speed * RADIANS_PER_RPM, load.torque_nm, np.radians(_CURVE_DEG))
+    least = least_current_sum(drive, speed * RADIANS_PER_RPM, load.torque_nm)
+    return SearchTrajectory(
+        reference=_search_run("reference", scenario),
+        published=_search_run("published", scenario),
+        speed_rpm=speed,
+        torque_nm=load.torque_nm,
+        current_limit_a=scenario.motor.current_limit_a,
+        load_begins_s=load.factor[-1][0],
+        curve_advance_deg=_CURVE_DEG,
+        curve_current_sum_a=curve.current_sum,
+        optimum_deg=float(np.degrees(least.advance)),
+        optimum_current_sum_a=least.current_sum,
+    )
+
+
+def draw(data: SearchTrajectory) -> Figure:
+    """Draw angle and speed error over time, and the search in the plane of current sum over angle.
+
+    Parameters
+    ----------
+    data : SearchTrajectory
+        The data.
+
+    Returns
+    -------
+    Figure
+        Three panels.
+    """
+    figure, panels = new_figure(7.6, 3, (1.0, 0.8, 1.25))
+    _draw_angles(panels[0], data)
+    _draw_errors(panels[1], data)
+    _draw_plane(panels[2], data)
+    return figure
+
+
+def _draw_angles(panel: Axes, data: SearchTrajectory) -> None:
+    for run, side in ((data.reference, "bottom"), (data.published, "top")):
+        colour = COLOURS[run.name]
+        panel.step(run.time_s, run.advance_deg, where="post", color=colour)
+        offset = 0.5 if side == "bottom" else -0.5
+        label(
+            panel, run.time_s[-1], run.advance_deg[-1] + offset, run.name, colour, ha="right", va=side, weight="bold"
+        )
+    panel.axhline(data.optimum_deg, color=GREY, linewidth=1.0, linestyle=(0, (4, 3)))
+    label(
+        panel, 0.45 * data.reference.time_s[-1], data.optimum_deg + 0.3, f"least Σ|i| at {data.optimum_deg:.1f}°", GREY
+    )
+    panel.set_ylabel("advance angle (el. deg)")
+    panel.set_xlabel("time (s)")
+    panel.margins(x=0.01, y=0.12)
+
+
+def _draw_errors(panel: Axes, data: SearchTrajectory) -> None:
+    for run in (data.reference, data.published):
+        panel.plot(run.time_s, run.speed_error_rpm, color=COLOURS[run.name])
+    lost = data.published
+    panel.axhspan(-5.0, 5.0, color=GREY, alpha=0.18, linewidth=0)
+    label(panel, 0.1, 5.6, "k1: ±5 rpm", GREY, va="bottom")
+    message = f"published: {lost.speed_error_rpm[-1]:.0f} rpm, saturated at {lost.current_reference_a[-1]:.0f} A"
+    label(
+        panel, lost.time_s[-1], lost.speed_error_rpm[-1] + 1.5, message, VERMILION, ha="right", va="bottom", weight="bold"
+    )
+    panel.set_ylabel("speed error (rpm)")
+    panel.set_xlabel("time (s)")
+    panel.margins(x=0.01, y=0.18)
+
+
+def _draw_plane(panel: Axes, data: SearchTrajectory) -> None:
+    panel.plot(data.curve_advance_deg, data.curve_current_sum_a, color=GREY, linewidth=5.0, alpha=0.45)
+    label(
+        panel,
+        data.curve_advance_deg[-1] - 0.1,
+        data.curve_current_sum_a[-1] - 1.2,
+        "steady state at this torque",
+        GREY,
+        ha="right",
+        va="top",
+    )
+    for run in (data.reference, data.published):
+        searching = run.time_s > data.load_begins_s + 0.6
+        panel.plot(
+            run.advance_deg[searching],
+            run.current_sum_a[searching],
+            color=COLOURS[run.name],
+            marker="o" if run.name == "reference" else "s",
+            markersize=3.2,
+            linewidth=1.0,
+        )
+    end = data.published
+    label(
+        panel,
+        end.advance_deg[-1] + 0.3,
+        end.current_sum_a[-1],
+        "published: past the edge, locked up",
+        VERMILION,
+        va="center",
+        weight="bold",
+    )
+    panel.plot([data.optimum_deg], [data.optimum_current_sum_a], marker="*", color=GREEN, markersize=12)
+    label(
+        panel, data.optimum_deg - 0.2, data.optimum_current_sum_a - 1.0, "feasible edge, least Σ|i|", GREEN, ha="right", va="top"
+    )
+    panel.set_xlabel("advance angle (el. deg)")
+    panel.set_ylabel("Σ|i| (A)")
+    panel.margins(x=0.03, y=0.12)

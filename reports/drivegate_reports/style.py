@@ -1,0 +1,191 @@
+"""The house style of figures, and how a figure becomes text that is the same bytes every time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import StringIO
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Okabe and Ito, "Color Universal Design": told apart with any colour vision.
+BLUE: Final = "#0072B2"
+VERMILION: Final = "#D55E00"
+GREEN: Final = "#009E73"
+SKY: Final = "#56B4E9"
+GREY: Final = "#8A8F98"
+
+_INK: Final = {BLUE: "#00598C", VERMILION: "#A34700", GREEN: "#00664B", SKY: "#1F6E9E", GREY: "#565B63"}
+_TEXT = "#22262E"
+_GRID = "#E3E6EA"
+
+WIDTH_INCH: Final = 6.8
+"""Width of every figure (inch)."""
+
+_HOUSE: Final[dict[str, Any]] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial", "sans-serif"],
+    "font.size": 9.5,
+    "text.color": _TEXT,
+    "axes.labelcolor": _TEXT,
+    "axes.edgecolor": "#9AA0A8",
+    "axes.labelsize": 9.5,
+    "axes.titlesize": 9.5,
+    "axes.titlelocation": "left",
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": _GRID,
+    "grid.linewidth": 0.8,
+    "xtick.color": "#565B63",
+    "ytick.color": "#565B63",
+    "xtick.labelsize": 9.0,
+    "ytick.labelsize": 9.0,
+    "lines.linewidth": 1.8,
+    "lines.solid_capstyle": "round",
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+    "svg.fonttype": "none",
+    "path.simplify": True,
+    "path.simplify_threshold": 0.2,
+}
+
+_NAMED_HERE = re.compile(r'\bid="([^"]+)"')
+_REFERRED_TO = re.compile(r'(?:xlink:)?href="#([^"]+)"|url\(#([^)]+)\)')
+_NAMESPACE = re.compile(r'\s+xmlns(?::\w+)?="[^"]*"')
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Draw in the house style, whatever the user's own settings are.
+
+    Yields
+    ------
+    None
+        Inside, new figures are in the house style.
+    """
+    import matplotlib
+
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(_HOUSE)
+        yield
+
+
+def new_figure(height: float, rows: int, ratios: tuple[float, ...] | None = None) -> tuple[Figure, list[Axes]]:
+    """Make a figure of stacked panels; to be called in `house_style`.
+
+    Parameters
+    ----------
+    height : float
+        Height (inch).
+    rows : int
+        Number of panels.
+    ratios : tuple of float, optional
+        Relative heights of the panels, shape (rows,).
+
+    Returns
+    -------
+    figure : Figure
+        Free of any window system.
+    panels : list of Axes
+        From top to bottom.
+    """
+    from matplotlib.figure import Figure as NewFigure
+
+    figure = NewFigure(figsize=(WIDTH_INCH, height), layout="constrained")
+    panels = figure.subplots(rows, 1, squeeze=False, height_ratios=ratios)
+    return figure, list(panels[:, 0])
+
+
+def ink(colour: str) -> str:
+    """Return the darker shade of a colour in which text is readable on white.
+
+    Parameters
+    ----------
+    colour : str
+        One of this module's colours.
+
+    Returns
+    -------
+    str
+        A colour with a contrast of 4.5 or more on white.
+    """
+    return _INK[colour]
+
+
+def label(panel: Axes, x: float, y: float, text: str, colour: str, **options: Any) -> None:
+    """Write a label beside what it names, in the colour of that.
+
+    Parameters
+    ----------
+    panel : Axes
+        The panel.
+    x, y : float
+        Where, in the panel's units.
+    text : str
+        The label.
+    colour : str
+        Colour of the labelled line, one of this module's.
+    **options
+        Further options of `matplotlib.axes.Axes.text`.
+    """
+    panel.text(x, y, text, color=ink(colour), **{"fontsize": 9.0, **options})
+
+
+def svg_document(figure: Figure, name: str) -> str:
+    """Write a figure as an SVG file of its own.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure, made in `house_style` and still in it.
+    name : str
+        A name for its identifiers.
+
+    Returns
+    -------
+    str
+        The same text for the same figure and version of matplotlib.
+    """
+    import matplotlib
+
+    stream = StringIO()
+    with matplotlib.rc_context({"svg.hashsalt": name}):
+        figure.savefig(
+            stream, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None}
+        )
+    # Some versions end lines with blanks.
+    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
+
+
+def inline_svg(figure: Figure, name: str) -> str:
+    """Write a figure as an element for a page that holds several figures.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure, made in `house_style` and still in it.
+    name : str
+        Unique in the page; every identifier begins with it.
+
+    Returns
+    -------
+    str
+        The ``svg`` element, hidden from screen readers: the page describes the figure in words.
+    """
+    text = svg_document(figure, name)
+    text = text[text.index("<svg") :]
+    text = _NAMED_HERE.sub(lambda match: f'id="{name}-{match[1]}"', text)
+    text = _REFERRED_TO.sub(
+        lambda match: f'href="#{name}-{match[1]}"' if match[1] else f"url(#{name}-{match[2]})", text
+    )
+    opening, rest = text.split(">", 1)
+    opening = _NAMESPACE.sub("", opening)
+    opening = re.sub(r'\s(?:width|height)="[^"]*"', "", opening)
+    return f'{opening} aria-hidden="true" focusable="false">{rest}'.strip()

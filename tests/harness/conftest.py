@@ -1,0 +1,45 @@
+"""Controllers with one law broken on purpose, made from a built-in one."""
+
+import ctypes
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drivegate.builtin_loading import BuiltinController
+from drivegate.fault import Fault
+from drivegate_models.builtin_controllers import SEARCHES
+from drivegate_models.contract import COMMAND, SENSE
+from drivegate_models.signals import Nameplate
+
+STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
+Alter = Callable[[Any, Any], None]
+
+
+class AlteredController:
+    """A built-in controller whose commands are altered after every step."""
+
+    def __init__(self, name: str, alter: Alter) -> None:
+        self._inner = BuiltinController(SEARCHES[name])
+        self._inner_step = STEP(self._inner.step_address)
+        self._alter = alter
+        self._callback = STEP(self._step)
+        self.step_address = ctypes.cast(self._callback, ctypes.c_void_p).value or 0
+        self.state_address = self._inner.state_address
+        self.fault: Fault | None = None
+
+    def reset(self, nameplate: Nameplate) -> None:
+        self._inner.reset(nameplate)
+
+    def _step(self, state: int, sense: int, command: int) -> None:
+        self._inner_step(state, sense, command)
+        sense_record = np.frombuffer((ctypes.c_char * SENSE.itemsize).from_address(sense), SENSE)
+        command_record = np.frombuffer((ctypes.c_char * COMMAND.itemsize).from_address(command), COMMAND)
+        self._alter(sense_record[0], command_record[0])
+
+
+@pytest.fixture
+def altered() -> Callable[[str, Alter], AlteredController]:
+    """Make a controller from the name of a built-in one and a function of Sense and Command."""
+    return AlteredController
