@@ -29,7 +29,7 @@ COMMANDS: Final = MappingProxyType(
 class LazyGroup(click.Group):
     """A group that imports a command's module only to run it or to show its own help."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  (click's signature)
         """List the commands.
 
         Parameters
@@ -44,7 +44,11 @@ class LazyGroup(click.Group):
         """
         return list(COMMANDS)
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+    def get_command(
+        self,
+        ctx: click.Context,  # noqa: ARG002  (click's signature)
+        cmd_name: str,
+    ) -> click.Command | None:
         """Import a command.
 
         Parameters
@@ -96,7 +100,11 @@ class LazyGroup(click.Group):
             )
         return super().resolve_command(ctx, args)
 
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+    def format_commands(
+        self,
+        ctx: click.Context,  # noqa: ARG002  (click's signature)
+        formatter: click.HelpFormatter,
+    ) -> None:
         """Write the commands into the help without importing them.
 
         Parameters
@@ -118,7 +126,9 @@ class LazyGroup(click.Group):
     epilog="Exit codes: 0 pass, 1 the candidate fails, 2 bad usage or input, 3 a fault of drivegate itself.",
 )
 @click.version_option(__version__, prog_name="drivegate", message="%(prog)s %(version)s")
-@click.option("--json", "as_json", is_flag=True, expose_value=False, help="Print one JSON document, errors too.")
+@click.option(
+    "--json", "as_json", is_flag=True, expose_value=False, help="Print one JSON document, errors too."
+)
 @click.pass_context
 def command_line(context: click.Context) -> None:
     """Verify and benchmark controllers of permanent-magnet brushless drives."""

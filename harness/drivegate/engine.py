@@ -40,11 +40,15 @@ class _Work:
 def _planned(effort: str, seed: int) -> list[_Work]:
     fixed = fixed_scenarios()
     work = [_Work(Job(run_fixed, FixedRuns(fixed[1:3], repeat=True)), 2, fixed[1].name)]
-    work += [_Work(Job(run_fixed, FixedRuns((scenario,))), 1, scenario.name) for scenario in (fixed[0], *fixed[3:])]
+    work += [
+        _Work(Job(run_fixed, FixedRuns((scenario,))), 1, scenario.name) for scenario in (fixed[0], *fixed[3:])
+    ]
     examples = EXAMPLES[effort]
     work += [
         _Work(
-            Job(run_drawn, DrawnRuns(REFERENCE_MOTOR, seed * SHARDS + shard, examples)), examples, f"shard {shard + 1}"
+            Job(run_drawn, DrawnRuns(REFERENCE_MOTOR, seed * SHARDS + shard, examples)),
+            examples,
+            f"shard {shard + 1}",
         )
         for shard in range(SHARDS)
     ]

@@ -110,7 +110,8 @@ def fixed_scenarios() -> tuple[Scenario, ...]:
         for speed in (550.0, 700.0, 900.0, 1150.0, 1350.0, 1500.0)
     ]
     half = [
-        steady_scenario(motor, speed, power_share=0.5, constant_power=False) for speed in (600.0, 1000.0, 1500.0)
+        steady_scenario(motor, speed, power_share=0.5, constant_power=False)
+        for speed in (600.0, 1000.0, 1500.0)
     ]
     return (
         load_scenario("lock-up"),

@@ -105,7 +105,7 @@ class CheckResult:
             The result document; its provenance holds the hash of everything but `timing` and tracebacks.
         """
         candidate = self.candidate
-        content = {
+        content: dict[str, Any] = {
             "schema": RESULT_SCHEMA,
             "kind": "check",
             "candidate": {
@@ -125,7 +125,7 @@ class CheckResult:
             "set_aside": self.set_aside,
             "provenance": self.provenance,
         }
-        content = finite(content)
+        content = _finite_table(content)
         # What a dying process printed differs from run to run.
         hashed = {**content, "faults": [{**fault, "traceback": ""} for fault in content["faults"]]}
         digest = hashlib.sha256(json.dumps(hashed, sort_keys=True).encode()).hexdigest()
@@ -139,6 +139,10 @@ def _fault_document(fault: Fault) -> dict[str, Any]:
     document["kind"] = fault.kind.value
     document["time_s"] = document.pop("time")
     return document
+
+
+def _finite_table(table: dict[str, Any]) -> dict[str, Any]:
+    return {key: finite(item) for key, item in table.items()}
 
 
 def finite(value: Any) -> Any:
@@ -157,7 +161,7 @@ def finite(value: Any) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):
-        return {key: finite(item) for key, item in value.items()}
+        return _finite_table(value)
     if isinstance(value, list | tuple):
         return [finite(item) for item in value]
     return value

@@ -94,5 +94,3 @@ def rated_torque(scenario: Scenario, speed: float) -> float:
         Torque (N m).
     """
     return scenario.motor.rated_power_w / speed
-
-

@@ -20,7 +20,9 @@ from drivegate_cases.profile import dwells
 from drivegate_cases.scenario import Scenario
 from drivegate_models.oracle import feasible_edge
 
-_REQUIRED = frozenset(check.id for check in CHECKS if check.level == "required" and check.subject == "candidate")
+_REQUIRED = frozenset(
+    check.id for check in CHECKS if check.level == "required" and check.subject == "candidate"
+)
 
 
 @dataclass(frozen=True)

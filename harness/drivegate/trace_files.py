@@ -43,7 +43,9 @@ def check_targets(csv: Path | None, parquet: Path | None, plot: Path | None) -> 
     for target in targets:
         check_writable(target)
     if len({target.resolve() for target in targets}) < len(targets):
-        raise InputError("two of --csv, --parquet and --plot name the same file, but each needs one of its own")
+        raise InputError(
+            "two of --csv, --parquet and --plot name the same file, but each needs one of its own"
+        )
     if plot is not None and plot.suffix.lower() not in PLOT_SUFFIXES:
         raise InputError(
             f"--plot {shown_path(plot)}: the name ends in '{one_line(plot.suffix)}', but must end in .png or .svg"
@@ -81,7 +83,9 @@ def check_writable(path: Path) -> None:
             return
     except (OSError, ValueError, RuntimeError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{shown_path(path)} cannot be written: {one_line(reason)}; name another file") from error
+        raise InputError(
+            f"{shown_path(path)} cannot be written: {one_line(reason)}; name another file"
+        ) from error
     raise InputError(f"{shown_path(path)} {problem}")
 
 
@@ -96,8 +100,7 @@ def write_trace(frame: pandas.DataFrame, csv: Path | None, parquet: Path | None)
         The files.
     """
     if csv is not None:
-        # Seventeen digits bring every number back as it was.
-        write_atomically(csv, frame.to_csv(index=False, float_format="%.17g", lineterminator="\n"))
+        write_atomically(csv, frame.to_csv(index=False, lineterminator="\n"))
     if parquet is not None:
         buffer = io.BytesIO()
         frame.to_parquet(buffer, engine="pyarrow", index=False)

@@ -33,9 +33,7 @@ def check_outcomes(runs: Sequence[JudgedRun], *, complete: bool) -> tuple[CheckO
 
 
 def _outcome(check: Check, runs: Sequence[JudgedRun], complete: bool) -> CheckOutcome:
-    judged = [
-        (margin, run.scenario) for run in runs for margin in run.margins if margin.check == check.id
-    ]
+    judged = [(margin, run.scenario) for run in runs for margin in run.margins if margin.check == check.id]
     binding = [item for item in judged if not item[0].advisory]
     considered = binding or judged
     if not considered:
@@ -47,7 +45,9 @@ def _outcome(check: Check, runs: Sequence[JudgedRun], complete: bool) -> CheckOu
     if failed:
         verdict = "fail"
         names = list(dict.fromkeys(str(item[1]["name"]) for item in failed))
-        listed = ", ".join(names[:_NAMED]) + (f" and {len(names) - _NAMED} more" if len(names) > _NAMED else "")
+        listed = ", ".join(names[:_NAMED]) + (
+            f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+        )
         message = f"{margin.measured}; fails in {len(failed)} of {len(considered)} runs: {listed}"
     else:
         verdict = "pass" if complete else "inconclusive"

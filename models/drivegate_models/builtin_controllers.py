@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import numba
 from numba import types
+from numba.np.numpy_support import carray
 
 from drivegate_models.angle_model import initial_angle
 from drivegate_models.compilation import KEEPS_CACHE, inlined
@@ -44,11 +45,11 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     search : int
         `NO_SEARCH`, `FLOWCHART` or `GUARDED`.
     """
-    line_begins = 33.0 if search == GUARDED or search == NO_SEARCH else 0.0
-    line_slope = 0.025 if search == GUARDED or search == NO_SEARCH else 0.058
+    # The published line starts from nothing but leaves rated power out of reach up to 1150 rpm.
+    published = search == FLOWCHART
     state.search = search
-    state.angle_at_base = radians(line_begins)
-    state.angle_slope = radians(line_slope) * 30.0 / pi
+    state.angle_at_base = radians(0.0 if published else 33.0)
+    state.angle_slope = radians(0.058 if published else 0.025) * 30.0 / pi
     state.base_speed = nameplate.base_speed
     state.advance_begins = nameplate.base_speed + (_ADVANCE_MARGIN if search == GUARDED else 0.0)
     state.nominal_voltage = nameplate.half_supply_voltage
@@ -106,7 +107,8 @@ def advance_angle(state: Any, speed: float, voltage: float) -> float:
         # The same EMF over supply: the line follows the measured supply.
         line_speed = max(speed * state.nominal_voltage / voltage, state.base_speed)
     angle = initial_angle(line_speed, state.base_speed, state.angle_at_base, state.angle_slope)
-    return min(max(angle + state.offset, 0.0), 0.5 * pi)
+    applied: float = min(max(angle + state.offset, 0.0), 0.5 * pi)
+    return applied
 
 
 @inlined
@@ -151,7 +153,8 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
 
 
 def _record_pointer(layout: Any) -> Any:
-    return types.CPointer(numba.from_dtype(layout))
+    pointer: Any = types.CPointer
+    return pointer(numba.from_dtype(layout))
 
 
 @cache
@@ -163,10 +166,12 @@ def step_function() -> Any:
     CFunc
         Its `address` is that of a C function; keep the object.
     """
-    signature = types.void(_record_pointer(CONTROLLER_STATE), _record_pointer(SENSE), _record_pointer(COMMAND))
+    signature = types.void(
+        _record_pointer(CONTROLLER_STATE), _record_pointer(SENSE), _record_pointer(COMMAND)
+    )
 
     def drivegate_step(state: Any, sense: Any, command: Any) -> None:
-        step_state(numba.carray(state, 1)[0], numba.carray(sense, 1)[0], numba.carray(command, 1)[0])
+        step_state(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])
 
     return numba.cfunc(signature, cache=KEEPS_CACHE)(drivegate_step)
 

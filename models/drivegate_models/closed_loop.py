@@ -75,10 +75,10 @@ class Exchange(NamedTuple):
 def _value_at(times: NDArray[np.float64], values: NDArray[np.float64], position: int, time: float) -> float:
     """Return a piecewise linear function's value after its point `position`."""
     if position + 1 >= times.size:
-        return values[times.size - 1]
+        return float(values[times.size - 1])
     span = times[position + 1] - times[position]
     share = (time - times[position]) / span
-    return values[position] + share * (values[position + 1] - values[position])
+    return float(values[position] + share * (values[position + 1] - values[position]))
 
 
 @inlined

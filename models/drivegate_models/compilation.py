@@ -7,6 +7,7 @@ package and of the versions that compile them, and falls back to a temporary fol
 
 from __future__ import annotations
 
+import contextlib
 import getpass
 import hashlib
 import importlib.metadata
@@ -16,7 +17,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar
+from typing import TypeVar, cast
 
 CACHE_VARIABLE = "DRIVEGATE_CACHE"
 """Environment variable that overrides the folder in which compiled kernels are kept."""
@@ -57,10 +58,8 @@ def _candidate_folders() -> list[Path]:
     user_cache = os.environ.get("XDG_CACHE_HOME")
     if user_cache:
         folders.append(Path(user_cache) / "drivegate")
-    try:
+    with contextlib.suppress(RuntimeError):
         folders.append(Path.home() / ".cache" / "drivegate")
-    except RuntimeError:
-        pass
     try:
         user = getpass.getuser()
     except (OSError, KeyError, ImportError):
@@ -116,8 +115,8 @@ def kernel(function: _Function) -> _Function:
     callable
         The compiled function, with the signature of the original.
     """
-    compiled: _Function = numba.njit(cache=KEEPS_CACHE, error_model="numpy")(function)
-    return compiled
+    compiled = numba.njit(cache=KEEPS_CACHE, error_model="numpy")(function)
+    return cast(_Function, compiled)
 
 
 def inlined(function: _Function) -> _Function:
@@ -133,7 +132,5 @@ def inlined(function: _Function) -> _Function:
     callable
         The compiled function.
     """
-    compiled: _Function = numba.njit(cache=KEEPS_CACHE, error_model="numpy", forceinline=True)(
-        function
-    )
-    return compiled
+    compiled = numba.njit(cache=KEEPS_CACHE, error_model="numpy", forceinline=True)(function)
+    return cast(_Function, compiled)

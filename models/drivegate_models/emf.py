@@ -56,8 +56,8 @@ def sine_corners(pieces: int = 90) -> Corners:
     -----
     A chord lies below the sine by at most ``(pi / pieces)**2 / 8``: 1.5e-4 of the peak with 90 pieces.
     """
-    angles = np.arange(pieces) * (np.pi / pieces)
-    values = np.sin(angles)
+    angles = np.linspace(0.0, np.pi, pieces, endpoint=False, dtype=np.float64)
+    values: NDArray[np.float64] = np.sin(angles)
     return angles, values
 
 

@@ -10,7 +10,8 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.core import config, typing
+from numba.core import config
+from numba.core.typing.templates import Signature
 from numba.extending import intrinsic
 
 _STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
@@ -24,7 +25,7 @@ def _call_step_interpreted(step: int, state: int, sense: int, command: int) -> N
 @intrinsic
 def _call_step_compiled(
     typingctx: Any, step: Any, state: Any, sense: Any, command: Any
-) -> tuple[typing.Signature, Any]:
+) -> tuple[Signature, Any]:
     """Emit a call of ``void (*)(void *, void *, void *)`` at an address."""
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -37,5 +38,7 @@ def _call_step_compiled(
     return types.void(types.int64, types.int64, types.int64, types.int64), codegen
 
 
-call_step: Any = _call_step_interpreted if config.DISABLE_JIT else _call_step_compiled
+_INTERPRETED = bool(vars(config)["DISABLE_JIT"])
+
+call_step: Any = _call_step_interpreted if _INTERPRETED else _call_step_compiled
 """Call ``drivegate_step(state, sense, command)``; all four arguments are addresses (int64)."""

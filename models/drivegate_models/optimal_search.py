@@ -120,7 +120,9 @@ def walk_back(state: Any, angle: float) -> None:
 
 
 @inlined
-def guard_regulation(state: Any, speed: float, speed_reference: float, saturated: bool, period: float) -> None:
+def guard_regulation(
+    state: Any, speed: float, speed_reference: float, saturated: bool, period: float
+) -> None:
     """Watch the regulator at every step and give the angle back when it costs regulation.
 
     Parameters

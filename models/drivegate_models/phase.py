@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models import ledger, segments
-from drivegate_models.compilation import inlined, kernel
+from drivegate_models.compilation import inlined
 from drivegate_models.drive import Drive
 from drivegate_models.winding_current import (
     LONGEST,

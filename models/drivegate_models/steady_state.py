@@ -149,7 +149,7 @@ def _half_cycle(
             work.rows,
             work.row_counts,
         )
-    return -work.currents[0]
+    return -float(work.currents[0])
 
 
 @kernel

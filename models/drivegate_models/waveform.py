@@ -73,7 +73,11 @@ def sample_rows(
             # Another phase's event may lie past this segment's end by rounding.
             offset = min(max(times[k] - row[segments.START], 0.0), row[segments.LENGTH])
             current, _ = current_after(
-                row[segments.CURRENT], row[segments.SLOPE], row[segments.CURVATURE], row[segments.RATE], offset
+                row[segments.CURRENT],
+                row[segments.SLOPE],
+                row[segments.CURVATURE],
+                row[segments.RATE],
+                offset,
             )
             currents[phase, k] = current
             shapes[phase, k] = row[segments.SHAPE] + row[segments.SHAPE_RATE] * offset
@@ -132,7 +136,16 @@ def periodic_waveforms(
     for piece in range(pieces):
         start = piece * length
         advance_phases(
-            drive, phases, angle + electrical * start, speed, supply, supply, reference, advance, length, unused
+            drive,
+            phases,
+            angle + electrical * start,
+            speed,
+            supply,
+            supply,
+            reference,
+            advance,
+            length,
+            unused,
         )
         inside = grid[(grid >= start) & (grid < start + length)] - start
         if piece == pieces - 1:

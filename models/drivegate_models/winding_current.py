@@ -23,7 +23,7 @@ LONGEST = 0.5
 """Longest interval, as a multiple of the time constant L/R, for which the series are used."""
 
 _SHORT = 1.0 / 64.0
-_SHORT_TERMS = 6
+_SHORT_TERMS = 7
 _ALL_TERMS = 17
 
 
@@ -46,12 +46,12 @@ def _square_22_term(k: int) -> float:
 def _polynomial(term: Callable[[int], float]) -> Callable[[float], float]:
     """Return ``sum_k term(k) (-x)**k`` compiled, with few terms for the short intervals that are the rule."""
     coefficients = tuple((-1.0) ** k * term(k) for k in range(_ALL_TERMS))
-    c0, c1, c2, c3, c4, c5 = coefficients[:_SHORT_TERMS]
+    c0, c1, c2, c3, c4, c5, c6 = coefficients[:_SHORT_TERMS]
 
     def evaluate(x: float) -> float:
         if x <= _SHORT:
             square = x * x
-            return (c0 + c1 * x) + square * ((c2 + c3 * x) + square * (c4 + c5 * x))
+            return (c0 + c1 * x) + square * ((c2 + c3 * x) + square * ((c4 + c5 * x) + square * c6))
         total = 0.0
         for k in range(_ALL_TERMS - 1, -1, -1):
             total = total * x + coefficients[k]
@@ -125,7 +125,14 @@ def turning_time(slope: float, curvature: float, rate: float) -> float:
 
 @kernel
 def _root(
-    start: float, slope: float, curvature: float, rate: float, level: float, low: float, high: float, rising: bool
+    start: float,
+    slope: float,
+    curvature: float,
+    rate: float,
+    level: float,
+    low: float,
+    high: float,
+    rising: bool,
 ) -> float:
     """Return the root of i(t) = level in the bracket [low, high] in which i is monotone (s)."""
     sign = 1.0 if rising else -1.0

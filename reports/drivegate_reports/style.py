@@ -119,6 +119,25 @@ def ink(colour: str) -> str:
     return _INK[colour]
 
 
+def signed(value: float, digits: int) -> str:
+    """Write a number with its sign.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    digits : int
+        Digits after the point.
+
+    Returns
+    -------
+    str
+        With a plus or a real minus sign; zero without either.
+    """
+    text = f"{value:+.{digits}f}"
+    return text[1:] if float(text) == 0.0 else text.replace("-", "−")
+
+
 def label(panel: Axes, x: float, y: float, text: str, colour: str, **options: Any) -> None:
     """Write a label beside what it names, in the colour of that.
 

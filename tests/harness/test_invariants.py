@@ -156,4 +156,6 @@ def test_the_published_search_breaks_the_law_by_locking_up() -> None:
     assert margin is not None
     assert not margin.met, f"the literal flowchart converges: {margin.measured}"
     window = next(run.windows()).values
-    assert window[observation.WINDOW_REFERENCE] == pytest.approx(MOTOR.current_limit_a), "it does not stay at the current limit"
+    assert window[observation.WINDOW_REFERENCE] == pytest.approx(MOTOR.current_limit_a), (
+        "it does not stay at the current limit"
+    )

@@ -18,6 +18,8 @@ from drivegate_models.plant import Phases, advance_phases, make_phases, stored_e
 
 CLOSURE = 1e-9
 """Greatest part of the throughput that may be missing."""
+UNDERFLOW = 1e-250
+"""Energy (J) below which products of currents have no digits left."""
 
 LOSSES = {
     "copper": ledger.SQUARE,
@@ -231,7 +233,7 @@ def _check(run: Run) -> None:
     assert np.all(np.isfinite(totals)), f"a total is not finite: {totals}"
     assert np.all(np.isfinite(account.phases.currents)), f"currents are {account.phases.currents}"
 
-    allowed = CLOSURE * account.throughput
+    allowed = CLOSURE * account.throughput + UNDERFLOW
     supplied = totals[ledger.UPPER] + totals[ledger.LOWER]
     origin = totals[ledger.EXCHANGED] - 2.0 * totals[ledger.RETURNED]
     assert abs(supplied - origin) <= allowed, (
@@ -245,8 +247,8 @@ def _check(run: Run) -> None:
     )
 
     for name, entry in LOSSES.items():
-        assert totals[entry] >= -1e-12 * account.throughput, f"{name} is negative: {totals[entry]!r}"
-    assert totals[ledger.RETURNED] <= totals[ledger.EXCHANGED] * (1.0 + 1e-12) + 1e-300, (
+        assert totals[entry] >= -1e-12 * account.throughput - UNDERFLOW, f"{name} is negative: {totals[entry]!r}"
+    assert totals[ledger.RETURNED] <= totals[ledger.EXCHANGED] * (1.0 + 1e-12) + UNDERFLOW, (
         "more comes back than was exchanged"
     )
 

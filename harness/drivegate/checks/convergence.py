@@ -100,7 +100,9 @@ def reaches_optimum(record: RunRecord) -> Margin | None:
             margins.append((-1.0, f"Σ|i| {mean:.4g} A where no angle is feasible{_at(window)}", share))
             continue
         excess = mean / least.current_sum - 1.0
-        measured = f"Σ|i| {mean:.4g} A, {100.0 * excess:+.2f} % of the least {least.current_sum:.4g} A{_at(window)}"
+        measured = (
+            f"Σ|i| {mean:.4g} A, {100.0 * excess:+.2f} % of the least {least.current_sum:.4g} A{_at(window)}"
+        )
         margins.append((1.0 - excess / OPTIMUM_TOLERANCE, measured, share))
     if not margins:
         return None

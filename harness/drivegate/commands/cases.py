@@ -92,7 +92,7 @@ def _motors() -> list[dict[str, Any]]:
 
 
 def _show(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.commands.console import plain, table
+    from drivegate.console import plain, table
 
     for key, heading in (
         ("scenarios", "scenario"),
@@ -105,5 +105,8 @@ def _show(console: Console, document: dict[str, Any]) -> None:
             listed.add_row(plain(row["name"]), plain(row["description"]))
         console.print(listed)
     console.print(
-        plain("next: drivegate simulate reference --case NAME runs a scenario, --motor NAME takes a motor", "dim")
+        plain(
+            "next: drivegate simulate reference --case NAME runs a scenario, --motor NAME takes a motor",
+            "dim",
+        )
     )

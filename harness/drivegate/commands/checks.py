@@ -27,10 +27,12 @@ def command() -> Outcome:
 
 
 def _show(console: Console, rows: list[dict[str, Any]]) -> None:
-    from drivegate.commands.console import plain, table
+    from drivegate.console import plain, table
 
     listed = table("id", "level", "subject", "source", "requirement", "limit")
     for row in rows:
-        listed.add_row(*(plain(row[key]) for key in ("id", "level", "subject", "source", "requirement", "limit")))
+        listed.add_row(
+            *(plain(row[key]) for key in ("id", "level", "subject", "source", "requirement", "limit"))
+        )
     console.print(listed)
     console.print(plain("next: drivegate check CANDIDATE applies them", "dim"))

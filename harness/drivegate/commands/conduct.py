@@ -200,7 +200,7 @@ def _print(outcome: Outcome, as_json: bool) -> None:
         if as_json:
             _write_json(outcome.document)
         elif sys.stdout is not None:
-            from drivegate.commands.console import console_for
+            from drivegate.console import console_for
 
             outcome.show(console_for(sys.stdout))
             sys.stdout.flush()

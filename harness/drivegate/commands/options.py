@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, isfinite
+from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -21,8 +21,8 @@ json_option = click.option(
 """The flag that the command line has read before; here it is only accepted and described."""
 
 
-class Number(click.ParamType):
-    """A finite number within limits.
+def bounded(lowest: float, highest: float = inf, *, above: bool = False) -> Callable[[str], float]:
+    """Make the type of an option that is a finite number within limits.
 
     Parameters
     ----------
@@ -30,44 +30,25 @@ class Number(click.ParamType):
         The limits.
     above : bool
         Whether the number must be above `lowest`, not at it.
+
+    Returns
+    -------
+    callable
+        Reads the number.
     """
+    lower = f"above {lowest:g}" if above else f"from {lowest:g}"
+    upper = ("" if above else " upward") if highest == inf else f"{' and up' if above else ''} to {highest:g}"
 
-    name = "number"
-
-    def __init__(self, lowest: float, highest: float = inf, *, above: bool = False) -> None:
-        self._lowest, self._highest, self._above = lowest, highest, above
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Read a number.
-
-        Parameters
-        ----------
-        value : object
-            What stands on the command line.
-        param : click.Parameter or None
-            The option.
-        ctx : click.Context or None
-            The command's context.
-
-        Returns
-        -------
-        float
-            The number.
-        """
+    def number(text: str) -> float:
         try:
-            number = float(value)
+            value = float(text)
         except ValueError:
-            number = inf
-        below = number <= self._lowest if self._above else number < self._lowest
-        if not isfinite(number) or below or number > self._highest:
-            self.fail(f"it is {shown(value)}, but must be a number {self._range()}", param, ctx)
-        return number
+            value = nan
+        if not isfinite(value) or value < lowest or (above and value == lowest) or value > highest:
+            raise click.BadParameter(f"it is {shown(text)}, but must be a number {lower}{upper}")
+        return value
 
-    def _range(self) -> str:
-        lower = f"above {self._lowest:g}" if self._above else f"from {self._lowest:g}"
-        if not isfinite(self._highest):
-            return lower if self._above else f"{lower} upward"
-        return f"{lower} {'and up ' if self._above else ''}to {self._highest:g}"
+    return number
 
 
 def motor_options(function: _Function) -> _Function:

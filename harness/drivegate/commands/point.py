@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import Number, chosen_motor, json_option, motor_options
+from drivegate.commands.options import bounded, chosen_motor, json_option, motor_options
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
@@ -42,10 +42,12 @@ _ROWS = (
 
 
 @click.command("point")
-@click.option("--speed-rpm", type=Number(0.0, 1e5, above=True), required=True, help="Speed of the shaft.")
-@click.option("--advance-deg", type=Number(0.0, 90.0), required=True, help="Advance angle, electrical degrees.")
-@click.option("--torque-nm", type=Number(0.0, 1e6), help="Mean electromagnetic torque; finds the current.")
-@click.option("--current-a", type=Number(0.0, 1e5), help="Current reference.")
+@click.option("--speed-rpm", type=bounded(0.0, 1e5, above=True), required=True, help="Speed of the shaft.")
+@click.option(
+    "--advance-deg", type=bounded(0.0, 90.0), required=True, help="Advance angle, electrical degrees."
+)
+@click.option("--torque-nm", type=bounded(0.0, 1e6), help="Mean electromagnetic torque; finds the current.")
+@click.option("--current-a", type=bounded(0.0, 1e5), help="Current reference.")
 @click.option(
     "--cycles",
     type=click.IntRange(1, 100_000),
@@ -150,7 +152,7 @@ def _percent(part: float, whole: float) -> float | None:
 
 
 def _show(console: Console, document: dict[str, Any], drive: Drive, torque: float | None) -> None:
-    from drivegate.commands.console import number, plain, table
+    from drivegate.console import number, plain, table
 
     values = table("quantity", "value", "unit", right=("value",))
     for key, name, unit in _ROWS:
@@ -166,6 +168,10 @@ def _show(console: Console, document: dict[str, Any], drive: Drive, torque: floa
         console.print(plain(f"not feasible: {asked}", "yellow"))
     if document.get("averaged_cycles", 1) > 1:
         console.print(
-            plain(f"no periodic state exists here; means are over {document['averaged_cycles']} electrical cycles")
+            plain(
+                f"no periodic state exists here; means are over {document['averaged_cycles']} electrical cycles"
+            )
         )
-    console.print(plain("next: another angle shows what Σ|i| costs; drivegate cases lists published points", "dim"))
+    console.print(
+        plain("next: another angle shows what Σ|i| costs; drivegate cases lists published points", "dim")
+    )

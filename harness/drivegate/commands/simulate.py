@@ -45,7 +45,9 @@ _WINDOW_COLUMNS = (
 )
 @click.option("--csv", type=click.Path(path_type=Path), help="Write the trace as CSV.")
 @click.option("--parquet", type=click.Path(path_type=Path), help="Write the trace as Parquet.")
-@click.option("--plot", type=click.Path(path_type=Path), help="Write a figure; the name ends in .png or .svg.")
+@click.option(
+    "--plot", type=click.Path(path_type=Path), help="Write a figure; the name ends in .png or .svg."
+)
 @motor_options
 @json_option
 def command(
@@ -85,7 +87,11 @@ def command(
             write_plot(frame, plot, f"{resolved.name}: {scenario.name}")
     written = [str(path) for path in (csv, parquet, plot) if path is not None]
     document["files"] = written
-    hint = "" if plot is not None else f"drivegate simulate {quote(candidate)} --case {quote(case)} --plot run.png"
+    hint = (
+        ""
+        if plot is not None
+        else f"drivegate simulate {quote(candidate)} --case {quote(case)} --plot run.png"
+    )
     return Outcome(document, lambda console: _show(console, document, hint))
 
 
@@ -103,18 +109,22 @@ def _scenario(case: str) -> Scenario:
 
 
 def _show(console: Console, document: dict[str, Any], hint: str) -> None:
-    from drivegate.commands.console import number, plain, table
+    from drivegate.console import number, plain, table
 
     summary = document["summary"]
     heading = f"{document['candidate']['name']}: {document['scenario']}, {document['duration_s']:g} s"
     listed = table("quantity", "value", "unit", right=("value",), title=heading)
     for key, name, unit in _ROWS:
         listed.add_row(name, number(summary[key]), unit)
-    listed.add_row("energy residual, worst control period", f"{summary['energy_residual']:.1e}", "of throughput")
+    listed.add_row(
+        "energy residual, worst control period", f"{summary['energy_residual']:.1e}", "of throughput"
+    )
     console.print(listed)
     if document["windows"]:
         headings = tuple(heading for _, heading in _WINDOW_COLUMNS)
-        windows = table("steady from (s)", "to (s)", *headings, right=("steady from (s)", "to (s)", *headings))
+        windows = table(
+            "steady from (s)", "to (s)", *headings, right=("steady from (s)", "to (s)", *headings)
+        )
         for row in document["windows"]:
             values = (number(row[key]) for key, _ in _WINDOW_COLUMNS)
             windows.add_row(number(row["start_s"], 1), number(row["end_s"], 1), *values)
@@ -126,7 +136,7 @@ def _show(console: Console, document: dict[str, Any], hint: str) -> None:
 
 
 def _show_fault(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.commands.console import plain
+    from drivegate.console import plain
 
     fault = document["fault"]
     console.print(plain(f"{document['candidate']['name']}: {fault['kind']}: {fault['message']}", "bold red"))

@@ -143,14 +143,12 @@ def draw(data: InputCurrentSweep) -> Figure:
     _draw_angles(panels[0], data)
     _draw_pair(panels[1], data.speed_rpm, data.initial_current_sum_a, data.optimal_current_sum_a, "Σ|i| (A)")
     saved = data.current_saving_percent
-    label(
-        panels[1], 1400.0, 66.0, f"optimal angle: {saved.min():.1f} to {saved.max():.1f} % less current", BLUE, ha="center"
-    )
+    text = f"optimal angle: {saved.min():.1f} to {saved.max():.1f} % less current"
+    label(panels[1], 1400.0, 66.0, text, BLUE, ha="center")
     _draw_pair(panels[2], data.speed_rpm, data.initial_input_w, data.optimal_input_w, "net input power (W)")
     saved = data.power_saving_percent
-    label(
-        panels[2], 1400.0, 1600.0, f"only {saved.min():.2f} to {saved.max():.2f} % fewer watts", BLUE, ha="center"
-    )
+    text = f"optimal angle: {saved.min():.1f} to {saved.max():.1f} % fewer watts"
+    label(panels[2], 1400.0, 1600.0, text, BLUE, ha="center")
     for panel in panels:
         panel.set_xlabel("speed (rpm)")
         panel.set_xlim(520.0, 2230.0)
@@ -162,7 +160,8 @@ def _draw_angles(panel: Axes, data: InputCurrentSweep) -> None:
     speeds = data.speed_rpm
     out_of_reach = data.published_deg < data.edge_deg
     panel.fill_between(speeds, 0.0, data.edge_deg, color=GREY, alpha=0.18, linewidth=0)
-    label(panel, 1100.0, 11.0, f"{data.power_w / 1000.0:g} kW out of reach within the current limit", GREY, ha="center")
+    text = f"{data.power_w / 1000.0:g} kW out of reach within the current limit"
+    label(panel, 1400.0, 11.0, text, GREY, ha="center")
     panel.plot(speeds, data.initial_deg, color=VERMILION)
     panel.plot(speeds, data.optimal_deg, color=BLUE)
     panel.plot(speeds, np.where(out_of_reach, np.nan, data.published_deg), color=GREEN, linewidth=1.3)

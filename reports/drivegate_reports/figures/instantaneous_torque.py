@@ -112,23 +112,15 @@ def draw(data: TorqueCycle) -> Figure:
         One panel, with the torque's axis from zero.
     """
     figure, (panel,) = new_figure(3.3, 1)
-    panel.axhspan(data.lowest_nm, data.highest_nm, color=BLUE, alpha=0.10, linewidth=0)
+    panel.fill_between([0.0, 360.0], data.lowest_nm, data.highest_nm, color=BLUE, alpha=0.10, linewidth=0)
     panel.plot(data.angle_deg, data.torque_nm, color=BLUE, linewidth=1.5)
-    panel.axhline(data.mean_nm, color=VERMILION, linewidth=1.2, linestyle=(0, (5, 3)))
+    panel.plot([0.0, 360.0], [data.mean_nm] * 2, color=VERMILION, linewidth=1.2, linestyle=(0, (5, 3)))
     right = 364.0
     label(panel, right, data.highest_nm, f"max {data.highest_nm:.2f}", BLUE, va="bottom")
     label(panel, right, data.mean_nm, f"mean {data.mean_nm:.2f}", VERMILION, va="center", weight="bold")
     label(panel, right, data.lowest_nm, f"min {data.lowest_nm:.2f}", BLUE, va="top")
-    label(
-        panel,
-        180.0,
-        0.5 * data.mean_nm,
-        f"ripple, peak to peak over mean: {data.ripple_percent:.1f} %  (published: below {LIMIT_PERCENT:.0f} %)",
-        GREY,
-        ha="center",
-        va="center",
-        fontsize=10.0,
-    )
+    text = f"peak to peak over mean: {data.ripple_percent:.1f} %  (published: below {LIMIT_PERCENT:.0f} %)"
+    label(panel, 180.0, 0.5 * data.mean_nm, text, GREY, ha="center", va="center", fontsize=10.0)
     panel.set_xlim(0.0, 420.0)
     panel.set_ylim(0.0, 1.15 * data.highest_nm)
     panel.set_xticks(np.arange(0.0, 361.0, 72.0))

@@ -14,7 +14,7 @@ from drivegate_cases.operating_point import load_operating_point
 from drivegate_models.oracle import point_at_torque
 from drivegate_models.waveform import periodic_waveforms
 from drivegate_reports.reference_drive import RADIANS_PER_RPM, banded_drive
-from drivegate_reports.style import BLUE, GREY, VERMILION, label, new_figure
+from drivegate_reports.style import BLUE, GREY, VERMILION, label, new_figure, signed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -125,7 +125,7 @@ def _draw_point(panel: Axes, data: PhaseCurrents) -> None:
     panel.plot(data.time_ms, data.current_a[0], color=BLUE)
     end = data.time_ms[-1] * _SLOPE_TO_DEG / 360.0
     label(panel, 0.35 * end, 15.0, "phase 1", BLUE, weight="bold", ha="center")
-    label(panel, 1.12 * end, 15.0, f"{data.slope_a_per_ms:+.1f} A/ms before the window closes", VERMILION)
+    label(panel, 1.12 * end, 15.0, f"{signed(data.slope_a_per_ms, 1)} A/ms before the window closes", VERMILION)
     panel.set_title(f"{data.speed_rpm:.0f} rpm, {data.torque_nm:g} N·m, {data.advance_deg:.0f}°")
     panel.set_xlabel("time (ms)")
     panel.set_ylabel("phase current (A)")

@@ -17,7 +17,7 @@ from drivegate_models.builtin_controllers import SEARCH_PERIOD, SEARCHES
 from drivegate_models.observation import TRACE_COLUMNS
 from drivegate_models.oracle import current_sum_curve, least_current_sum
 from drivegate_reports.reference_drive import RADIANS_PER_RPM, banded_drive
-from drivegate_reports.style import BLUE, GREEN, GREY, VERMILION, label, new_figure
+from drivegate_reports.style import BLUE, GREEN, GREY, VERMILION, label, new_figure, signed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 SCENARIO = "fig5-search"
 COLOURS = {"reference": BLUE, "published": VERMILION}
+LOADING_TIME = 0.6
+"""Time after the load comes on that the plane leaves out, while the speed recovers (s)."""
 _CURVE_DEG = np.arange(47.0, 63.01, 0.25)
 
 
@@ -153,17 +155,14 @@ def draw(data: SearchTrajectory) -> Figure:
 
 
 def _draw_angles(panel: Axes, data: SearchTrajectory) -> None:
-    for run, side in ((data.reference, "bottom"), (data.published, "top")):
-        colour = COLOURS[run.name]
-        panel.step(run.time_s, run.advance_deg, where="post", color=colour)
-        offset = 0.5 if side == "bottom" else -0.5
-        label(
-            panel, run.time_s[-1], run.advance_deg[-1] + offset, run.name, colour, ha="right", va=side, weight="bold"
-        )
+    end = data.reference.time_s[-1]
+    for run, offset, side in ((data.reference, 0.6, "bottom"), (data.published, 0.8, "bottom")):
+        panel.step(run.time_s, run.advance_deg, where="post", color=COLOURS[run.name])
+        level = run.advance_deg[-1] + offset
+        label(panel, end, level, run.name, COLOURS[run.name], ha="right", va=side, weight="bold")
     panel.axhline(data.optimum_deg, color=GREY, linewidth=1.0, linestyle=(0, (4, 3)))
-    label(
-        panel, 0.45 * data.reference.time_s[-1], data.optimum_deg + 0.3, f"least Σ|i| at {data.optimum_deg:.1f}°", GREY
-    )
+    text = f"least Σ|i| in the steady state: {data.optimum_deg:.1f}°"
+    label(panel, end, data.optimum_deg - 0.8, text, GREY, ha="right", va="top")
     panel.set_ylabel("advance angle (el. deg)")
     panel.set_xlabel("time (s)")
     panel.margins(x=0.01, y=0.12)
@@ -173,12 +172,11 @@ def _draw_errors(panel: Axes, data: SearchTrajectory) -> None:
     for run in (data.reference, data.published):
         panel.plot(run.time_s, run.speed_error_rpm, color=COLOURS[run.name])
     lost = data.published
-    panel.axhspan(-5.0, 5.0, color=GREY, alpha=0.18, linewidth=0)
-    label(panel, 0.1, 5.6, "k1: ±5 rpm", GREY, va="bottom")
-    message = f"published: {lost.speed_error_rpm[-1]:.0f} rpm, saturated at {lost.current_reference_a[-1]:.0f} A"
-    label(
-        panel, lost.time_s[-1], lost.speed_error_rpm[-1] + 1.5, message, VERMILION, ha="right", va="bottom", weight="bold"
-    )
+    height = 0.05 * float(np.ptp(lost.speed_error_rpm))
+    label(panel, lost.time_s[-1], -height, "reference", BLUE, ha="right", va="top", weight="bold")
+    text = f"published: {signed(lost.speed_error_rpm[-1], 0)} rpm, regulator saturated at {data.current_limit_a:.0f} A"
+    level = lost.speed_error_rpm[-1] + 2.5 * height
+    label(panel, lost.time_s[-1], level, text, VERMILION, ha="right", va="bottom", weight="bold")
     panel.set_ylabel("speed error (rpm)")
     panel.set_xlabel("time (s)")
     panel.margins(x=0.01, y=0.18)
@@ -186,39 +184,26 @@ def _draw_errors(panel: Axes, data: SearchTrajectory) -> None:
 
 def _draw_plane(panel: Axes, data: SearchTrajectory) -> None:
     panel.plot(data.curve_advance_deg, data.curve_current_sum_a, color=GREY, linewidth=5.0, alpha=0.45)
-    label(
-        panel,
-        data.curve_advance_deg[-1] - 0.1,
-        data.curve_current_sum_a[-1] - 1.2,
-        "steady state at this torque",
-        GREY,
-        ha="right",
-        va="top",
-    )
-    for run in (data.reference, data.published):
-        searching = run.time_s > data.load_begins_s + 0.6
+    text = f"steady state at {data.torque_nm:g} N·m"
+    label(panel, data.curve_advance_deg[-1] - 1.6, data.curve_current_sum_a[-1], text, GREY, ha="right", va="center")
+    for run, marker in ((data.published, "s"), (data.reference, "o")):
+        searching = run.time_s > data.load_begins_s + LOADING_TIME
         panel.plot(
             run.advance_deg[searching],
             run.current_sum_a[searching],
             color=COLOURS[run.name],
-            marker="o" if run.name == "reference" else "s",
+            marker=marker,
             markersize=3.2,
             linewidth=1.0,
         )
-    end = data.published
-    label(
-        panel,
-        end.advance_deg[-1] + 0.3,
-        end.current_sum_a[-1],
-        "published: past the edge, locked up",
-        VERMILION,
-        va="center",
-        weight="bold",
-    )
+    lost = data.published
+    text = "published: over the edge, speed lost, frozen"
+    label(panel, lost.advance_deg[-1], lost.current_sum_a[-1] + 4.2, text, VERMILION, weight="bold")
+    end = data.reference
+    label(panel, end.advance_deg[-1] + 0.8, end.current_sum_a[-1] - 0.4, "reference", BLUE, va="top", weight="bold")
     panel.plot([data.optimum_deg], [data.optimum_current_sum_a], marker="*", color=GREEN, markersize=12)
-    label(
-        panel, data.optimum_deg - 0.2, data.optimum_current_sum_a - 1.0, "feasible edge, least Σ|i|", GREEN, ha="right", va="top"
-    )
+    text = "least Σ|i|, on the feasible edge"
+    label(panel, data.optimum_deg - 0.6, data.optimum_current_sum_a + 0.5, text, GREEN, ha="right", va="bottom")
     panel.set_xlabel("advance angle (el. deg)")
     panel.set_ylabel("Σ|i| (A)")
     panel.margins(x=0.03, y=0.12)

@@ -94,7 +94,9 @@ def table(*columns: str, right: tuple[str, ...] = (), title: str | None = None) 
     Table
         The table.
     """
-    made = Table(box=SIMPLE, title=None if title is None else plain(title), title_justify="left", pad_edge=False)
+    made = Table(
+        box=SIMPLE, title=None if title is None else plain(title), title_justify="left", pad_edge=False
+    )
     for column in columns:
         made.add_column(plain(column), justify="right" if column in right else "left", overflow="fold")
     return made

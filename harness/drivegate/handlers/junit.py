@@ -1,0 +1,96 @@
+"""The result as JUnit XML, which CI servers show: one test case for each check, one for each fault."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate.events import CheckFinished, Event
+from drivegate.handlers.distinct_faults import distinct_faults, in_runs
+from drivegate_cases.wording import one_line
+
+JUNIT_FILE: Final = "junit.xml"
+
+
+class JUnitFile:
+    """Writes JUnit XML.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __call__(self, event: Event) -> None:
+        """Write when the check has ended.
+
+        Parameters
+        ----------
+        event : Event
+            Any event.
+        """
+        if isinstance(event, CheckFinished):
+            (self._folder / JUNIT_FILE).write_bytes(junit_xml(event.result.document()))
+
+
+def junit_xml(result: dict[str, Any]) -> bytes:
+    """Make JUnit XML of a result document.
+
+    An advisory check that fails is told in the output of its case, which passes.
+
+    Parameters
+    ----------
+    result : dict
+        A result document.
+
+    Returns
+    -------
+    bytes
+        The XML in UTF-8.
+    """
+    name = one_line(result["candidate"]["name"])
+    suite = ElementTree.Element("testsuite", name=f"drivegate {name}")
+    for check in result["checks"]:
+        case = _case(suite, name, check["id"])
+        _judge(case, check)
+    for number, (fault, count) in enumerate(distinct_faults(result["faults"]), start=1):
+        case = _case(suite, name, f"fault {number}")
+        error = ElementTree.SubElement(
+            case,
+            "error",
+            type=one_line(fault["kind"]),
+            message=one_line(f"{fault['kind']}{in_runs(count)}: {fault['message']}"),
+        )
+        error.text = "\n".join(map(one_line, fault["traceback"].splitlines()))
+    cases = suite.findall("testcase")
+    suite.set("tests", str(len(cases)))
+    for kind, attribute in (("failure", "failures"), ("error", "errors"), ("skipped", "skipped")):
+        suite.set(attribute, str(sum(case.find(kind) is not None for case in cases)))
+    suite.set("time", f"{result['timing'].get('seconds', 0.0):.3f}")
+    suites = ElementTree.Element("testsuites")
+    suites.append(suite)
+    ElementTree.indent(suites)
+    text: bytes = ElementTree.tostring(suites, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _case(suite: ElementTree.Element, candidate: str, name: str) -> ElementTree.Element:
+    return ElementTree.SubElement(suite, "testcase", classname=candidate, name=one_line(name))
+
+
+def _judge(case: ElementTree.Element, check: dict[str, Any]) -> None:
+    verdict, message = check["verdict"], one_line(check["message"])
+    if verdict == "not applicable":
+        ElementTree.SubElement(case, "skipped", message=message)
+    elif check["level"] == "required" and verdict == "fail":
+        failure = ElementTree.SubElement(case, "failure", type="fail", message=message)
+        failure.text = one_line(f"{check['requirement']} Limit: {check['limit']}. Margin: {check['margin']:.4g}.")
+    elif check["level"] == "required" and verdict != "pass":
+        ElementTree.SubElement(case, "error", type=one_line(verdict), message=message)
+    else:
+        output = ElementTree.SubElement(case, "system-out")
+        output.text = one_line(f"{check['level']}, {verdict}: {check['message']}")

@@ -1,0 +1,131 @@
+"""The result as JSON, and a file for every counterexample."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate.events import CheckFinished, Event
+
+RESULT_FILE: Final = "result.json"
+COUNTEREXAMPLES: Final = "counterexamples"
+COUNTEREXAMPLE_SCHEMA: Final = 1
+
+
+def as_json(document: dict[str, Any]) -> str:
+    """Write a document as the text of a file.
+
+    Parameters
+    ----------
+    document : dict
+        Plain data, all numbers finite.
+
+    Returns
+    -------
+    str
+        Indented JSON with a line end.
+    """
+    return json.dumps(document, indent=2, ensure_ascii=True, allow_nan=False) + "\n"
+
+
+class ResultFile:
+    """Writes the result document.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __call__(self, event: Event) -> None:
+        """Write when the check has ended.
+
+        Parameters
+        ----------
+        event : Event
+            Any event.
+        """
+        if isinstance(event, CheckFinished):
+            text = as_json(event.result.document())
+            (self._folder / RESULT_FILE).write_text(text, encoding="utf-8")
+
+
+class CounterexampleFiles:
+    """Writes every counterexample into a file of its own.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __call__(self, event: Event) -> None:
+        """Write when the check has ended.
+
+        Parameters
+        ----------
+        event : Event
+            Any event.
+        """
+        if not isinstance(event, CheckFinished):
+            return
+        for document in counterexamples(event.result.document()):
+            path = self._folder / counterexample_name(document["check"])
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(as_json(document), encoding="utf-8")
+
+
+def counterexample_name(check: str) -> str:
+    """Name the file of a counterexample, in the folder of the report.
+
+    Parameters
+    ----------
+    check : str
+        Identifier of the check.
+
+    Returns
+    -------
+    str
+        A relative path with forward slashes.
+    """
+    return f"{COUNTEREXAMPLES}/{check}.json"
+
+
+def counterexamples(result: dict[str, Any]) -> list[dict[str, Any]]:
+    """Make a document of every counterexample in a result.
+
+    Parameters
+    ----------
+    result : dict
+        A result document.
+
+    Returns
+    -------
+    list of dict
+        For each check that failed, the fully resolved scenario with what it is about.
+    """
+    versions = {key: value for key, value in result["provenance"].items() if key != "content_hash"}
+    return [
+        {
+            "schema": COUNTEREXAMPLE_SCHEMA,
+            "kind": "counterexample",
+            "check": check["id"],
+            "requirement": check["requirement"],
+            "limit": check["limit"],
+            "margin": check["margin"],
+            "measured": check["measured"],
+            "seed": result["seed"],
+            "candidate": {"name": result["candidate"]["name"], "hash": result["candidate"]["hash"]},
+            "versions": versions,
+            "scenario": check["counterexample"],
+        }
+        for check in result["checks"]
+        if check["counterexample"] is not None
+    ]
