@@ -92,7 +92,9 @@ def scenario_in_short(scenario: dict[str, Any]) -> str:
     if "supply_v" in scenario:
         parts.append(f"supply {_values(scenario['supply_v'])} V")
     parts += [
-        f"{key} × {value:g}" for key, value in scenario.get("scales", {}).items() if key in _FACTORS and value != 1.0
+        f"{key} × {value:g}"
+        for key, value in scenario.get("scales", {}).items()
+        if key in _FACTORS and value != 1.0
     ]
     added = scenario.get("scales", {}).get("friction_added_n_m", 0.0)
     if added:

@@ -149,7 +149,12 @@ def _check(checked: Checked, candidate: Candidate, staging: Path, place: Path, e
         )
         with progress_on(sys.stderr) as progress:
             staging.mkdir(exist_ok=True)
-            files = (ResultFile(staging), CounterexampleFiles(staging), JUnitFile(staging), MarkdownFile(staging))
+            files = (
+                ResultFile(staging),
+                CounterexampleFiles(staging),
+                JUnitFile(staging),
+                MarkdownFile(staging),
+            )
             return publish(events, (progress, *files, pages)).document()
 
     checked.document = _attempted(checked, work)
@@ -158,7 +163,9 @@ def _check(checked: Checked, candidate: Candidate, staging: Path, place: Path, e
     checked.folder = place
     checked.pages = tuple(place / page for page in pages.pages)
     if pages.problems:
-        checked.error = HarnessFault(f"{'; '.join(pages.problems)}, but the result is in {place / RESULT_FILE}")
+        checked.error = HarnessFault(
+            f"{'; '.join(pages.problems)}, but the result is in {place / RESULT_FILE}"
+        )
         checked.error.__cause__ = pages.error
 
 

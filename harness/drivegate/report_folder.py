@@ -49,7 +49,9 @@ class ReportFolder:
             if self.place.exists() and not self.place.is_dir():
                 raise _refused(place, "is a file; name a folder")
             if self.place.is_dir() and any(self.place.iterdir()) and not (self.place / MARK).is_file():
-                raise _refused(place, "holds files that are no report of drivegate; name a new or an empty folder")
+                raise _refused(
+                    place, "holds files that are no report of drivegate; name a new or an empty folder"
+                )
         except (OSError, ValueError, RuntimeError) as error:
             raise _unusable(place, error) from error
         self.staging = self.place.with_name(f".{self.place.name}.{secrets.token_hex(6)}.partial")

@@ -15,9 +15,11 @@ from math import floor, inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models import ledger, segments
+from drivegate_models import ledger
 from drivegate_models.compilation import inlined
 from drivegate_models.drive import Drive
+from drivegate_models.leg import connection, ideal_latch, time_to_pass
+from drivegate_models.segments import keep_segment
 from drivegate_models.winding_current import (
     LONGEST,
     crossing_time,
@@ -35,8 +37,6 @@ EVENT_LIMIT = 200_000
 
 _STANDSTILL = 1e-100
 _LEAST_REFERENCE = 1e-20
-_FLOATS = 0
-_SLIDES = 2
 
 
 @inlined
@@ -153,7 +153,6 @@ def advance_phase(
     switch_drop = drive.switch_drop
     diode_drop = drive.diode_drop
     longest = LONGEST / rate if rate > 0.0 else inf
-    capacity = rows.shape[1]
     kept = 0
 
     angle = _wrapped(angle)
@@ -206,145 +205,56 @@ def advance_phase(
         emf = emf_peak * shape
         emf_rate = emf_peak * shape_rate
 
-        # The gate: which switch is on, if any; the ideal regulator derives its latch from the current.
-        mode = _FLOATS
+        front_source = upper if sector > 0 else lower
+        back_source = lower if sector > 0 else upper
+        slides = False
+        gate = 0
         if sector != 0 and reference > 0.0:
-            front = (upper if sector > 0 else lower) - switch_drop
             if band == 0.0:
-                along = sector * current
-                if along < reference:
-                    latch = 1
-                elif along > reference:
-                    latch = 0
-                elif depart == 0:
-                    needed = sector * emf + resistance * reference
-                    back = -((lower if sector > 0 else upper) + diode_drop)
-                    if needed > front:
-                        latch = 1
-                        depart = -sector
-                    elif needed < back:
-                        latch = 0
-                        depart = sector
-                    else:
-                        mode = _SLIDES
+                latch, depart, slides = ideal_latch(
+                    sector * current,
+                    reference,
+                    depart,
+                    sector * emf + resistance * reference,
+                    front_source - switch_drop,
+                    -(back_source + diode_drop),
+                )
             gate = sector * latch
-        else:
-            gate = 0
         if gate != gate_was:
             if band > 0.0:
-                if gate_was != 0:
-                    switching_total += drive.turn_off_energy
-                if gate != 0:
-                    switching_total += drive.turn_on_energy
+                switching_total += drive.turn_off_energy if gate_was != 0 else 0.0
+                switching_total += drive.turn_on_energy if gate != 0 else 0.0
             gate_was = gate
-
-        # The rail that the phase is connected to, and the sign of its current until the next event.
-        side = 0
         rail = 0
-        if mode != _SLIDES:
-            if current > 0.0:
-                side = 1
-            elif current < 0.0:
-                side = -1
-            if gate != 0:
-                rail = gate
-                if side == 0:
-                    if conducting != 0:
-                        side = conducting
-                    else:
-                        source = upper if gate > 0 else lower
-                        opposing = gate * emf
-                        if opposing < source - switch_drop:
-                            side = gate
-                        elif opposing > source + diode_drop:
-                            side = -gate
-                        elif switch_drop + diode_drop == 0.0:
-                            side = -gate if gate * emf_rate > 0.0 else gate
-                        else:
-                            rail = 0
-            elif side != 0:
-                rail = -side
-            elif conducting != 0:
-                side = conducting
-                rail = -side
-            elif emf > upper + diode_drop or (emf == upper + diode_drop and emf_rate > 0.0):
-                side = -1
-                rail = 1
-            elif emf < -(lower + diode_drop) or (emf == -(lower + diode_drop) and emf_rate < 0.0):
-                side = 1
-                rail = -1
-            if rail != 0:
-                mode = rail
+        side = 0
+        if not slides:
+            rail, side = connection(
+                gate, current, conducting, emf, emf_rate, upper, lower, switch_drop, diode_drop
+            )
         from_rest = conducting
         conducting = 0
 
         limit = min(duration, next_corner_time, edge_time)
-        length = limit - time
-        if length < 0.0:
-            length = 0.0
+        length = max(limit - time, 0.0)
         at_limit = True
-        if mode == rail and rail != 0 and length > longest:
-            length = longest
-            at_limit = False
 
-        if mode == _FLOATS:
-            # Until the back-EMF passes a rail (or, with forward drops, leaves the dead zone of a closed switch).
-            high = upper + diode_drop
-            low = -(lower + diode_drop)
-            if gate > 0:
-                low = upper - switch_drop
-            elif gate < 0:
-                high = -(lower - switch_drop)
-            wait = inf
-            if emf_rate > 0.0:
-                wait = (high - emf) / emf_rate
-            elif emf_rate < 0.0:
-                wait = (low - emf) / emf_rate
-            if wait < length:
-                length = max(wait, 0.0)
-                at_limit = False
-                # High: the current turns negative; low: positive.
-                conducting = -1 if emf_rate > 0.0 else 1
-            if length > 0.0:
-                mean_square = shape * shape + shape_rate * length * (shape + shape_rate * length / 3.0)
-                drag_total += mean_square * length
-                if kept < capacity:
-                    rows[phase, kept, segments.START] = time
-                    rows[phase, kept, segments.LENGTH] = length
-                    rows[phase, kept, segments.CURRENT] = 0.0
-                    rows[phase, kept, segments.SLOPE] = 0.0
-                    rows[phase, kept, segments.CURVATURE] = 0.0
-                    rows[phase, kept, segments.SHAPE] = shape
-                    rows[phase, kept, segments.SHAPE_RATE] = shape_rate
-                    rows[phase, kept, segments.VOLTAGE] = emf
-                    rows[phase, kept, segments.VOLTAGE_RATE] = emf_rate
-                    rows[phase, kept, segments.RATE] = 0.0
-                    kept += 1
-        elif mode == _SLIDES:
-            front_source = upper if sector > 0 else lower
-            back_source = lower if sector > 0 else upper
+        if slides:
             front = front_source - switch_drop
             back = back_source + diode_drop
             needed = sector * emf + resistance * reference
             needed_rate = sector * emf_rate
-            wait = inf
-            if needed_rate > 0.0:
-                wait = (front - needed) / needed_rate
-            elif needed_rate < 0.0:
-                wait = (-back - needed) / needed_rate
+            wait = time_to_pass(needed, needed_rate, -back, front)
             if wait < length:
                 length = max(wait, 0.0)
                 at_limit = False
-                depart = -sector if needed_rate > 0.0 else sector
-                latch = 1 if needed_rate > 0.0 else 0
+                depart = -1 if needed_rate > 0.0 else 1
             if length > 0.0:
                 # The switch's share of time, the limit of a band that shrinks to nothing.
-                mean_needed = needed + 0.5 * needed_rate * length
-                share = (mean_needed + back) / (front + back)
+                share = (needed + 0.5 * needed_rate * length + back) / (front + back)
                 charge = reference * length
                 magnitude_total += charge
                 square_total += reference * charge
-                shape_current_total += sector * reference * (shape + 0.5 * shape_rate * length) * length
+                shape_current_total += sector * (shape + 0.5 * shape_rate * length) * charge
                 taken = share * front_source * charge
                 given = (1.0 - share) * back_source * charge
                 if sector > 0:
@@ -358,19 +268,30 @@ def advance_phase(
                 device_total += (share * switch_drop + (1.0 - share) * diode_drop) * charge
                 drop = resistance * reference
                 core_total += (share * (front - drop) ** 2 + (1.0 - share) * (back + drop) ** 2) * length
-                if kept < capacity:
-                    rows[phase, kept, segments.START] = time
-                    rows[phase, kept, segments.LENGTH] = length
-                    rows[phase, kept, segments.CURRENT] = current
-                    rows[phase, kept, segments.SLOPE] = 0.0
-                    rows[phase, kept, segments.CURVATURE] = 0.0
-                    rows[phase, kept, segments.SHAPE] = shape
-                    rows[phase, kept, segments.SHAPE_RATE] = shape_rate
-                    rows[phase, kept, segments.VOLTAGE] = sector * needed
-                    rows[phase, kept, segments.VOLTAGE_RATE] = emf_rate
-                    rows[phase, kept, segments.RATE] = 0.0
-                    kept += 1
+                held = sector * needed
+                kept = keep_segment(
+                    rows, phase, kept, time, length, current, 0.0, 0.0, shape, shape_rate, held, emf_rate, 0.0
+                )
+        elif rail == 0:
+            # Until the back-EMF passes a rail (or, with forward drops, leaves the dead zone of a closed switch).
+            high = upper + diode_drop if gate >= 0 else -(lower - switch_drop)
+            low = -(lower + diode_drop) if gate <= 0 else upper - switch_drop
+            wait = time_to_pass(emf, emf_rate, low, high)
+            if wait < length:
+                length = max(wait, 0.0)
+                at_limit = False
+                conducting = -1 if emf_rate > 0.0 else 1
+            if length > 0.0:
+                drag_total += length * (
+                    shape * shape + shape_rate * length * (shape + shape_rate * length / 3.0)
+                )
+                kept = keep_segment(
+                    rows, phase, kept, time, length, 0.0, 0.0, 0.0, shape, shape_rate, emf, emf_rate, 0.0
+                )
         else:
+            if length > longest:
+                length = longest
+                at_limit = False
             source = upper if rail > 0 else lower
             returning = rail * side < 0
             voltage = rail * (source + diode_drop if returning else source - switch_drop)
@@ -378,7 +299,7 @@ def advance_phase(
             curvature = emf_rate * inverse_inductance
             if from_rest != 0 or (current == 0.0 and side * slope < 0.0):
                 slope = 0.0
-            elif depart * slope < 0.0:
+            elif depart * sector * slope < 0.0:
                 # Leaving a slide: what is left of the slope is rounding.
                 slope = 0.0
             depart = 0
@@ -433,18 +354,21 @@ def advance_phase(
                 device_total += (diode_drop if returning else switch_drop) * magnitude
                 core_total += voltage * (voltage * length - 2.0 * resistance * first)
                 core_total += resistance * resistance * square
-                if kept < capacity:
-                    rows[phase, kept, segments.START] = time
-                    rows[phase, kept, segments.LENGTH] = length
-                    rows[phase, kept, segments.CURRENT] = current
-                    rows[phase, kept, segments.SLOPE] = slope
-                    rows[phase, kept, segments.CURVATURE] = curvature
-                    rows[phase, kept, segments.SHAPE] = shape
-                    rows[phase, kept, segments.SHAPE_RATE] = shape_rate
-                    rows[phase, kept, segments.VOLTAGE] = voltage
-                    rows[phase, kept, segments.VOLTAGE_RATE] = 0.0
-                    rows[phase, kept, segments.RATE] = rate
-                    kept += 1
+                kept = keep_segment(
+                    rows,
+                    phase,
+                    kept,
+                    time,
+                    length,
+                    current,
+                    slope,
+                    curvature,
+                    shape,
+                    shape_rate,
+                    voltage,
+                    0.0,
+                    rate,
+                )
                 current = end_current
             if at_level:
                 current = level

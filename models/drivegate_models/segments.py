@@ -4,7 +4,14 @@ A segment is a row of numbers. Within it the current is that of `drivegate_model
 back-EMF shape is ``SHAPE + SHAPE_RATE * (t - START)``.
 """
 
+from __future__ import annotations
+
 from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation import inlined
 
 START: Final = 0
 """Start (s), from the beginning of the advance."""
@@ -28,3 +35,51 @@ RATE: Final = 9
 """R/L while a current flows freely, 0 while it is held (1/s)."""
 FIELDS: Final = 10
 """Length of a row."""
+
+
+@inlined
+def keep_segment(
+    rows: NDArray[np.float64],
+    phase: int,
+    index: int,
+    start: float,
+    length: float,
+    current: float,
+    slope: float,
+    curvature: float,
+    shape: float,
+    shape_rate: float,
+    voltage: float,
+    voltage_rate: float,
+    rate: float,
+) -> int:
+    """Write a segment, if there is room for it.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (m, n, FIELDS)
+        Receives it.
+    phase, index : int
+        Where.
+    start, length, current, slope, curvature, shape, shape_rate, voltage, voltage_rate, rate : float
+        The fields, in the units of their indices above.
+
+    Returns
+    -------
+    int
+        The next index.
+    """
+    if index >= rows.shape[1]:
+        return index
+    row = rows[phase, index]
+    row[START] = start
+    row[LENGTH] = length
+    row[CURRENT] = current
+    row[SLOPE] = slope
+    row[CURVATURE] = curvature
+    row[SHAPE] = shape
+    row[SHAPE_RATE] = shape_rate
+    row[VOLTAGE] = voltage
+    row[VOLTAGE_RATE] = voltage_rate
+    row[RATE] = rate
+    return index + 1

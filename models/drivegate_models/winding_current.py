@@ -161,13 +161,15 @@ def _root(
         else:
             low_limit = time
         step = error / current_slope if current_slope != 0.0 else inf
+        # Newton's next error is this step times the share by which the slope changes over it.
+        bend = (abs(curvature) + rate * abs(current_slope)) * abs(step)
+        if abs(step) * bend <= 2e-16 * high * abs(current_slope) or abs(step) <= 2e-16 * high:
+            return min(max(time - step, low), high)
         following = time - step
         if not (low_limit < following < high_limit):
             following = 0.5 * (low_limit + high_limit)
-            if following == low_limit or following == high_limit:
+            if following in (low_limit, high_limit):
                 return high_limit
-        if abs(following - time) <= 2.3e-16 * high:
-            return following
         time = following
     return time
 

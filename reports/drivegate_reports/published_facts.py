@@ -11,6 +11,7 @@ import numpy as np
 
 from drivegate.builtin_loading import BuiltinController
 from drivegate.scenario_run import run_scenario
+from drivegate_cases.document import parse_document
 from drivegate_cases.facts import Fact, Quantity, facts
 from drivegate_cases.operating_point import load_operating_point
 from drivegate_cases.scenario import Scenario
@@ -103,16 +104,15 @@ def _rated_power() -> Ours:
 def _angle_below_base() -> Ours:
     """Run the published controller through base speed on a dynamometer, and look at what it commands below."""
     base = reference_motor().base_speed_rpm
-    scenario = Scenario.model_validate(
-        {
-            "schema": 1,
-            "name": "through base speed",
-            "motor": reference_motor().to_mapping(),
-            "duration_s": 1.0,
-            "speed_rpm": [[0.0, base - 100.0], [1.0, base + 100.0]],
-            "load": {"kind": "locked"},
-        }
-    )
+    ramp = {
+        "schema": 1,
+        "name": "through base speed",
+        "motor": reference_motor().to_mapping(),
+        "duration_s": 1.0,
+        "speed_rpm": [[0.0, base - 100.0], [1.0, base + 100.0]],
+        "load": {"kind": "locked"},
+    }
+    scenario = parse_document(ramp, Scenario, "the ramp through base speed")
     run = run_scenario(scenario, BuiltinController(SEARCHES["published"]))
     angle = math.degrees(float(run.run[observation.RUN_ANGLE_BELOW_BASE]))
     return Ours(angle, "greatest angle that `published` commands below base speed, on a ramp through it")

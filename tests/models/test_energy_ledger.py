@@ -185,9 +185,7 @@ def _run(run: Run) -> Account:
         shaft = period.speed * totals[ledger.IMPULSE]
         account.totals += totals
         account.shaft += shaft
-        account.throughput += (
-            totals[ledger.EXCHANGED] + abs(shaft) + stored_energy(drive, phases.currents)
-        )
+        account.throughput += totals[ledger.EXCHANGED] + abs(shaft) + stored_energy(drive, phases.currents)
     account.stored_after = stored_energy(drive, phases.currents)
     return account
 
@@ -247,7 +245,9 @@ def _check(run: Run) -> None:
     )
 
     for name, entry in LOSSES.items():
-        assert totals[entry] >= -1e-12 * account.throughput - UNDERFLOW, f"{name} is negative: {totals[entry]!r}"
+        assert totals[entry] >= -1e-12 * account.throughput - UNDERFLOW, (
+            f"{name} is negative: {totals[entry]!r}"
+        )
     assert totals[ledger.RETURNED] <= totals[ledger.EXCHANGED] * (1.0 + 1e-12) + UNDERFLOW, (
         "more comes back than was exchanged"
     )

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -124,7 +125,9 @@ def _mode(leg: Leg, sector: int, time: float) -> tuple[str, float]:
     return FLOAT, 0.0
 
 
-def _equations(leg: Leg, mode: str, voltage: float, side: float) -> Callable[[float, np.ndarray], list[float]]:
+def _equations(
+    leg: Leg, mode: str, voltage: float, side: float
+) -> Callable[[float, np.ndarray], list[float]]:
     drive, reference = leg.drive, leg.point.reference
     supply, resistance, inductance, peak = (
         drive.half_supply_voltage,
@@ -146,7 +149,10 @@ def _equations(leg: Leg, mode: str, voltage: float, side: float) -> Callable[[fl
         terminal = peak * shape + resistance * current
         # The limit of a vanishing band: the share of time on either rail gives the mean terminal voltage.
         share = 0.5 * (1.0 + terminal / supply)
-        core = share * (supply - resistance * current) ** 2 + (1.0 - share) * (supply + resistance * current) ** 2
+        core = (
+            share * (supply - resistance * current) ** 2
+            + (1.0 - share) * (supply + resistance * current) ** 2
+        )
         return [0.0, reference, current * current, shape * current, terminal * current, core, 0.0]
 
     def floating(time: float, state: np.ndarray) -> list[float]:
@@ -281,7 +287,7 @@ def _torque_range(legs: list[Leg]) -> tuple[float, float]:
     instants = sorted({time for leg in legs for start, stop, _ in leg.pieces for time in (start, stop)})
     positions = [0] * len(legs)
     spans = []
-    for start, stop in zip(instants[:-1], instants[1:], strict=True):
+    for start, stop in pairwise(instants):
         for k, leg in enumerate(legs):
             while positions[k] < len(leg.pieces) - 1 and leg.pieces[positions[k]][1] <= start:
                 positions[k] += 1
@@ -294,7 +300,9 @@ def _torque_range(legs: list[Leg]) -> tuple[float, float]:
         for start, stop, pieces, samples in sorted(spans, key=lambda span: float((sign * span[3]).min()))[:4]:
             grid, middle = np.linspace(start, stop, 9), int(np.argmin(sign * samples))
             found = minimize_scalar(
-                lambda time, pieces=pieces: float(sign * _torque(legs, pieces, np.array([time]))[0]),
+                lambda time, sign=sign, pieces=pieces: float(
+                    sign * _torque(legs, pieces, np.array([time]))[0]
+                ),
                 bounds=(grid[max(middle - 1, 0)], grid[min(middle + 1, 8)]),
                 method="bounded",
                 options={"xatol": 1e-13},

@@ -55,8 +55,20 @@ class Point(NamedTuple):
         return math.radians(self.advance_deg)
 
 
-IDEAL = [Point(500, 33, 26), Point(900, 0, 12), Point(1200, 40, 26), Point(1500, 52.5, 26), Point(2500, 80, 20)]
-BANDED = [Point(1400, 20, 6), Point(1500, 58, 18), Point(1500, 52, 26), Point(2000, 85, 26), Point(2500, 45, 4)]
+IDEAL = [
+    Point(500, 33, 26),
+    Point(900, 0, 12),
+    Point(1200, 40, 26),
+    Point(1500, 52.5, 26),
+    Point(2500, 80, 20),
+]
+BANDED = [
+    Point(1400, 20, 6),
+    Point(1500, 58, 18),
+    Point(1500, 52, 26),
+    Point(2000, 85, 26),
+    Point(2500, 45, 4),
+]
 CERTIFIED = [(0.0, point) for point in IDEAL] + [(0.25, point) for point in BANDED]
 
 
@@ -219,7 +231,9 @@ WINDING = Scaling(
 
 
 @pytest.mark.kernel
-@pytest.mark.parametrize("scaling", [TIME, LEVEL, IMPEDANCE, WINDING], ids=["time", "level", "impedance", "winding"])
+@pytest.mark.parametrize(
+    "scaling", [TIME, LEVEL, IMPEDANCE, WINDING], ids=["time", "level", "impedance", "winding"]
+)
 @pytest.mark.parametrize(("band", "point"), CERTIFIED)
 def test_scaling_laws(motor: Motor, scaling: Scaling, band: float, point: Point) -> None:
     factor = 1.7
@@ -330,12 +344,18 @@ def test_torque_extremes_are_exact(
         math.inf,
         -math.inf,
     )
-    events = {float(start) for k in range(3) for start in phases.rows[k, : phases.row_counts[k], segments.START]}
+    events = {
+        float(start) for k in range(3) for start in phases.rows[k, : phases.row_counts[k], segments.START]
+    }
     times = np.array(sorted(events | set(np.linspace(0.0, duration, 60))))
     samples = np.array([_torque_at(drive, phases, time) for time in times])
     scale = 1.0 + np.abs(samples).max()
-    assert samples.max() <= highest + 1e-12 * scale, f"a sample of {samples.max()!r} N m exceeds {highest!r} N m"
-    assert samples.min() >= lowest - 1e-12 * scale, f"a sample of {samples.min()!r} N m is below {lowest!r} N m"
+    assert samples.max() <= highest + 1e-12 * scale, (
+        f"a sample of {samples.max()!r} N m exceeds {highest!r} N m"
+    )
+    assert samples.min() >= lowest - 1e-12 * scale, (
+        f"a sample of {samples.min()!r} N m is below {lowest!r} N m"
+    )
     for sign, bound in ((-1.0, highest), (1.0, lowest)):
         refined = math.inf
         for best in np.argsort(sign * samples)[:3]:

@@ -31,7 +31,9 @@ def at(motor: Callable[..., Drive], rpm: Callable[[float], float]) -> At:
 def _at_torque(at: At, speed: float, advance_deg: float, torque: float) -> SteadyState:
     """Return the steady state with the least current reference that gives a torque."""
     references = np.linspace(0.5, LIMIT, 52)
-    above = next(k for k, reference in enumerate(references) if at(speed, advance_deg, reference).torque >= torque)
+    above = next(
+        k for k, reference in enumerate(references) if at(speed, advance_deg, reference).torque >= torque
+    )
     reference = brentq(
         lambda value: at(speed, advance_deg, value).torque - torque,
         references[above - 1],

@@ -6,7 +6,7 @@ import math
 from decimal import Decimal, localcontext
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from drivegate_models.winding_current import (
@@ -28,7 +28,7 @@ exact_settings = settings(
     database=None,
     suppress_health_check=list(HealthCheck),
 )
-starts = st.one_of(st.just(0.0), st.floats(-30.0, 30.0))
+starts = st.one_of(st.just(0.0), st.floats(1e-9, 30.0), st.floats(-30.0, -1e-9))
 slopes = st.one_of(st.just(0.0), st.floats(1e-9, 4e4), st.floats(-4e4, -1e-9))
 curvatures = st.one_of(st.just(0.0), st.floats(1e-9, 2e7), st.floats(-2e7, -1e-9))
 rates = st.one_of(st.just(0.0), st.floats(1e-6, 1e3))
@@ -43,11 +43,7 @@ def _exact(
     if r == 0:
         c, b, q = i0, g0, -a / 2
         square = (
-            c * c * t
-            + c * b * t**2
-            + (b * b + 2 * c * q) * t**3 / 3
-            + b * q * t**4 / 2
-            + q * q * t**5 / 5
+            c * c * t + c * b * t**2 + (b * b + 2 * c * q) * t**3 / 3 + b * q * t**4 / 2 + q * q * t**5 / 5
         )
         return (
             c + b * t + q * t * t,
@@ -95,7 +91,9 @@ def test_phi4(x: float) -> None:
 @pytest.mark.kernel
 @exact_settings
 @given(starts, slopes, curvatures, rates, shares)
-def test_current_and_integrals(start: float, slope: float, curvature: float, rate: float, share: float) -> None:
+def test_current_and_integrals(
+    start: float, slope: float, curvature: float, rate: float, share: float
+) -> None:
     time = _interval(rate, share)
     with localcontext() as context:
         context.prec = 120
@@ -132,7 +130,10 @@ def test_turning_time(slope: float, curvature: float, rate: float) -> None:
 
 @pytest.mark.kernel
 @exact_settings
-@given(starts, slopes, curvatures, rates, shares, st.floats(0.0, 20.0), st.booleans())
+@example(0.0, 0.0, -19999999.0, 0.0, 1.0, 15.0, True)
+@given(
+    starts, slopes, curvatures, rates, shares, st.one_of(st.just(0.0), st.floats(1e-9, 20.0)), st.booleans()
+)
 def test_first_crossing(
     start: float, slope: float, curvature: float, rate: float, share: float, gap: float, rising: bool
 ) -> None:

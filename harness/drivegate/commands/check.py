@@ -100,7 +100,9 @@ def _entry(checked: Checked) -> dict[str, Any]:
     if checked.error is None and checked.document is not None:
         return checked.document
     named = {"candidate": {"specification": checked.specification}}
-    return (checked.document or named) | ({} if checked.error is None else failure_of(checked.error).document())
+    return (checked.document or named) | (
+        {} if checked.error is None else failure_of(checked.error).document()
+    )
 
 
 def _exit_code(checked: Checked) -> int:

@@ -88,7 +88,9 @@ def _judge(case: ElementTree.Element, check: dict[str, Any]) -> None:
         ElementTree.SubElement(case, "skipped", message=message)
     elif check["level"] == "required" and verdict == "fail":
         failure = ElementTree.SubElement(case, "failure", type="fail", message=message)
-        failure.text = one_line(f"{check['requirement']} Limit: {check['limit']}. Margin: {check['margin']:.4g}.")
+        failure.text = one_line(
+            f"{check['requirement']} Limit: {check['limit']}. Margin: {check['margin']:.4g}."
+        )
     elif check["level"] == "required" and verdict != "pass":
         ElementTree.SubElement(case, "error", type=one_line(verdict), message=message)
     else:

@@ -90,7 +90,9 @@ def markdown(result: dict[str, Any]) -> str:
         lines += ["", "## Counterexamples", ""]
     for check in failed:
         file = counterexample_name(check["id"])
-        lines.append(f"- {escaped(check['id'])}: {escaped(check['counterexample']['name'])}, in [{file}]({file})")
+        lines.append(
+            f"- {escaped(check['id'])}: {escaped(check['counterexample']['name'])}, in [{file}]({file})"
+        )
     return "\n".join(lines) + "\n"
 
 

@@ -72,8 +72,8 @@ class _Lines:
     def __call__(self, event: Event) -> None:
         now = time.monotonic()
         if isinstance(event, CheckStarted):
+            # Nothing is told yet: a candidate that is refused is told of in one sentence.
             self._name = one_line(event.candidate_name)
-            self._tell(f"{event.planned_runs} runs planned")
         elif isinstance(event, RunDone):
             if now >= self._next:
                 self._next = now + SECONDS_BETWEEN_LINES

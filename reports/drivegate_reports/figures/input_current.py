@@ -126,6 +126,51 @@ def input_current_sweep() -> InputCurrentSweep:
     return InputCurrentSweep(sweep.power_w, *columns)
 
 
+TITLE = "Initial against optimal angle (Figs. 3 and 7)"
+
+
+def alternative(data: InputCurrentSweep) -> str:
+    """Tell the figure in words, for who cannot see it.
+
+    Parameters
+    ----------
+    data : InputCurrentSweep
+        The data.
+
+    Returns
+    -------
+    str
+        A sentence or two.
+    """
+    current, power = data.current_saving_percent, data.power_saving_percent
+    return (
+        f"From {data.speed_rpm[0]:.0f} to {data.speed_rpm[-1]:.0f} rpm the optimal angle lies below the initial one, on or near the "
+        f"edge of what is feasible. It lowers the current sum by {current.min():.1f} to {current.max():.1f} %, and the "
+        f"net input power by {power.min():.2f} to {power.max():.2f} %."
+    )
+
+
+def caption(data: InputCurrentSweep) -> str:
+    """Say what the figure shows.
+
+    Parameters
+    ----------
+    data : InputCurrentSweep
+        The data.
+
+    Returns
+    -------
+    str
+        A few sentences.
+    """
+    return (
+        f"Steady states of {data.power_w / 1000.0:g} kW with ideal current regulators and no core loss. Top: the initial angle, "
+        f"{INITIAL_LINE[0]:g}° + {INITIAL_LINE[1]:g}°/rpm above base speed, and the angle of least Σ|i|, over the region that is "
+        f"out of reach; the published line ({PUBLISHED_LINE[1]:g}°/rpm from 0°) is dotted where it lies inside that region. "
+        "Middle: Σ|i|, what Fig. 7 shows. Bottom: the net power taken from the supply, on an axis that does not begin at zero."
+    )
+
+
 def draw(data: InputCurrentSweep) -> Figure:
     """Draw angles, current sums and watts over speed.
 

@@ -98,6 +98,49 @@ def torque_cycle(advance_deg: float = ADVANCE_DEG) -> TorqueCycle:
     )
 
 
+TITLE = "Torque at three times base speed (Fig. 6)"
+
+
+def alternative(data: TorqueCycle) -> str:
+    """Tell the figure in words, for who cannot see it.
+
+    Parameters
+    ----------
+    data : TorqueCycle
+        The data.
+
+    Returns
+    -------
+    str
+        A sentence.
+    """
+    return (
+        f"Torque over one electrical cycle repeats ten times between {data.lowest_nm:.2f} and {data.highest_nm:.2f} N·m "
+        f"around its mean of {data.mean_nm:.2f} N·m: a ripple of {data.ripple_percent:.1f} % peak to peak."
+    )
+
+
+def caption(data: TorqueCycle) -> str:
+    """Say what the figure shows.
+
+    Parameters
+    ----------
+    data : TorqueCycle
+        The data.
+
+    Returns
+    -------
+    str
+        A few sentences.
+    """
+    state = "certified to repeat every cycle" if data.certified else "one settled cycle; it does not repeat exactly"
+    return (
+        f"Steady state at {data.speed_rpm:.0f} rpm, {data.advance_deg:g}° and {data.current_reference_a:.2f} A with ideal current "
+        f"regulators, {state}. Extremes are exact, not taken from a grid. Ripple is {data.ripple_percent:.1f} % peak to peak over "
+        f"the mean, {data.one_sided_ripple_percent:.1f} % one-sided; the published limit is {LIMIT_PERCENT:.0f} %."
+    )
+
+
 def draw(data: TorqueCycle) -> Figure:
     """Draw the torque with its mean and extremes.
 

@@ -98,6 +98,50 @@ def phase_currents(name: str) -> PhaseCurrents:
     )
 
 
+TITLE = "Phase currents (Figs. 9 and 10)"
+
+
+def alternative(figures: tuple[PhaseCurrents, ...]) -> str:
+    """Tell the figure in words, for who cannot see it.
+
+    Parameters
+    ----------
+    figures : tuple of PhaseCurrents
+        The data.
+
+    Returns
+    -------
+    str
+        A sentence for each point.
+    """
+    return " ".join(
+        f"At {data.speed_rpm:.0f} rpm the current of each phase rises to {float(np.max(data.current_a)):.1f} A, changes by "
+        f"{signed(data.slope_a_per_ms, 1)} A/ms before its window closes, and returns to zero before it reverses."
+        for data in figures
+    )
+
+
+def caption(figures: tuple[PhaseCurrents, ...]) -> str:
+    """Say what the figure shows.
+
+    Parameters
+    ----------
+    figures : tuple of PhaseCurrents
+        The data.
+
+    Returns
+    -------
+    str
+        A few sentences.
+    """
+    peaks = " and ".join(f"{data.peak_emf_v:.1f} V at {data.speed_rpm:.0f} rpm" for data in figures)
+    return (
+        "One electrical cycle of the steady state at the published operating points, with the hysteresis band, in the published "
+        f"divisions of 10 A and 0.5 ms. Phase 1 is in front. The peak EMF is {peaks}; the half-supply is 48 V. Where the EMF "
+        "is higher than the supply the current falls before its window closes, and steeper the faster the motor turns."
+    )
+
+
 def draw(figures: tuple[PhaseCurrents, ...]) -> Figure:
     """Draw the currents of each point, the first phase's in front.
 

@@ -134,6 +134,52 @@ def search_trajectory() -> SearchTrajectory:
     )
 
 
+TITLE = "Search for the optimal angle (Fig. 5)"
+
+
+def alternative(data: SearchTrajectory) -> str:
+    """Tell the figure in words, for who cannot see it.
+
+    Parameters
+    ----------
+    data : SearchTrajectory
+        The data.
+
+    Returns
+    -------
+    str
+        One or two sentences.
+    """
+    kept, lost = data.reference, data.published
+    return (
+        f"The reference's advance angle goes from {kept.advance_deg[0]:.0f}° to {kept.advance_deg[-1]:.1f}° and stays; "
+        f"its speed error stays near zero. The published flowchart goes on past {data.optimum_deg:.1f}°, ends at "
+        f"{lost.advance_deg[-1]:.0f}° and {signed(lost.speed_error_rpm[-1], 0)} rpm with the speed regulator saturated."
+    )
+
+
+def caption(data: SearchTrajectory) -> str:
+    """Say what the figure shows.
+
+    Parameters
+    ----------
+    data : SearchTrajectory
+        The data.
+
+    Returns
+    -------
+    str
+        A few sentences.
+    """
+    return (
+        f"Closed loop at {data.speed_rpm:.0f} rpm and {data.torque_nm:g} N·m, means over each 100 ms of the search. The least "
+        f"Σ|i| lies on the feasible edge, {data.optimum_deg:.1f}°. `reference` stops beside it at "
+        f"{data.reference.advance_deg[-1]:.1f}°. `published`, Fig. 4 taken literally, steps over the edge: the torque is out "
+        "of reach, the speed falls, the search freezes since the error exceeds k1, and nothing brings it back. Below the "
+        "edge it runs at less than the wanted torque, so that its smaller Σ|i| is no saving."
+    )
+
+
 def draw(data: SearchTrajectory) -> Figure:
     """Draw angle and speed error over time, and the search in the plane of current sum over angle.
 

@@ -1,0 +1,82 @@
+"""The conformance report: one page that a reviewer reads in a browser, from the result document alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate_cases.atomic_write import write_atomically
+
+REPORT_FILE: Final = "report.html"
+"""Name of the page in the report's folder."""
+
+
+def write(document: Mapping[str, Any], folder: Path) -> Path:
+    """Write the conformance report.
+
+    Parameters
+    ----------
+    document : mapping
+        The result document of a check.
+    folder : Path
+        An existing folder.
+
+    Returns
+    -------
+    Path
+        The page, complete in one file: no script, and nothing that a browser would fetch.
+
+    Raises
+    ------
+    InputError
+        When the document is no result of a check, or the page cannot be written.
+    """
+    path = folder / REPORT_FILE
+    write_atomically(path, page(document))
+    return path
+
+
+def page(document: Mapping[str, Any]) -> str:
+    """Make the page.
+
+    Parameters
+    ----------
+    document : mapping
+        The result document of a check.
+
+    Returns
+    -------
+    str
+        HTML; the same text for the same document and versions.
+
+    Raises
+    ------
+    InputError
+        When the document is no result of a check.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    from drivegate_cases.facts import facts, open_assumptions
+    from drivegate_reports.conformance_view import view_of
+    from drivegate_reports.page_figures import page_figures
+    from drivegate_reports.published_facts import comparisons
+    from drivegate_reports.recomputed_findings import recomputed_findings
+
+    view = view_of(document)
+    environment = Environment(
+        loader=PackageLoader("drivegate_reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    compared = comparisons()
+    return environment.get_template("conformance.html.j2").render(
+        result=view,
+        facts=[(fact, [row for row in compared if row.fact == fact.id]) for fact in facts()],
+        findings=recomputed_findings(),
+        assumptions=open_assumptions(),
+        figures=page_figures(),
+    )
