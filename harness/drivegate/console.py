@@ -38,8 +38,14 @@ def console_for(stream: TextIO) -> Console:
         The console.
     """
     told = stream.isatty() or "COLUMNS" in os.environ
+    # Only tables are wrapped: a path or a command on more than one line could not be copied.
     return Console(
-        file=stream, markup=False, emoji=False, highlight=False, width=None if told else WIDTH_OF_A_FILE
+        file=stream,
+        markup=False,
+        emoji=False,
+        highlight=False,
+        soft_wrap=True,
+        width=None if told else WIDTH_OF_A_FILE,
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models import ledger, observation
-from drivegate_models.compilation import inlined, kernel
+from drivegate_models.compilation import inlined, unallocating
 from drivegate_models.contract import COMMAND, SENSE
 from drivegate_models.drive import Drive
 from drivegate_models.load import LOCKED, Load, load_torque
@@ -89,7 +89,7 @@ def _position(times: NDArray[np.float64], position: int, time: float) -> int:
     return position
 
 
-@kernel
+@unallocating
 def _run(
     drive: Drive,
     phases: Phases,
@@ -104,6 +104,8 @@ def _run(
     steps: int,
     window_steps: NDArray[np.int64],
     totals: NDArray[np.float64],
+    period: NDArray[np.float64],
+    block_sums: NDArray[np.float64],
     run: NDArray[np.float64],
     windows: NDArray[np.float64],
     trace: NDArray[np.float64],
@@ -119,8 +121,6 @@ def _run(
     current_sum = 0.0
     digest = 0
     block = max(int(round(observation.MEAN_TIME / control_period)), 1)
-    block_sums = np.zeros(window_steps.shape[0])
-    period = np.zeros(ledger.ENTRIES)
     stored = stored_energy(drive, phases.currents)
     traced = 0
     for k in range(steps):
@@ -183,7 +183,8 @@ def _run(
         reference = min(max(reference, 0.0), drive.current_limit)
         advance = min(max(advance, 0.0), 0.5 * pi)
 
-        period[:] = 0.0
+        for entry in range(ledger.ENTRIES):
+            period[entry] = 0.0
         status = advance_phases(
             drive,
             phases,
@@ -201,7 +202,8 @@ def _run(
             return PLANT_FAULT, digest
 
         peak = max(totals[ledger.PEAK], period[ledger.PEAK])
-        totals += period
+        for entry in range(ledger.ENTRIES):
+            totals[entry] += period[entry]
         totals[ledger.PEAK] = peak
         impulse = period[ledger.IMPULSE]
         drag = period[ledger.CORE_DRAG_IMPULSE]
@@ -423,6 +425,8 @@ def run_closed_loop(
         steps,
         window_steps,
         totals,
+        np.zeros(ledger.ENTRIES),
+        np.zeros(len(windows)),
         run,
         rows,
         trace,

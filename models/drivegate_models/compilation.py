@@ -119,8 +119,28 @@ def kernel(function: _Function) -> _Function:
     return cast(_Function, compiled)
 
 
+def unallocating(function: _Function) -> _Function:
+    """Compile like `kernel` a function that makes no arrays, so that references need not be counted.
+
+    Counting costs more than the arithmetic where a function of many arrays is called in a loop. A function
+    that does make an array is refused by the compiler.
+
+    Parameters
+    ----------
+    function
+        A function of floats, integers, arrays and named tuples.
+
+    Returns
+    -------
+    callable
+        The compiled function, with the signature of the original.
+    """
+    compiled = numba.njit(cache=KEEPS_CACHE, error_model="numpy", _nrt=False)(function)
+    return cast(_Function, compiled)
+
+
 def inlined(function: _Function) -> _Function:
-    """Compile a leaf function like `kernel`, for copying into its callers by the optimiser.
+    """Compile a function like `unallocating`, and copy it into its callers.
 
     Parameters
     ----------
@@ -132,5 +152,5 @@ def inlined(function: _Function) -> _Function:
     callable
         The compiled function.
     """
-    compiled = numba.njit(cache=KEEPS_CACHE, error_model="numpy", forceinline=True)(function)
+    compiled = numba.njit(cache=KEEPS_CACHE, error_model="numpy", forceinline=True, _nrt=False)(function)
     return cast(_Function, compiled)

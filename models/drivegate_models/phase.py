@@ -86,6 +86,9 @@ def _compared(latch: int, magnitude: float, reference: float, band: float) -> in
 @inlined
 def advance_phase(
     drive: Drive,
+    corners: NDArray[np.float64],
+    corner_values: NDArray[np.float64],
+    corner_slopes: NDArray[np.float64],
     phase: int,
     currents: NDArray[np.float64],
     sectors: NDArray[np.int64],
@@ -107,6 +110,9 @@ def advance_phase(
     ----------
     drive : Drive
         The drive's constants.
+    corners, corner_values, corner_slopes : ndarray
+        The drive's `emf_angles`, `emf_values` and `emf_slopes`; taken out of it once by the caller, since
+        every look at an array in a tuple counts a reference.
     phase : int
         Index of the phase, 0 to m - 1.
     currents : ndarray, shape (m,)
@@ -156,17 +162,16 @@ def advance_phase(
     kept = 0
 
     angle = _wrapped(angle)
-    corners = drive.emf_angles
     last = corners.size - 2
     corner = _corner_before(corners, angle)
     per_radian = 1.0 / electrical if electrical > 0.0 else inf
     turn_base = -angle
     corner_time = (corners[corner] + turn_base) * per_radian if electrical > 0.0 else 0.0
     next_corner_time = (corners[corner + 1] + turn_base) * per_radian if electrical > 0.0 else inf
-    shape_start = drive.emf_values[corner]
-    shape_rate = drive.emf_slopes[corner] * electrical
+    shape_start = corner_values[corner]
+    shape_rate = corner_slopes[corner] * electrical
     if electrical == 0.0:
-        shape_start = shape_start + drive.emf_slopes[corner] * (angle - corners[corner])
+        shape_start = shape_start + corner_slopes[corner] * (angle - corners[corner])
 
     sector, to_edge, next_sector = _window_state(angle + advance, drive.window)
     edge_time = to_edge * per_radian if electrical > 0.0 else inf
@@ -391,8 +396,8 @@ def advance_phase(
                 turn_base += two_pi
             corner_time = (corners[corner] + turn_base) * per_radian
             next_corner_time = (corners[corner + 1] + turn_base) * per_radian
-            shape_start = drive.emf_values[corner]
-            shape_rate = drive.emf_slopes[corner] * electrical
+            shape_start = corner_values[corner]
+            shape_rate = corner_slopes[corner] * electrical
         while time >= edge_time:
             if sector != 0:
                 next_sector = -sector

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models import segments
-from drivegate_models.compilation import kernel
+from drivegate_models.compilation import inlined, kernel
 from drivegate_models.drive import Drive
 from drivegate_models.phase import COMPLETED, advance_phase
 
@@ -60,7 +60,7 @@ def make_phases(drive: Drive, longest_advance: float = 0.0) -> Phases:
     )
 
 
-@kernel
+@inlined
 def advance_phases(
     drive: Drive,
     phases: Phases,
@@ -102,13 +102,24 @@ def advance_phases(
         `drivegate_models.phase.COMPLETED` or another status of it.
     """
     status = COMPLETED
+    corners = drive.emf_angles
+    corner_values = drive.emf_values
+    corner_slopes = drive.emf_slopes
+    currents = phases.currents
+    sectors = phases.sectors
+    latches = phases.latches
+    rows = phases.rows
+    row_counts = phases.row_counts
     for phase in range(drive.phases):
         outcome = advance_phase(
             drive,
+            corners,
+            corner_values,
+            corner_slopes,
             phase,
-            phases.currents,
-            phases.sectors,
-            phases.latches,
+            currents,
+            sectors,
+            latches,
             angle - phase * pi / drive.phases,
             speed,
             upper,
@@ -117,8 +128,8 @@ def advance_phases(
             advance,
             duration,
             totals,
-            phases.rows,
-            phases.row_counts,
+            rows,
+            row_counts,
         )
         if outcome != COMPLETED:
             status = outcome

@@ -71,15 +71,14 @@ def keep_segment(
     """
     if index >= rows.shape[1]:
         return index
-    row = rows[phase, index]
-    row[START] = start
-    row[LENGTH] = length
-    row[CURRENT] = current
-    row[SLOPE] = slope
-    row[CURVATURE] = curvature
-    row[SHAPE] = shape
-    row[SHAPE_RATE] = shape_rate
-    row[VOLTAGE] = voltage
-    row[VOLTAGE_RATE] = voltage_rate
-    row[RATE] = rate
+    rows[phase, index, START] = start
+    rows[phase, index, LENGTH] = length
+    rows[phase, index, CURRENT] = current
+    rows[phase, index, SLOPE] = slope
+    rows[phase, index, CURVATURE] = curvature
+    rows[phase, index, SHAPE] = shape
+    rows[phase, index, SHAPE_RATE] = shape_rate
+    rows[phase, index, VOLTAGE] = voltage
+    rows[phase, index, VOLTAGE_RATE] = voltage_rate
+    rows[phase, index, RATE] = rate
     return index + 1

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models import ledger
-from drivegate_models.compilation import kernel
+from drivegate_models.compilation import kernel, unallocating
 from drivegate_models.drive import Drive
 from drivegate_models.phase import COMPLETED, advance_phase
 from drivegate_models.plant import Phases, advance_phases, make_phases
@@ -105,7 +105,7 @@ def _summarised(
     )
 
 
-@kernel
+@unallocating
 def _half_cycle(
     drive: Drive,
     work: Phases,
@@ -125,19 +125,30 @@ def _half_cycle(
     shift = pi / count
     step = shift / (drive.pole_pairs * speed)
     angle = 0.5 * (pi - drive.window) - advance
-    work.currents[0] = start
-    work.sectors[0] = 0
-    work.latches[0] = 1
+    corners = drive.emf_angles
+    corner_values = drive.emf_values
+    corner_slopes = drive.emf_slopes
+    currents = work.currents
+    sectors = work.sectors
+    latches = work.latches
+    rows = work.rows
+    row_counts = work.row_counts
+    currents[0] = start
+    sectors[0] = 0
+    latches[0] = 1
     for k in range(count):
-        slices.currents[k] = work.currents[0]
-        slices.sectors[k] = work.sectors[0]
-        slices.latches[k] = work.latches[0]
+        slices.currents[k] = currents[0]
+        slices.sectors[k] = sectors[0]
+        slices.latches[k] = latches[0]
         advance_phase(
             drive,
+            corners,
+            corner_values,
+            corner_slopes,
             0,
-            work.currents,
-            work.sectors,
-            work.latches,
+            currents,
+            sectors,
+            latches,
             angle + k * shift,
             speed,
             voltage,
@@ -146,10 +157,10 @@ def _half_cycle(
             advance,
             step,
             scratch,
-            work.rows,
-            work.row_counts,
+            rows,
+            row_counts,
         )
-    return -float(work.currents[0])
+    return -float(currents[0])
 
 
 @kernel

@@ -66,10 +66,10 @@ def sample_rows(
     for phase in range(rows.shape[0]):
         position = 0
         for k in range(times.size):
-            row = rows[phase, position]
-            while position < row_counts[phase] - 1 and row[segments.START] + row[segments.LENGTH] < times[k]:
+            # By the next start, not by this one's end: the two differ by rounding.
+            while position < row_counts[phase] - 1 and rows[phase, position + 1, segments.START] < times[k]:
                 position += 1
-                row = rows[phase, position]
+            row = rows[phase, position]
             # Another phase's event may lie past this segment's end by rounding.
             offset = min(max(times[k] - row[segments.START], 0.0), row[segments.LENGTH])
             current, _ = current_after(

@@ -60,7 +60,7 @@ def page(document: Mapping[str, Any]) -> str:
     from drivegate_cases.facts import facts, open_assumptions
     from drivegate_reports.conformance_view import view_of
     from drivegate_reports.page_figures import page_figures
-    from drivegate_reports.published_facts import comparisons
+    from drivegate_reports.published_facts import comparisons, verdict_counts
     from drivegate_reports.recomputed_findings import recomputed_findings
 
     view = view_of(document)
@@ -75,6 +75,7 @@ def page(document: Mapping[str, Any]) -> str:
     compared = comparisons()
     return environment.get_template("conformance.html.j2").render(
         result=view,
+        counts=verdict_counts(compared),
         facts=[(fact, [row for row in compared if row.fact == fact.id]) for fact in facts()],
         findings=recomputed_findings(),
         assumptions=open_assumptions(),

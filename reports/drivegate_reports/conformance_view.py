@@ -39,13 +39,10 @@ class MarginBar:
     ----------
     start, width : float
         Of the bar, in the box's units.
-    clipped : bool
-        Whether the margin is greater than the box shows.
     """
 
     start: float
     width: float
-    clipped: bool
 
 
 @dataclass(frozen=True)
@@ -54,8 +51,10 @@ class CheckRow:
 
     Attributes
     ----------
-    id, requirement, source, subject, level, verdict, measured, limit, message : str
+    id, requirement, source, subject, level, verdict, measured, limit : str
         As in the result document.
+    message : str
+        The outcome, without the measured value that is shown beside it.
     tone : str
         ``pass``, ``fail``, ``caution`` or ``quiet``.
     margin : str
@@ -195,10 +194,14 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
         When it is no result of a check, or of a newer schema.
     """
     if document.get("kind") != "check":
-        raise InputError(f"the document is of kind {document.get('kind')!r}, but must be a result of kind 'check'")
+        raise InputError(
+            f"the document is of kind {document.get('kind')!r}, but must be a result of kind 'check'"
+        )
     schema = document.get("schema")
     if not isinstance(schema, int) or schema > RESULT_SCHEMA:
-        raise InputError(f"the result has the schema {schema!r}, but this version reads up to {RESULT_SCHEMA}")
+        raise InputError(
+            f"the result has the schema {schema!r}, but this version reads up to {RESULT_SCHEMA}"
+        )
     candidate = document["candidate"]
     checks = tuple(_check_row(check) for check in document["checks"])
     faults = tuple(_fault_row(fault) for fault in document["faults"][:MOST_FAULTS])
@@ -290,7 +293,7 @@ def margin_bar(margin: float) -> MarginBar:
         A margin of 1 or more, or of -1 or less, fills its half of the box.
     """
     length = min(abs(margin), 1.0) * 48.0
-    return MarginBar(50.0 if margin >= 0.0 else 50.0 - length, max(length, 0.6), abs(margin) > 1.0)
+    return MarginBar(50.0 if margin >= 0.0 else 50.0 - length, max(length, 0.6))
 
 
 def _check_row(check: Mapping[str, Any]) -> CheckRow:
@@ -311,7 +314,7 @@ def _check_row(check: Mapping[str, Any]) -> CheckRow:
         measured=clean(check["measured"]),
         limit=clean(check["limit"]),
         runs=int(check["runs"]),
-        message=clean(check["message"]),
+        message=clean(str(check["message"]).removeprefix(f"{check['measured']}; ")),
         worst=clean(_in_short(scenario)) if scenario is not None else "",
         scenario=clean(plain_data(scenario), LONGEST_BLOCK) if scenario is not None else "",
         file=clean(counterexample_name(str(check["id"]))) if check["counterexample"] is not None else "",
@@ -350,7 +353,7 @@ def _meaning(verdict: str, failing: Sequence[str]) -> str:
         "non-deterministic": "The candidate answered the same scenario in two ways.",
     }
     if verdict == "fail":
-        return f"A required check fails: {', '.join(failing)}."
+        return f"{'A required check fails' if len(failing) == 1 else 'Required checks fail'}: {', '.join(failing)}."
     return meanings.get(verdict, "")
 
 
@@ -371,7 +374,10 @@ def _provenance(document: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
         ("specification", candidate["specification"]),
         ("kind", candidate["kind"]),
         ("hash of its sources", candidate["hash"]),
-        *((f"declares {key}", json.dumps(value, default=str)) for key, value in candidate["declaration"].items()),
+        *(
+            (f"declares {key}", json.dumps(value, default=str))
+            for key, value in candidate["declaration"].items()
+        ),
     ]
     for section in ("provenance", "timing"):
         for key, value in document.get(section, {}).items():

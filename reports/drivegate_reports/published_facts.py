@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias
+from typing import Final, Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -98,7 +98,9 @@ def _rated_power() -> Ours:
     torques = [steady_state(ideal_drive(), speed, motor.current_limit_a, angle).torque for angle in angles]
     best = int(np.argmax(torques))
     at = math.degrees(angles[best])
-    return Ours(torques[best] * speed, f"greatest power at {motor.base_speed_rpm:g} rpm and 26 A, at {at:.2f}°")
+    return Ours(
+        torques[best] * speed, f"greatest power at {motor.base_speed_rpm:g} rpm and 26 A, at {at:.2f}°"
+    )
 
 
 def _angle_below_base() -> Ours:
@@ -226,6 +228,23 @@ def comparisons() -> tuple[Comparison, ...]:
     return tuple(rows)
 
 
+def verdict_counts(rows: Sequence[Comparison]) -> tuple[tuple[Verdict, int], ...]:
+    """Count the verdicts.
+
+    Parameters
+    ----------
+    rows : sequence of Comparison
+        The comparisons.
+
+    Returns
+    -------
+    tuple of tuple
+        Each verdict with its number of comparisons.
+    """
+    verdicts = [row.verdict for row in rows]
+    return tuple((verdict, verdicts.count(verdict)) for verdict in get_args(Verdict))
+
+
 def _compared(fact: Fact, quantity: Quantity) -> Comparison:
     ours = _OURS[fact.id, quantity.name]()
     relation = {"equal": "", "at_most": "at most ", "at_least": "at least "}[quantity.bound]
@@ -262,7 +281,8 @@ def _with_unit(value: float, unit: str) -> str:
 
 
 def _difference(value: float, unit: str) -> str:
-    return _with_unit(value, unit).replace("-", "−") if value <= 0.0 else f"+{_with_unit(value, unit)}"
+    text = _with_unit(float(f"{value:.2g}"), unit)
+    return f"+{text}" if value > 0.0 else text.replace("-", "−")
 
 
 def _power_sum() -> Comparison:
@@ -278,8 +298,8 @@ def _power_sum() -> Comparison:
         residual=f"{signed(point.input_power - product, 0)} W",
         tolerance="equal",
         verdict="not reproduced",
-        note=f"V·Σ|i| is the power exchanged with the half-sources, {point.exchanged_power:.0f} W; {point.returned_power:.0f} W "
-        "of it flow back through the diodes (finding F3)",
+        note=f"V·Σ|i| is the power exchanged with the half-sources, {point.exchanged_power:.0f} W; "
+        f"{point.returned_power:.0f} W of it flow back through the diodes (finding F3)",
     )
 
 
@@ -344,8 +364,9 @@ def _current_slopes() -> Comparison:
         residual="",
         tolerance="",
         verdict="reproduced" if falls else "not reproduced",
-        note=f"the peak EMF is {slow.peak_emf_v:.1f} V at 1200 rpm, below the half-supply's 48 V, and {fast.peak_emf_v:.1f} V "
-        "at 1500 rpm: with this calibration only the faster current falls; the order of the slopes is as published",
+        note=f"the peak EMF is {slow.peak_emf_v:.1f} V at 1200 rpm, below the half-supply's 48 V, and "
+        f"{fast.peak_emf_v:.1f} V at 1500 rpm: with this calibration only the faster current falls; the order of the "
+        "slopes is as published",
     )
 
 

@@ -108,7 +108,10 @@ def _exchanged_power() -> _Numbers:
         ("exchanged power at 1500 rpm, 9.8 N·m, 52.5°", f"{near.exchanged_power:.0f} W"),
         ("net input power there", f"{near.input_power:.0f} W"),
         ("Σ|i| from 58° to 52.5°", f"{signed(100.0 * (near.current_sum / far.current_sum - 1.0), 1)} %"),
-        ("net input power from 58° to 52.5°", f"{signed(100.0 * (near.input_power / far.input_power - 1.0), 1)} %"),
+        (
+            "net input power from 58° to 52.5°",
+            f"{signed(100.0 * (near.input_power / far.input_power - 1.0), 1)} %",
+        ),
     ]
 
 
@@ -116,7 +119,10 @@ def _lock_up() -> _Numbers:
     data = search_trajectory()
     lost = data.published
     return [
-        (f"speed error of `published` after {lost.time_s[-1]:.0f} s", f"{signed(lost.speed_error_rpm[-1], 0)} rpm"),
+        (
+            f"speed error of `published` after {lost.time_s[-1]:.0f} s",
+            f"{signed(lost.speed_error_rpm[-1], 0)} rpm",
+        ),
         ("its current reference", f"{lost.current_reference_a[-1]:.1f} A of {data.current_limit_a:g} A"),
         ("its angle", f"{lost.advance_deg[-1]:.1f}°, the feasible edge is {data.optimum_deg:.1f}°"),
         ("speed error of `reference`", f"{signed(data.reference.speed_error_rpm[-1], 1)} rpm"),

@@ -50,7 +50,6 @@ _HOUSE: Final[dict[str, Any]] = {
     "lines.solid_capstyle": "round",
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
-    "svg.fonttype": "none",
     "path.simplify": True,
     "path.simplify_threshold": 0.2,
 }
@@ -73,11 +72,15 @@ def house_style() -> Iterator[None]:
 
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
-        matplotlib.rcParams.update(_HOUSE)
+        # Their keys are typed as literals in some versions of matplotlib only.
+        parameters: Any = matplotlib.rcParams
+        parameters.update(_HOUSE)
         yield
 
 
-def new_figure(height: float, rows: int, ratios: tuple[float, ...] | None = None) -> tuple[Figure, list[Axes]]:
+def new_figure(
+    height: float, rows: int, ratios: tuple[float, ...] | None = None
+) -> tuple[Figure, list[Axes]]:
     """Make a figure of stacked panels; to be called in `house_style`.
 
     Parameters
@@ -157,7 +160,7 @@ def label(panel: Axes, x: float, y: float, text: str, colour: str, **options: An
     panel.text(x, y, text, color=ink(colour), **{"fontsize": 9.0, **options})
 
 
-def svg_document(figure: Figure, name: str) -> str:
+def svg_document(figure: Figure, name: str, *, letters_as_shapes: bool = True) -> str:
     """Write a figure as an SVG file of its own.
 
     Parameters
@@ -166,6 +169,9 @@ def svg_document(figure: Figure, name: str) -> str:
         The figure, made in `house_style` and still in it.
     name : str
         A name for its identifiers.
+    letters_as_shapes : bool
+        Draw the letters, so that they look the same everywhere; or keep them as text, which is smaller and can
+        be selected.
 
     Returns
     -------
@@ -175,7 +181,8 @@ def svg_document(figure: Figure, name: str) -> str:
     import matplotlib
 
     stream = StringIO()
-    with matplotlib.rc_context({"svg.hashsalt": name}):
+    fonttype = "path" if letters_as_shapes else "none"
+    with matplotlib.rc_context({"svg.hashsalt": name, "svg.fonttype": fonttype}):
         figure.savefig(
             stream, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None}
         )
@@ -198,7 +205,7 @@ def inline_svg(figure: Figure, name: str) -> str:
     str
         The ``svg`` element, hidden from screen readers: the page describes the figure in words.
     """
-    text = svg_document(figure, name)
+    text = svg_document(figure, name, letters_as_shapes=False)
     text = text[text.index("<svg") :]
     text = _NAMED_HERE.sub(lambda match: f'id="{name}-{match[1]}"', text)
     text = _REFERRED_TO.sub(

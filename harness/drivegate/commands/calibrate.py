@@ -122,8 +122,8 @@ def _show(console: Console, document: dict[str, Any]) -> None:
         values = (number(fact[key]) for key in ("published", "rounding", "ours", "stored"))
         facts.add_row(plain(fact["name"]), *values, plain(fact["unit"]), "yes" if fact["agrees"] else "no")
     console.print(facts)
-    numbers = ("fitted", "± by rounding", "stored")
-    constants = table("constant", *numbers, "unit", "agrees", right=numbers)
+    columns = ("fitted", "± by rounding", "stored")
+    constants = table("constant", *columns, "unit", "agrees", right=columns)
     for row in document["constants"]:
         scale, name, unit = _SHOWN[row["key"]]
         values = (number(scale * row[key], 4) for key in ("fitted", "spread", "stored"))

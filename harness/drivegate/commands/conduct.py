@@ -187,8 +187,9 @@ def _ended_by(error: BaseException, as_json: bool) -> int:
 
 def _ends(text: str) -> str:
     """Keep the first and the last line of a text: of a traceback, what failed and how."""
-    lines = [line.strip() for line in text.splitlines() if line.strip()] or [""]
-    return lines[0] if len(lines) == 1 else f"{lines[0].rstrip(':')}: {lines[-1]}"
+    lines = text.replace("Traceback (most recent call last):", "").splitlines()
+    told = [line.strip().rstrip(":") for line in lines if line.strip()] or [""]
+    return told[0] if len(told) == 1 else f"{told[0]}: {told[-1]}"
 
 
 def _sentence(text: str) -> str:

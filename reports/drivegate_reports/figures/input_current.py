@@ -144,9 +144,9 @@ def alternative(data: InputCurrentSweep) -> str:
     """
     current, power = data.current_saving_percent, data.power_saving_percent
     return (
-        f"From {data.speed_rpm[0]:.0f} to {data.speed_rpm[-1]:.0f} rpm the optimal angle lies below the initial one, on or near the "
-        f"edge of what is feasible. It lowers the current sum by {current.min():.1f} to {current.max():.1f} %, and the "
-        f"net input power by {power.min():.2f} to {power.max():.2f} %."
+        f"From {data.speed_rpm[0]:.0f} to {data.speed_rpm[-1]:.0f} rpm the optimal angle lies below the initial "
+        f"one, on or near the edge of what is feasible. It lowers the current sum by {current.min():.1f} to "
+        f"{current.max():.1f} %, and the net input power by {power.min():.2f} to {power.max():.2f} %."
     )
 
 
@@ -164,10 +164,11 @@ def caption(data: InputCurrentSweep) -> str:
         A few sentences.
     """
     return (
-        f"Steady states of {data.power_w / 1000.0:g} kW with ideal current regulators and no core loss. Top: the initial angle, "
-        f"{INITIAL_LINE[0]:g}° + {INITIAL_LINE[1]:g}°/rpm above base speed, and the angle of least Σ|i|, over the region that is "
-        f"out of reach; the published line ({PUBLISHED_LINE[1]:g}°/rpm from 0°) is dotted where it lies inside that region. "
-        "Middle: Σ|i|, what Fig. 7 shows. Bottom: the net power taken from the supply, on an axis that does not begin at zero."
+        f"Steady states of {data.power_w / 1000.0:g} kW with ideal current regulators and no core loss. Top: the "
+        f"initial angle, {INITIAL_LINE[0]:g}° + {INITIAL_LINE[1]:g}°/rpm above base speed, and the angle of least "
+        f"Σ|i|, over the region that is out of reach; the published line ({PUBLISHED_LINE[1]:g}°/rpm from 0°) is "
+        "dotted where it lies inside that region. Middle: Σ|i|, what Fig. 7 shows. Bottom: the net power taken "
+        "from the supply. The axes of the lower two do not begin at zero."
     )
 
 
@@ -210,7 +211,9 @@ def _draw_angles(panel: Axes, data: InputCurrentSweep) -> None:
     panel.plot(speeds, data.initial_deg, color=VERMILION)
     panel.plot(speeds, data.optimal_deg, color=BLUE)
     panel.plot(speeds, np.where(out_of_reach, np.nan, data.published_deg), color=GREEN, linewidth=1.3)
-    panel.plot(speeds, np.where(out_of_reach, data.published_deg, np.nan), color=GREEN, linewidth=1.3, linestyle=":")
+    panel.plot(
+        speeds, np.where(out_of_reach, data.published_deg, np.nan), color=GREEN, linewidth=1.3, linestyle=":"
+    )
     end = float(speeds[-1]) + 15.0
     label(panel, end, data.initial_deg[-1], "initial", VERMILION, va="center", weight="bold")
     label(panel, end, data.optimal_deg[-1], "optimal", BLUE, va="center", weight="bold")

@@ -115,8 +115,9 @@ def alternative(data: TorqueCycle) -> str:
         A sentence.
     """
     return (
-        f"Torque over one electrical cycle repeats ten times between {data.lowest_nm:.2f} and {data.highest_nm:.2f} N·m "
-        f"around its mean of {data.mean_nm:.2f} N·m: a ripple of {data.ripple_percent:.1f} % peak to peak."
+        f"Torque over one electrical cycle repeats ten times between {data.lowest_nm:.2f} and "
+        f"{data.highest_nm:.2f} N·m around its mean of {data.mean_nm:.2f} N·m: a ripple of "
+        f"{data.ripple_percent:.1f} % peak to peak."
     )
 
 
@@ -133,11 +134,12 @@ def caption(data: TorqueCycle) -> str:
     str
         A few sentences.
     """
-    state = "certified to repeat every cycle" if data.certified else "one settled cycle; it does not repeat exactly"
+    state = "certified periodic" if data.certified else "not exactly periodic"
     return (
-        f"Steady state at {data.speed_rpm:.0f} rpm, {data.advance_deg:g}° and {data.current_reference_a:.2f} A with ideal current "
-        f"regulators, {state}. Extremes are exact, not taken from a grid. Ripple is {data.ripple_percent:.1f} % peak to peak over "
-        f"the mean, {data.one_sided_ripple_percent:.1f} % one-sided; the published limit is {LIMIT_PERCENT:.0f} %."
+        f"Steady state at {data.speed_rpm:.0f} rpm, {data.advance_deg:g}° and {data.current_reference_a:.2f} A with "
+        f"ideal current regulators, {state}. Extremes are exact, not taken from a grid. Ripple is "
+        f"{data.ripple_percent:.1f} % peak to peak over the mean, {data.one_sided_ripple_percent:.1f} % one-sided; "
+        f"the published limit is {LIMIT_PERCENT:.0f} %."
     )
 
 

@@ -115,8 +115,9 @@ def alternative(figures: tuple[PhaseCurrents, ...]) -> str:
         A sentence for each point.
     """
     return " ".join(
-        f"At {data.speed_rpm:.0f} rpm the current of each phase rises to {float(np.max(data.current_a)):.1f} A, changes by "
-        f"{signed(data.slope_a_per_ms, 1)} A/ms before its window closes, and returns to zero before it reverses."
+        f"At {data.speed_rpm:.0f} rpm the current of each phase rises to {float(np.max(data.current_a)):.1f} A, "
+        f"changes by {signed(data.slope_a_per_ms, 1)} A/ms before its window closes, and returns to zero before it "
+        "reverses."
         for data in figures
     )
 
@@ -136,9 +137,9 @@ def caption(figures: tuple[PhaseCurrents, ...]) -> str:
     """
     peaks = " and ".join(f"{data.peak_emf_v:.1f} V at {data.speed_rpm:.0f} rpm" for data in figures)
     return (
-        "One electrical cycle of the steady state at the published operating points, with the hysteresis band, in the published "
-        f"divisions of 10 A and 0.5 ms. Phase 1 is in front. The peak EMF is {peaks}; the half-supply is 48 V. Where the EMF "
-        "is higher than the supply the current falls before its window closes, and steeper the faster the motor turns."
+        "One electrical cycle of the steady state at the published operating points, with the hysteresis band, in "
+        f"the published divisions of 10 A and 0.5 ms. Phase 1 is in front. The peak EMF is {peaks}; the half-supply "
+        "is 48 V. Only where the EMF is higher than the supply does the current fall before its window closes."
     )
 
 
@@ -169,7 +170,8 @@ def _draw_point(panel: Axes, data: PhaseCurrents) -> None:
     panel.plot(data.time_ms, data.current_a[0], color=BLUE)
     end = data.time_ms[-1] * _SLOPE_TO_DEG / 360.0
     label(panel, 0.35 * end, 15.0, "phase 1", BLUE, weight="bold", ha="center")
-    label(panel, 1.12 * end, 15.0, f"{signed(data.slope_a_per_ms, 1)} A/ms before the window closes", VERMILION)
+    text = f"{signed(data.slope_a_per_ms, 1)} A/ms before the window closes"
+    label(panel, 1.12 * end, 15.0, text, VERMILION)
     panel.set_title(f"{data.speed_rpm:.0f} rpm, {data.torque_nm:g} N·m, {data.advance_deg:.0f}°")
     panel.set_xlabel("time (ms)")
     panel.set_ylabel("phase current (A)")

@@ -172,11 +172,12 @@ def caption(data: SearchTrajectory) -> str:
         A few sentences.
     """
     return (
-        f"Closed loop at {data.speed_rpm:.0f} rpm and {data.torque_nm:g} N·m, means over each 100 ms of the search. The least "
-        f"Σ|i| lies on the feasible edge, {data.optimum_deg:.1f}°. `reference` stops beside it at "
-        f"{data.reference.advance_deg[-1]:.1f}°. `published`, Fig. 4 taken literally, steps over the edge: the torque is out "
-        "of reach, the speed falls, the search freezes since the error exceeds k1, and nothing brings it back. Below the "
-        "edge it runs at less than the wanted torque, so that its smaller Σ|i| is no saving."
+        f"Closed loop at {data.speed_rpm:.0f} rpm and {data.torque_nm:g} N·m, means over each 100 ms of the search. "
+        f"The least Σ|i| lies on the feasible edge, {data.optimum_deg:.1f}°. `reference` stops beside it at "
+        f"{data.reference.advance_deg[-1]:.1f}°. `published`, Fig. 4 taken literally, steps over the edge: the "
+        "torque is out of reach, the speed falls, the search freezes since the error exceeds k1, and nothing brings "
+        "it back; its angle keeps falling only because Fig. 3's line follows the speed. Its smaller Σ|i| is no "
+        "saving: the speed is not held."
     )
 
 
@@ -231,7 +232,8 @@ def _draw_errors(panel: Axes, data: SearchTrajectory) -> None:
 def _draw_plane(panel: Axes, data: SearchTrajectory) -> None:
     panel.plot(data.curve_advance_deg, data.curve_current_sum_a, color=GREY, linewidth=5.0, alpha=0.45)
     text = f"steady state at {data.torque_nm:g} N·m"
-    label(panel, data.curve_advance_deg[-1] - 1.6, data.curve_current_sum_a[-1], text, GREY, ha="right", va="center")
+    last = data.curve_current_sum_a[-1]
+    label(panel, data.curve_advance_deg[-1] - 1.6, last, text, GREY, ha="right", va="center")
     for run, marker in ((data.published, "s"), (data.reference, "o")):
         searching = run.time_s > data.load_begins_s + LOADING_TIME
         panel.plot(
@@ -246,10 +248,12 @@ def _draw_plane(panel: Axes, data: SearchTrajectory) -> None:
     text = "published: over the edge, speed lost, frozen"
     label(panel, lost.advance_deg[-1], lost.current_sum_a[-1] + 4.2, text, VERMILION, weight="bold")
     end = data.reference
-    label(panel, end.advance_deg[-1] + 0.8, end.current_sum_a[-1] - 0.4, "reference", BLUE, va="top", weight="bold")
+    at = (end.advance_deg[-1] + 0.8, end.current_sum_a[-1] - 0.4)
+    label(panel, *at, "reference", BLUE, va="top", weight="bold")
     panel.plot([data.optimum_deg], [data.optimum_current_sum_a], marker="*", color=GREEN, markersize=12)
     text = "least Σ|i|, on the feasible edge"
-    label(panel, data.optimum_deg - 0.6, data.optimum_current_sum_a + 0.5, text, GREEN, ha="right", va="bottom")
+    at = (data.optimum_deg - 0.6, data.optimum_current_sum_a + 0.5)
+    label(panel, *at, text, GREEN, ha="right", va="bottom")
     panel.set_xlabel("advance angle (el. deg)")
     panel.set_ylabel("Σ|i| (A)")
     panel.margins(x=0.03, y=0.12)

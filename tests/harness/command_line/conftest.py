@@ -1,6 +1,7 @@
 """Running the command line in this process, and results to show without a check."""
 
 import json
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -151,7 +152,7 @@ class OnePage:
 
     def load(self) -> Callable[..., Any]:
         def write(document: dict[str, Any], folder: Any) -> Any:
-            print("a report that prints")
+            sys.stdout.write("a report that prints\n")
             (folder / "report.html").write_text(document["verdict"], encoding="utf-8")
             return folder / "report.html"
 

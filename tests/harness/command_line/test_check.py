@@ -54,6 +54,16 @@ def test_a_failure_names_the_counterexample_its_file_and_the_next_step(command, 
     assert file["scenario"]["motor"]["pole_pairs"] == 11, "the scenario must be fully resolved"
 
 
+def test_a_narrow_terminal_breaks_no_command_that_is_to_be_copied(command, failing, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    lines = command("check", "reference", "--output", "a-folder-with-a-rather-long-name").out.splitlines()
+    following = next(line for line in lines if line.startswith("next: "))
+    assert following.endswith(
+        "--case a-folder-with-a-rather-long-name/counterexamples/CNV-1.json --plot CNV-1.png"
+    )
+    assert max(len(line) for line in lines if line.startswith(" CNV-1")) <= 60, "tables must fit"
+
+
 def test_nothing_that_a_candidate_says_acts_on_terminal_xml_or_markdown(command, failing, tmp_path):
     ended = command("check", "reference")
     for text in (ended.out, ended.err):
