@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from hypothesis import HealthCheck, Phase, given, seed, settings, target
+from hypothesis.configuration import set_hypothesis_home_dir
 
 from drivegate.catalogue import CHECKS
 from drivegate.controller import Controller
@@ -225,5 +227,8 @@ def run_drawn(loaded: LoadedCandidate, plan: DrawnRuns) -> ShardOutcome:
     def explore(scenario: Scenario) -> None:
         target(-max(min(collector.worst(scenario), 1e6), -1e6), label="least margin")
 
-    explore()
+    with TemporaryDirectory(prefix="drivegate") as folder:
+        # Hypothesis keeps notes of its own; they belong to nobody's working folder.
+        set_hypothesis_home_dir(folder)
+        explore()
     return ShardOutcome(tuple(collector.runs), collector.set_aside)

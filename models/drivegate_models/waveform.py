@@ -21,7 +21,7 @@ class Waveforms:
     """One electrical cycle of the steady state, from the opening of the first phase's positive window on."""
 
     times: NDArray[np.float64]
-    """Never decreasing, shape (n,) (s); every event of every phase is among them."""
+    """Never decreasing, shape (n,) (s); every event of every phase is among them, some times come twice."""
     currents: NDArray[np.float64]
     """Phase currents, shape (m, n) (A)."""
     shapes: NDArray[np.float64]
@@ -147,9 +147,7 @@ def periodic_waveforms(
             length,
             unused,
         )
-        inside = grid[(grid >= start) & (grid < start + length)] - start
-        if piece == pieces - 1:
-            inside = np.append(inside, length)
+        inside = np.append(grid[(grid >= start) & (grid < start + length)] - start, length)
         times = _sampling_times(phases, inside, length)
         values = np.zeros((3, drive.phases, times.size))
         sample_rows(phases.rows, phases.row_counts, times, values[0], values[1], values[2])

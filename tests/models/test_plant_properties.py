@@ -369,3 +369,36 @@ def test_torque_extremes_are_exact(
         assert abs(sign * refined - bound) <= 1e-9 * scale, (
             f"refined samples reach {sign * refined!r} N m, the extreme is said to be {bound!r} N m"
         )
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("rate", [0.5, 50.0])
+def test_two_stationary_points_within_one_interval(sign: float, rate: float) -> None:
+    """A torque whose slope dips below zero and comes back looks monotone from both ends of its interval."""
+    length = 0.5 / rate
+    # Slope u**3/3 - u + 1/2 in u = 3 t/length - 3/2: above zero and rising at the start and at the end.
+    times = np.linspace(0.0, length, 2001)
+    u = 3.0 * times / length - 1.5
+    wanted = sign * (u**4 / 12.0 - u**2 / 2.0 + 0.5 * u)
+    faded = -np.expm1(-rate * times) / rate
+    bent = (times - faded) / rate
+    # Two phases, one at the peak of the shape and one at its zero, make every form that a torque can take.
+    forms = np.column_stack([np.ones_like(times), times, faded, times * faded, -bent, -times * bent])
+    scaling = np.abs(forms).max(axis=0)
+    coefficients = np.linalg.lstsq(forms / scaling, wanted, rcond=None)[0] / scaling
+    torque = forms @ coefficients
+    peak = int(np.argmax(sign * torque))
+    assert 0 < peak < times.size - 1, "the premise: the extreme lies within the interval"
+
+    rows = np.zeros((2, 1, segments.FIELDS))
+    rows[:, 0, segments.LENGTH] = length
+    rows[:, 0, segments.RATE] = rate
+    rows[0, 0, segments.SHAPE] = 1.0
+    rows[1, 0, segments.SHAPE_RATE] = 1.0
+    columns = (segments.CURRENT, segments.SLOPE, segments.CURVATURE)
+    for column, values in zip(columns, coefficients.reshape(3, 2), strict=True):
+        rows[:, 0, column] = values
+    lowest, highest = torque_extremes(rows, np.ones(2, np.int64), 1.0, rate, length, math.inf, -math.inf)
+    assert highest == pytest.approx(torque.max(), abs=1e-6), "the highest torque is missed"
+    assert lowest == pytest.approx(torque.min(), abs=1e-6), "the lowest torque is missed"

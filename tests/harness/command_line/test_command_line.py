@@ -79,7 +79,11 @@ def test_an_option_that_does_not_exist_is_named(refused):
     [
         (InputError("the key is wrong"), 2, "error: the key is wrong\n"),
         (click.UsageError("Missing\noption."), 2, "error: Missing option\n"),
-        (HarnessFault("it broke: Traceback (most recent call last):\n  x\nValueError: 3"), 3, "it broke: ValueError: 3"),
+        (
+            HarnessFault("it broke: Traceback (most recent call last):\n  x\nValueError: 3"),
+            3,
+            "it broke: ValueError: 3",
+        ),
         (ZeroDivisionError("division by zero"), 3, "drivegate itself failed"),
         (OSError(28, "No space left on device", "x.csv"), 3, "cannot write at x.csv: No space left"),
         (KeyboardInterrupt(), 130, "error: interrupted\n"),
