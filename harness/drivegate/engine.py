@@ -115,7 +115,7 @@ def check_candidate(
         for item, outcome in zip(work, outcomes, strict=True):
             done += item.runs
             if isinstance(outcome, Fault):
-                if outcome not in faults:
+                if (outcome.kind, outcome.message) not in [(fault.kind, fault.message) for fault in faults]:
                     faults.append(outcome)
             else:
                 runs.extend(outcome.runs)

@@ -193,6 +193,7 @@ def advance_with_extremes(
     """
     lowest = inf
     highest = -inf
+    positions = np.zeros(drive.phases, np.int64)
     pieces = int(duration / KEPT_TIME) + 1
     length = duration / pieces
     status = COMPLETED
@@ -216,6 +217,7 @@ def advance_with_extremes(
         lowest, highest = torque_extremes(
             phases.rows,
             phases.row_counts,
+            positions,
             drive.emf_constant,
             drive.resistance / drive.inductance,
             length,

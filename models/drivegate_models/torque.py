@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models import segments
-from drivegate_models.compilation import inlined, kernel
+from drivegate_models.compilation import inlined, unallocating
 from drivegate_models.winding_current import current_after, phi4
 
 Coefficients = tuple[float, float, float, float, float, float]
@@ -32,7 +32,7 @@ def _derivatives(coefficients: Coefficients, rate: float, time: float) -> tuple[
     return value, first, second
 
 
-@kernel
+@unallocating
 def _zero(coefficients: Coefficients, rate: float, low: float, high: float, order: int) -> float:
     """Return the zero of a derivative (1 or 2) that changes sign over [low, high], by safeguarded bisection."""
     at_low = _derivatives(coefficients, rate, low)[order]
@@ -50,7 +50,7 @@ def _zero(coefficients: Coefficients, rate: float, low: float, high: float, orde
     return high
 
 
-@kernel
+@unallocating
 def _interval_extremes(
     coefficients: Coefficients, rate: float, length: float, lowest: float, highest: float
 ) -> tuple[float, float]:
@@ -68,35 +68,34 @@ def _interval_extremes(
     if not bends and start_second * end_second > 0.0 and start_first * end_first > 0.0:
         return lowest, highest
 
-    # Points between which the second derivative is monotone, then those between which the first one is.
-    limits = np.zeros(5)
-    count = 1
+    # The second derivative is monotone on either side of the inflection, the first one between its zeros.
     previous = 0.0
-    for step in range(2):
-        following = length if step == 1 or not bends else inflection
-        if following > previous:
-            before = _derivatives(coefficients, rate, previous)[2]
-            after = _derivatives(coefficients, rate, following)[2]
-            if before * after < 0.0:
-                limits[count] = _zero(coefficients, rate, previous, following, 2)
-                count += 1
-            previous = following
-    limits[count] = length
-    for k in range(count):
-        before = _derivatives(coefficients, rate, limits[k])[1]
-        after = _derivatives(coefficients, rate, limits[k + 1])[1]
+    for part in range(2):
+        end_of_part = inflection if part == 0 and bends else length
+        if end_of_part <= previous:
+            continue
+        middle = end_of_part
+        before = _derivatives(coefficients, rate, previous)[2]
+        after = _derivatives(coefficients, rate, end_of_part)[2]
         if before * after < 0.0:
-            time = _zero(coefficients, rate, limits[k], limits[k + 1], 1)
-            value = _derivatives(coefficients, rate, time)[0]
-            lowest = min(lowest, value)
-            highest = max(highest, value)
+            middle = _zero(coefficients, rate, previous, end_of_part, 2)
+        for low, high in ((previous, middle), (middle, end_of_part)):
+            first_before = _derivatives(coefficients, rate, low)[1]
+            first_after = _derivatives(coefficients, rate, high)[1]
+            if first_before * first_after < 0.0:
+                stationary = _zero(coefficients, rate, low, high, 1)
+                value = _derivatives(coefficients, rate, stationary)[0]
+                lowest = min(lowest, value)
+                highest = max(highest, value)
+        previous = end_of_part
     return lowest, highest
 
 
-@kernel
+@unallocating
 def torque_extremes(
     rows: NDArray[np.float64],
     row_counts: NDArray[np.int64],
+    positions: NDArray[np.int64],
     emf_constant: float,
     rate: float,
     duration: float,
@@ -111,6 +110,8 @@ def torque_extremes(
         Segments of each phase, without gaps from 0 to `duration`.
     row_counts : ndarray of int64, shape (m,)
         Number of segments of each phase.
+    positions : ndarray of int64, shape (m,)
+        Room for the computation.
     emf_constant : float
         Peak torque an ampere (N m/A).
     rate : float
@@ -126,7 +127,7 @@ def torque_extremes(
         Range including this advance (N m), at events and stationary points, not on a grid.
     """
     phases = rows.shape[0]
-    position = np.zeros(phases, np.int64)
+    positions[:] = 0
     low = lowest / emf_constant
     high = highest / emf_constant
     time = 0.0
@@ -139,14 +140,14 @@ def torque_extremes(
         q0 = 0.0
         q1 = 0.0
         for phase in range(phases):
-            while position[phase] < row_counts[phase] - 1:
-                row = rows[phase, position[phase]]
+            while positions[phase] < row_counts[phase] - 1:
+                row = rows[phase, positions[phase]]
                 if row[segments.START] + row[segments.LENGTH] > time:
                     break
-                position[phase] += 1
-            row = rows[phase, position[phase]]
+                positions[phase] += 1
+            row = rows[phase, positions[phase]]
             ends = row[segments.START] + row[segments.LENGTH]
-            if position[phase] < row_counts[phase] - 1 and ends < until:
+            if positions[phase] < row_counts[phase] - 1 and ends < until:
                 until = ends
             offset = time - row[segments.START]
             current = row[segments.CURRENT]

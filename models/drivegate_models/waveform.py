@@ -151,7 +151,8 @@ def periodic_waveforms(
         times = _sampling_times(phases, inside, length)
         values = np.zeros((3, drive.phases, times.size))
         sample_rows(phases.rows, phases.row_counts, times, values[0], values[1], values[2])
-        parts.append((times + start, values))
+        # The next piece must not begin before this one ends, by rounding.
+        parts.append((np.minimum(times + start, (piece + 1) * length), values))
     currents, shapes, voltages = np.concatenate([values for _, values in parts], axis=2)
     return Waveforms(
         times=np.concatenate([times for times, _ in parts]),

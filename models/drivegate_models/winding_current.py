@@ -139,14 +139,15 @@ def _root(
     low_limit = low
     high_limit = high
     gap = level - start
-    discriminant = slope * slope - 2.0 * curvature * gap
+    bending = curvature + rate * slope
+    discriminant = slope * slope - 2.0 * bending * gap
     time = 0.5 * (low + high)
     if discriminant >= 0.0:
-        # The parabola through the start: the exponential bends it by less than x.
+        # The parabola that leaves the start with the current's slope and curvature.
         square = np.sqrt(discriminant)
         divisor = slope + (square if slope >= 0.0 else -square)
         first = 2.0 * gap / divisor if divisor != 0.0 else -1.0
-        second = 0.5 * divisor / curvature if curvature != 0.0 else -1.0
+        second = divisor / bending if bending != 0.0 else -1.0
         if low <= first <= high:
             time = first
         elif low <= second <= high:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 from drivegate_reports.figures import input_current, instantaneous_torque, phase_currents, search_trajectory
@@ -37,6 +38,7 @@ class PageFigure:
     caption: str
 
 
+@cache
 def page_figures() -> tuple[PageFigure, ...]:
     """Compute and draw the figures.
 

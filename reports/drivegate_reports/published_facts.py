@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Final, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -213,6 +214,7 @@ def quantity_keys() -> frozenset[tuple[str, str]]:
     return frozenset(_OURS)
 
 
+@cache
 def comparisons() -> tuple[Comparison, ...]:
     """Compare every published quantity and statement with what the models give.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -43,6 +44,7 @@ class RecomputedFinding:
     numbers: tuple[tuple[str, str], ...]
 
 
+@cache
 def recomputed_findings() -> tuple[RecomputedFinding, ...]:
     """Compute the numbers of every finding anew.
 

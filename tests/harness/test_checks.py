@@ -102,9 +102,13 @@ def test_angle_below_base_speed_has_to_be_exactly_zero(through_base_speed: RunRe
     assert BY_ID["ADV-1"].evaluate(through_base_speed).met  # type: ignore[union-attr]
     # A subnormal angle rounds to zero degrees; the next one that does not has to fail.
     assert margin is not None
-    assert not BY_ID["ADV-1"].evaluate(  # type: ignore[union-attr]
-        with_run(through_base_speed, observation.RUN_ANGLE_BELOW_BASE, 1e-300)
-    ).met
+    assert (
+        not BY_ID["ADV-1"]
+        .evaluate(  # type: ignore[union-attr]
+            with_run(through_base_speed, observation.RUN_ANGLE_BELOW_BASE, 1e-300)
+        )
+        .met
+    )
 
 
 K1 = convergence.SPEED_TOLERANCE
@@ -121,8 +125,12 @@ def test_speed_error_of_k1(rated_power: RunRecord, check: str) -> None:
 
 def test_spread_of_the_means_of_k2(rated_power: RunRecord) -> None:
     spread = convergence.POWER_TOLERANCE * 50.0
-    inside = with_window(rated_power, CURRENT_SUM=50.0, MEAN_LOWEST=50.0, MEAN_HIGHEST=50.0 + spread * (1 - 1e-6))
-    beyond = with_window(rated_power, CURRENT_SUM=50.0, MEAN_LOWEST=50.0, MEAN_HIGHEST=50.0 + spread * (1 + 1e-6))
+    inside = with_window(
+        rated_power, CURRENT_SUM=50.0, MEAN_LOWEST=50.0, MEAN_HIGHEST=50.0 + spread * (1 - 1e-6)
+    )
+    beyond = with_window(
+        rated_power, CURRENT_SUM=50.0, MEAN_LOWEST=50.0, MEAN_HIGHEST=50.0 + spread * (1 + 1e-6)
+    )
     assert_limit("CNV-1", inside, beyond)
 
 

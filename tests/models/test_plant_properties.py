@@ -338,6 +338,7 @@ def test_torque_extremes_are_exact(
     lowest, highest = torque_extremes(
         phases.rows,
         phases.row_counts,
+        np.zeros(len(phases.row_counts), np.int64),
         drive.emf_constant,
         drive.resistance / drive.inductance,
         duration,
@@ -399,6 +400,8 @@ def test_two_stationary_points_within_one_interval(sign: float, rate: float) -> 
     columns = (segments.CURRENT, segments.SLOPE, segments.CURVATURE)
     for column, values in zip(columns, coefficients.reshape(3, 2), strict=True):
         rows[:, 0, column] = values
-    lowest, highest = torque_extremes(rows, np.ones(2, np.int64), 1.0, rate, length, math.inf, -math.inf)
+    lowest, highest = torque_extremes(
+        rows, np.ones(2, np.int64), np.zeros(2, np.int64), 1.0, rate, length, math.inf, -math.inf
+    )
     assert highest == pytest.approx(torque.max(), abs=1e-6), "the highest torque is missed"
     assert lowest == pytest.approx(torque.min(), abs=1e-6), "the lowest torque is missed"
