@@ -61,7 +61,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.speed_tolerance = 5.0 * pi / 30.0
     state.power_tolerance = 0.001
     state.first_step = radians(1.0)
-    state.decision_steps = max(int(round(SEARCH_PERIOD / nameplate.control_period)), 1)
+    state.decision_steps = max(round(SEARCH_PERIOD / nameplate.control_period), 1)
     state.integral = 0.0
     state.advancing = 0
     state.count = 0

@@ -120,7 +120,7 @@ def _run(
     angle = 0.0
     current_sum = 0.0
     digest = 0
-    block = max(int(round(observation.MEAN_TIME / control_period)), 1)
+    block = max(round(observation.MEAN_TIME / control_period), 1)
     stored = stored_energy(drive, phases.currents)
     traced = 0
     for k in range(steps):

@@ -17,7 +17,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 CACHE_VARIABLE = "DRIVEGATE_CACHE"
 """Environment variable that overrides the folder in which compiled kernels are kept."""
@@ -102,6 +102,11 @@ import numba  # noqa: E402  (the cache folder must be known before numba is impo
 _Function = TypeVar("_Function", bound=Callable[..., object])
 
 
+def _compiled(function: _Function, **options: bool) -> _Function:
+    njit: Any = numba.njit
+    return cast(_Function, njit(cache=KEEPS_CACHE, error_model="numpy", **options)(function))
+
+
 def kernel(function: _Function) -> _Function:
     """Compile `function` in nopython mode, cached, releasing nothing and reordering no arithmetic.
 
@@ -115,8 +120,7 @@ def kernel(function: _Function) -> _Function:
     callable
         The compiled function, with the signature of the original.
     """
-    compiled = numba.njit(cache=KEEPS_CACHE, error_model="numpy")(function)
-    return cast(_Function, compiled)
+    return _compiled(function)
 
 
 def unallocating(function: _Function) -> _Function:
@@ -135,8 +139,7 @@ def unallocating(function: _Function) -> _Function:
     callable
         The compiled function, with the signature of the original.
     """
-    compiled = numba.njit(cache=KEEPS_CACHE, error_model="numpy", _nrt=False)(function)
-    return cast(_Function, compiled)
+    return _compiled(function, _nrt=False)
 
 
 def inlined(function: _Function) -> _Function:
@@ -152,5 +155,4 @@ def inlined(function: _Function) -> _Function:
     callable
         The compiled function.
     """
-    compiled = numba.njit(cache=KEEPS_CACHE, error_model="numpy", forceinline=True, _nrt=False)(function)
-    return cast(_Function, compiled)
+    return _compiled(function, forceinline=True, _nrt=False)

@@ -220,6 +220,35 @@ def decide_holding(state: Any, power: float, change: float) -> None:
 
 
 @inlined
+def move(state: Any, power: float, change: float) -> None:
+    """Take the next step, by as much as the forbidden angle leaves; rest where nothing is left.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power, change : float
+        Mean current sum of the decision interval, and its change from the one before (A).
+    """
+    while (
+        state.step >= _SMALLEST_STEP
+        and state.direction < 0.0
+        and state.offset - state.step < state.forbidden + _MARGIN
+    ):
+        state.step = 0.5 * state.step
+    if state.step < _SMALLEST_STEP:
+        if change > 0.0 and state.moved != 0.0:
+            # The last step made things worse: it is taken back before the search rests.
+            state.offset -= state.moved
+        begin_holding(state, power)
+        return
+    state.moved = state.direction * state.step
+    state.good_offset = state.offset
+    state.good_integral = state.integral
+    state.offset += state.moved
+
+
+@inlined
 def decide_guarded(state: Any) -> None:
     """Make one decision of the guarded search.
 
@@ -260,19 +289,4 @@ def decide_guarded(state: Any) -> None:
             state.improvements = 0
         elif state.improvements >= _IMPROVEMENTS and state.step == state.first_step:
             state.step = 2.0 * state.first_step
-    while (
-        state.step >= _SMALLEST_STEP
-        and state.direction < 0.0
-        and state.offset - state.step < state.forbidden + _MARGIN
-    ):
-        state.step = 0.5 * state.step
-    if state.step < _SMALLEST_STEP:
-        if change > 0.0 and state.moved != 0.0:
-            # The last step made things worse: it is taken back before the search rests.
-            state.offset -= state.moved
-        begin_holding(state, power)
-        return
-    state.moved = state.direction * state.step
-    state.good_offset = state.offset
-    state.good_integral = state.integral
-    state.offset += state.moved
+    move(state, power, change)

@@ -38,7 +38,7 @@ def _zero(coefficients: Coefficients, rate: float, low: float, high: float, orde
     at_low = _derivatives(coefficients, rate, low)[order]
     for _ in range(100):
         middle = 0.5 * (low + high)
-        if middle == low or middle == high:
+        if middle in (low, high):
             break
         at_middle = _derivatives(coefficients, rate, middle)[order]
         if at_middle == 0.0:
