@@ -58,9 +58,10 @@ def page(document: Mapping[str, Any]) -> str:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     from drivegate_cases.facts import facts, open_assumptions
+    from drivegate_reports.comparison import verdict_counts
     from drivegate_reports.conformance_view import view_of
     from drivegate_reports.page_figures import page_figures
-    from drivegate_reports.published_facts import comparisons, verdict_counts
+    from drivegate_reports.published_facts import comparisons
     from drivegate_reports.recomputed_findings import recomputed_findings
 
     view = view_of(document)

@@ -3,113 +3,19 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from shlex import quote
 from typing import Any, Final
 
-from drivegate.check_display import scenario_in_short
 from drivegate.handlers.result_file import counterexample_name
 from drivegate.result import RESULT_SCHEMA
 from drivegate_models.errors import InputError
+from drivegate_reports.conformance_rows import TONES, CheckRow, FaultRow, check_row, fault_row
+from drivegate_reports.printable import clean
 
-LONGEST_TEXT: Final = 2_000
-"""Longest text of a cell (characters)."""
-LONGEST_BLOCK: Final = 20_000
-"""Longest scenario or traceback (characters)."""
 MOST_FAULTS: Final = 20
 """Most faults that are shown one by one."""
-
-_TONES: Final = {
-    "pass": "pass",
-    "waived": "caution",
-    "waiver expired": "fail",
-    "unexpectedly passes": "caution",
-    "inconclusive": "caution",
-    "not applicable": "quiet",
-}
-
-
-@dataclass(frozen=True)
-class MarginBar:
-    """A margin as a bar from the middle of a box of 100 by 10, to the right where it is met.
-
-    Attributes
-    ----------
-    start, width : float
-        Of the bar, in the box's units.
-    """
-
-    start: float
-    width: float
-
-
-@dataclass(frozen=True)
-class CheckRow:
-    """A check as the page shows it; texts are bounded and printable.
-
-    Attributes
-    ----------
-    id, requirement, source, subject, level, verdict, measured, limit : str
-        As in the result document.
-    message : str
-        The outcome, without the measured value that is shown beside it.
-    tone : str
-        ``pass``, ``fail``, ``caution`` or ``quiet``.
-    margin : str
-        The margin, or a dash.
-    bar : MarginBar or None
-        The margin as a bar.
-    runs : int
-        Number of runs.
-    worst : str
-        The worst scenario in one line; empty where there is none.
-    scenario : str
-        The worst scenario as plain data.
-    file : str
-        The counterexample's file beside the page; empty where the check did not fail.
-    """
-
-    id: str
-    requirement: str
-    source: str
-    subject: str
-    level: str
-    verdict: str
-    tone: str
-    margin: str
-    bar: MarginBar | None
-    measured: str
-    limit: str
-    runs: int
-    message: str
-    worst: str
-    scenario: str
-    file: str
-
-
-@dataclass(frozen=True)
-class FaultRow:
-    """A fault as the page shows it; texts are bounded and printable.
-
-    Attributes
-    ----------
-    kind, message, phase, error, traceback : str
-        As in the result document.
-    when : str
-        Step and simulated time; empty where the candidate was not stepped.
-    sense : str
-        What the candidate had been told; empty where it was not stepped.
-    """
-
-    kind: str
-    message: str
-    phase: str
-    error: str
-    traceback: str
-    when: str
-    sense: str
 
 
 @dataclass(frozen=True)
@@ -203,8 +109,8 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
             f"the result has the schema {schema!r}, but this version reads up to {RESULT_SCHEMA}"
         )
     candidate = document["candidate"]
-    checks = tuple(_check_row(check) for check in document["checks"])
-    faults = tuple(_fault_row(fault) for fault in document["faults"][:MOST_FAULTS])
+    checks = tuple(check_row(check) for check in document["checks"])
+    faults = tuple(fault_row(fault) for fault in document["faults"][:MOST_FAULTS])
     failing = tuple(row.id for row in checks if row.verdict == "fail" and row.level == "required")
     verdict = clean(document["verdict"])
     return ResultView(
@@ -213,7 +119,7 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
         specification=clean(candidate["specification"]),
         candidate_hash=clean(candidate["hash"]),
         verdict=verdict,
-        tone=_TONES.get(verdict, "fail"),
+        tone=TONES.get(verdict, "fail"),
         meaning=_meaning(verdict, failing),
         exit_code=int(document["exit_code"]),
         seed=int(document["seed"]),
@@ -226,118 +132,6 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
         faults=faults,
         more_faults=len(document["faults"]) - len(faults),
         provenance=_provenance(document),
-    )
-
-
-def clean(value: object, longest: int = LONGEST_TEXT) -> str:
-    """Make any text printable and bounded; line ends are kept.
-
-    Parameters
-    ----------
-    value : object
-        A text, or something to be written as one.
-    longest : int
-        Greatest length (characters); of a longer text the end is left out.
-
-    Returns
-    -------
-    str
-        The text with every other unprintable character, also marks of writing direction, as an escape.
-    """
-    text = str(value)[: longest + 1]
-    shown = "".join(
-        character
-        if character == "\n" or character.isprintable()
-        else character.encode("unicode_escape").decode("ascii")
-        for character in text
-    )
-    return shown if len(shown) <= longest else shown[: longest - 1] + "…"
-
-
-def plain_data(value: object, indent: int = 0) -> str:
-    """Write plain data so that it reads well: a line for each key, lists on one line.
-
-    Parameters
-    ----------
-    value : object
-        What JSON can hold.
-    indent : int
-        Depth of the value.
-
-    Returns
-    -------
-    str
-        Lines of ``key: value`` with JSON values.
-    """
-    if not isinstance(value, Mapping) or not value:
-        return json.dumps(value, ensure_ascii=False, default=str)
-    lines = []
-    for key, item in value.items():
-        nested = isinstance(item, Mapping) and bool(item)
-        written = plain_data(item, indent + 1)
-        lines.append(f"{'  ' * indent}{key}:{chr(10) if nested else ' '}{written}")
-    return "\n".join(lines)
-
-
-def margin_bar(margin: float) -> MarginBar:
-    """Turn a margin into a bar.
-
-    Parameters
-    ----------
-    margin : float
-        Distance from the limit over the limit.
-
-    Returns
-    -------
-    MarginBar
-        A margin of 1 or more, or of -1 or less, fills its half of the box.
-    """
-    length = min(abs(margin), 1.0) * 48.0
-    return MarginBar(50.0 if margin >= 0.0 else 50.0 - length, max(length, 0.6))
-
-
-def _check_row(check: Mapping[str, Any]) -> CheckRow:
-    verdict, level = clean(check["verdict"]), clean(check["level"])
-    margin, scenario = check["margin"], check["scenario"]
-    known = isinstance(margin, int | float) and math.isfinite(margin)
-    tone = _TONES.get(verdict, "caution" if level == "advisory" else "fail")
-    return CheckRow(
-        id=clean(check["id"]),
-        requirement=clean(check["requirement"]),
-        source=clean(check["source"]),
-        subject=clean(check["subject"]),
-        level=level,
-        verdict=verdict,
-        tone=tone,
-        margin=f"{margin:+.3g}".replace("-", "−") if known else "–",
-        bar=margin_bar(float(margin)) if known else None,
-        measured=clean(check["measured"]),
-        limit=clean(check["limit"]),
-        runs=int(check["runs"]),
-        message=clean(str(check["message"]).removeprefix(f"{check['measured']}; ")),
-        worst=clean(_in_short(scenario)) if scenario is not None else "",
-        scenario=clean(plain_data(scenario), LONGEST_BLOCK) if scenario is not None else "",
-        file=clean(counterexample_name(str(check["id"]))) if check["counterexample"] is not None else "",
-    )
-
-
-def _in_short(scenario: Mapping[str, Any]) -> str:
-    try:
-        return scenario_in_short(dict(scenario))
-    except (KeyError, TypeError, ValueError, AttributeError):
-        return str(scenario.get("name", "scenario"))
-
-
-def _fault_row(fault: Mapping[str, Any]) -> FaultRow:
-    step, time = fault["step"], fault["time_s"]
-    return FaultRow(
-        kind=clean(fault["kind"]),
-        message=clean(fault["message"]),
-        phase=clean(fault["phase"]),
-        error=clean(fault["error"]),
-        traceback=clean(fault["traceback"], LONGEST_BLOCK),
-        when=f"after {step} steps, at {time:g} s" if step is not None and time is not None else "",
-        sense=clean(plain_data(fault["sense"]), LONGEST_BLOCK) if fault["sense"] else "",
     )
 
 

@@ -14,7 +14,7 @@ from drivegate_cases.facts import Finding, findings
 from drivegate_models.oracle import current_sum_curve, feasible_edge, point_at_torque
 from drivegate_models.steady_state import steady_state
 from drivegate_reports.figures.search_trajectory import search_trajectory
-from drivegate_reports.published_facts import out_of_reach_rpm
+from drivegate_reports.published_statements import out_of_reach_rpm
 from drivegate_reports.reference_drive import (
     RADIANS_PER_RPM,
     banded_drive,

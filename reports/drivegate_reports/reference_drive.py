@@ -10,6 +10,8 @@ from drivegate_cases.motor import Motor, load_motor
 from drivegate_models.drive import Drive
 
 RADIANS_PER_RPM: Final = math.pi / 30.0
+HIGHEST_PUBLISHED_RPM: Final = 1500.0
+"""Greatest speed of the published results, three times base speed."""
 
 
 @cache

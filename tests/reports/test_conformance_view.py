@@ -8,14 +8,9 @@ from typing import Any
 import pytest
 
 from drivegate_models.errors import InputError
-from drivegate_reports.conformance_view import (
-    LONGEST_BLOCK,
-    LONGEST_TEXT,
-    clean,
-    margin_bar,
-    plain_data,
-    view_of,
-)
+from drivegate_reports.conformance_rows import margin_bar
+from drivegate_reports.conformance_view import view_of
+from drivegate_reports.printable import LONGEST_BLOCK, LONGEST_TEXT, clean, plain_data
 
 Factory = Callable[..., dict[str, Any]]
 

@@ -1,0 +1,189 @@
+"""Checks and faults of a result document as rows of the conformance page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from drivegate.check_display import scenario_in_short
+from drivegate.handlers.result_file import counterexample_name
+from drivegate_reports.printable import LONGEST_BLOCK, clean, plain_data
+
+TONES: Final = {
+    "pass": "pass",
+    "waived": "caution",
+    "waiver expired": "fail",
+    "unexpectedly passes": "caution",
+    "inconclusive": "caution",
+    "not applicable": "quiet",
+}
+"""Tone of each verdict; of any other it is ``fail``."""
+
+
+@dataclass(frozen=True)
+class MarginBar:
+    """A margin as a bar from the middle of a box of 100 by 10, to the right where it is met.
+
+    Attributes
+    ----------
+    start, width : float
+        Of the bar, in the box's units.
+    """
+
+    start: float
+    width: float
+
+
+@dataclass(frozen=True)
+class CheckRow:
+    """A check as the page shows it; texts are bounded and printable.
+
+    Attributes
+    ----------
+    id, requirement, source, subject, level, verdict, measured, limit : str
+        As in the result document.
+    message : str
+        The outcome, without the measured value that is shown beside it.
+    tone : str
+        ``pass``, ``fail``, ``caution`` or ``quiet``.
+    margin : str
+        The margin, or a dash.
+    bar : MarginBar or None
+        The margin as a bar.
+    runs : int
+        Number of runs.
+    worst : str
+        The worst scenario in one line; empty where there is none.
+    scenario : str
+        The worst scenario as plain data.
+    file : str
+        The counterexample's file beside the page; empty where the check did not fail.
+    """
+
+    id: str
+    requirement: str
+    source: str
+    subject: str
+    level: str
+    verdict: str
+    tone: str
+    margin: str
+    bar: MarginBar | None
+    measured: str
+    limit: str
+    runs: int
+    message: str
+    worst: str
+    scenario: str
+    file: str
+
+
+@dataclass(frozen=True)
+class FaultRow:
+    """A fault as the page shows it; texts are bounded and printable.
+
+    Attributes
+    ----------
+    kind, message, phase, error, traceback : str
+        As in the result document.
+    when : str
+        Step and simulated time; empty where the candidate was not stepped.
+    sense : str
+        What the candidate had been told; empty where it was not stepped.
+    """
+
+    kind: str
+    message: str
+    phase: str
+    error: str
+    traceback: str
+    when: str
+    sense: str
+
+
+def margin_bar(margin: float) -> MarginBar:
+    """Turn a margin into a bar.
+
+    Parameters
+    ----------
+    margin : float
+        Distance from the limit over the limit.
+
+    Returns
+    -------
+    MarginBar
+        A margin of 1 or more, or of -1 or less, fills its half of the box.
+    """
+    length = min(abs(margin), 1.0) * 48.0
+    return MarginBar(50.0 if margin >= 0.0 else 50.0 - length, max(length, 0.6))
+
+
+def check_row(check: Mapping[str, Any]) -> CheckRow:
+    """Prepare the outcome of a check.
+
+    Parameters
+    ----------
+    check : mapping
+        As in the result document.
+
+    Returns
+    -------
+    CheckRow
+        The row.
+    """
+    verdict, level = clean(check["verdict"]), clean(check["level"])
+    margin, scenario = check["margin"], check["scenario"]
+    known = isinstance(margin, int | float) and math.isfinite(margin)
+    tone = TONES.get(verdict, "caution" if level == "advisory" else "fail")
+    return CheckRow(
+        id=clean(check["id"]),
+        requirement=clean(check["requirement"]),
+        source=clean(check["source"]),
+        subject=clean(check["subject"]),
+        level=level,
+        verdict=verdict,
+        tone=tone,
+        margin=f"{margin:+.3g}".replace("-", "−") if known else "–",
+        bar=margin_bar(float(margin)) if known else None,
+        measured=clean(check["measured"]),
+        limit=clean(check["limit"]),
+        runs=int(check["runs"]),
+        message=clean(str(check["message"]).removeprefix(f"{check['measured']}; ")),
+        worst=clean(_in_short(scenario)) if scenario is not None else "",
+        scenario=clean(plain_data(scenario), LONGEST_BLOCK) if scenario is not None else "",
+        file=clean(counterexample_name(str(check["id"]))) if check["counterexample"] is not None else "",
+    )
+
+
+def _in_short(scenario: Mapping[str, Any]) -> str:
+    try:
+        return scenario_in_short(dict(scenario))
+    except (KeyError, TypeError, ValueError, AttributeError):
+        return str(scenario.get("name", "scenario"))
+
+
+def fault_row(fault: Mapping[str, Any]) -> FaultRow:
+    """Prepare a fault.
+
+    Parameters
+    ----------
+    fault : mapping
+        As in the result document.
+
+    Returns
+    -------
+    FaultRow
+        The row.
+    """
+    step, time = fault["step"], fault["time_s"]
+    return FaultRow(
+        kind=clean(fault["kind"]),
+        message=clean(fault["message"]),
+        phase=clean(fault["phase"]),
+        error=clean(fault["error"]),
+        traceback=clean(fault["traceback"], LONGEST_BLOCK),
+        when=f"after {step} steps, at {time:g} s" if step is not None and time is not None else "",
+        sense=clean(plain_data(fault["sense"]), LONGEST_BLOCK) if fault["sense"] else "",
+    )

@@ -1,0 +1,236 @@
+"""Published numbers beside ours."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from drivegate.builtin_loading import BuiltinController
+from drivegate.scenario_run import run_scenario
+from drivegate_cases.document import parse_document
+from drivegate_cases.facts import Fact, Quantity
+from drivegate_cases.operating_point import load_operating_point
+from drivegate_cases.scenario import Scenario
+from drivegate_models import observation
+from drivegate_models.builtin_controllers import SEARCHES
+from drivegate_models.oracle import feasible_edge, point_at_torque
+from drivegate_models.steady_state import steady_state
+from drivegate_reports.comparison import Comparison, Verdict
+from drivegate_reports.figures.instantaneous_torque import ADVANCE_DEG, torque_cycle
+from drivegate_reports.figures.phase_currents import POINTS
+from drivegate_reports.reference_drive import (
+    HIGHEST_PUBLISHED_RPM,
+    RADIANS_PER_RPM,
+    ideal_drive,
+    power_torque,
+    reference_motor,
+)
+
+FASTEST_PROBED_RPM: Final = 4000.0
+"""Speed up to which constant power is looked for."""
+
+
+@dataclass(frozen=True)
+class Ours:
+    """A value of ours for a published quantity.
+
+    Attributes
+    ----------
+    value : float
+        In the quantity's unit.
+    note : str
+        How it was had.
+    given : bool
+        Whether it is an input of the model.
+    is_open : bool
+        Whether the paper leaves open what exactly is meant.
+    """
+
+    value: float
+    note: str = ""
+    given: bool = False
+    is_open: bool = False
+
+
+def _given(value: float) -> Ours:
+    return Ours(value, "input of the model", given=True)
+
+
+def _rated_power() -> Ours:
+    motor = reference_motor()
+    speed = motor.base_speed_rpm * RADIANS_PER_RPM
+    angles = np.radians(np.arange(0.0, 90.0, 0.25))
+    torques = [steady_state(ideal_drive(), speed, motor.current_limit_a, angle).torque for angle in angles]
+    best = int(np.argmax(torques))
+    at = math.degrees(angles[best])
+    return Ours(
+        torques[best] * speed, f"greatest power at {motor.base_speed_rpm:g} rpm and 26 A, at {at:.2f}°"
+    )
+
+
+def _angle_below_base() -> Ours:
+    """Run the published controller through base speed on a dynamometer, and look at what it commands below."""
+    base = reference_motor().base_speed_rpm
+    ramp = {
+        "schema": 1,
+        "name": "through base speed",
+        "motor": reference_motor().to_mapping(),
+        "duration_s": 1.0,
+        "speed_rpm": [[0.0, base - 100.0], [1.0, base + 100.0]],
+        "load": {"kind": "locked"},
+    }
+    scenario = parse_document(ramp, Scenario, "the ramp through base speed")
+    run = run_scenario(scenario, BuiltinController(SEARCHES["published"]))
+    angle = math.degrees(float(run.run[observation.RUN_ANGLE_BELOW_BASE]))
+    return Ours(angle, "greatest angle that `published` commands below base speed, on a ramp through it")
+
+
+def _necessary_angle(point_name: str) -> Ours:
+    point = load_operating_point(point_name)
+    edge = feasible_edge(ideal_drive(), point.speed_rpm * RADIANS_PER_RPM, point.torque_nm)
+    return Ours(math.degrees(edge), f"smallest angle that gives {point.torque_nm:g} N·m at the current limit")
+
+
+def _fig10_angle() -> Ours:
+    point = load_operating_point("fig10-currents-1500")
+    speed = point.speed_rpm * RADIANS_PER_RPM
+    found = point_at_torque(ideal_drive(), speed, math.radians(point.advance_deg), point.torque_nm)
+    edge = _necessary_angle("fig10-currents-1500").value
+    return Ours(
+        point.advance_deg,
+        f"{'feasible' if found.robust else 'not feasible'}, with Σ|i| {found.current_sum:.1f} A; the smallest "
+        f"feasible angle is {edge:.1f}°. The paper does not say whether 58° is an initial or an optimal angle",
+        is_open=True,
+    )
+
+
+def _ripple() -> Ours:
+    point = load_operating_point("fig6-torque-1500")
+    found = torque_cycle(point.advance_deg)
+    beside = torque_cycle(ADVANCE_DEG)
+    return Ours(
+        found.ripple_percent,
+        f"peak to peak over mean at {point.advance_deg:g}° and {point.torque_nm:g} N·m; "
+        f"{beside.ripple_percent:.1f} % at {ADVANCE_DEG:g}°",
+    )
+
+
+def _speed_ratio() -> Ours:
+    motor = reference_motor()
+    speeds = np.arange(HIGHEST_PUBLISHED_RPM, FASTEST_PROBED_RPM + 1.0, 100.0)
+    edges = [
+        feasible_edge(ideal_drive(), speed * RADIANS_PER_RPM, power_torque(speed, motor.rated_power_w))
+        for speed in speeds
+    ]
+    reached = [(speed, edge) for speed, edge in zip(speeds, edges, strict=True) if math.isfinite(edge)]
+    speed, edge = reached[-1]
+    return Ours(
+        speed / motor.base_speed_rpm,
+        f"1.5 kW is within reach at {speed:.0f} rpm from {math.degrees(edge):.1f}° on; looked no further",
+    )
+
+
+def _angle_of_greatest_speed() -> Ours:
+    return Ours(
+        90.0,
+        "no greatest speed is stated; ours still gives 1.5 kW at the fastest speed looked at, far below 90°",
+        is_open=True,
+    )
+
+
+_NOT_SIMULATED = "a drive of another work, not described in the paper and not simulated here"
+
+_OURS: Final[Mapping[tuple[str, str], Callable[[], Ours]]] = {
+    ("P1", "phases"): lambda: _given(reference_motor().phases),
+    ("P1", "poles"): lambda: _given(2 * reference_motor().pole_pairs),
+    ("P1", "shift between neighbouring phases"): lambda: _given(180.0 / reference_motor().phases),
+    ("P1", "conduction in each half cycle"): lambda: _given(reference_motor().window_deg),
+    ("P2", "voltage of one half of the supply"): lambda: _given(reference_motor().supply_voltage_v),
+    ("P2", "switches"): lambda: _given(2 * reference_motor().phases),
+    ("P3", "rated power"): _rated_power,
+    ("P3", "base speed"): lambda: _given(reference_motor().base_speed_rpm),
+    ("P3", "rated phase current"): lambda: _given(reference_motor().current_limit_a),
+    ("P5", "speed below which the angle is zero"): lambda: _given(reference_motor().base_speed_rpm),
+    ("P5", "angle below that speed"): _angle_below_base,
+    ("P7", "speed of Fig. 9"): lambda: _given(load_operating_point(POINTS[0]).speed_rpm),
+    ("P7", "torque of Fig. 9"): lambda: _given(load_operating_point(POINTS[0]).torque_nm),
+    ("P7", "angle of Fig. 9"): lambda: _necessary_angle("fig9-currents-1200"),
+    ("P7", "speed of Fig. 10"): lambda: _given(load_operating_point(POINTS[1]).speed_rpm),
+    ("P7", "torque of Fig. 10"): lambda: _given(load_operating_point(POINTS[1]).torque_nm),
+    ("P7", "angle of Fig. 10"): _fig10_angle,
+    ("P8", "necessary angle at 1500 rpm"): lambda: _necessary_angle("fig6-torque-1500"),
+    ("P8", "torque ripple at 1500 rpm"): _ripple,
+    ("P9", "ripple of a surface-magnet drive"): lambda: Ours(math.nan, _NOT_SIMULATED, is_open=True),
+    ("P9", "ripple of an inset-magnet drive"): lambda: Ours(math.nan, _NOT_SIMULATED, is_open=True),
+    ("P10", "angle of the greatest speed"): _angle_of_greatest_speed,
+    ("P10", "greatest speed over base speed"): _speed_ratio,
+}
+
+
+def quantity_keys() -> frozenset[tuple[str, str]]:
+    """List the published quantities that have a value of ours.
+
+    Returns
+    -------
+    frozenset of tuple of str
+        Fact and name of the quantity.
+    """
+    return frozenset(_OURS)
+
+
+def compared(fact: Fact, quantity: Quantity) -> Comparison:
+    """Compare one published quantity with what the models give.
+
+    Parameters
+    ----------
+    fact : Fact
+        The fact that it belongs to.
+    quantity : Quantity
+        The quantity.
+
+    Returns
+    -------
+    Comparison
+        With the verdict that follows from the numbers.
+    """
+    ours = _OURS[fact.id, quantity.name]()
+    relation = {"equal": "", "at_most": "at most ", "at_least": "at least "}[quantity.bound]
+    bounded = quantity.bound != "equal"
+    known = math.isfinite(ours.value) and not ours.is_open
+    if ours.is_open:
+        verdict: Verdict = "open in the paper"
+    elif ours.given:
+        verdict = "taken as given"
+    else:
+        verdict = "reproduced" if quantity.agrees(ours.value) else "not reproduced"
+    at_least = "at least " if quantity.bound == "at_least" else ""
+    return Comparison(
+        fact=fact.id,
+        quantity=quantity.name,
+        published=relation + _with_unit(quantity.value, quantity.unit),
+        ours=at_least + _with_unit(ours.value, quantity.unit) if known else "–",
+        residual=_difference(ours.value - quantity.value, quantity.unit) if known else "",
+        tolerance="a limit" if bounded else _tolerance(quantity),
+        verdict=verdict,
+        note=ours.note,
+    )
+
+
+def _tolerance(quantity: Quantity) -> str:
+    if quantity.tolerance is None:
+        return ""
+    return "exact" if quantity.tolerance == 0.0 else f"± {_with_unit(quantity.tolerance, quantity.unit)}"
+
+
+def _with_unit(value: float, unit: str) -> str:
+    gap = "" if unit in ("", "deg") else " "
+    return f"{value:.4g}{gap}{'°' if unit == 'deg' else unit}"
+
+
+def _difference(value: float, unit: str) -> str:
+    text = _with_unit(float(f"{value:.2g}"), unit)
+    return f"+{text}" if value > 0.0 else text.replace("-", "−")
