@@ -62,7 +62,6 @@ def compile_kernels(marker: Path) -> None:
 
 
 def _use_every_kernel(loaded: LoadedCandidate, _payload: Any) -> None:
-
     published_point = fixed_scenarios()[1]
     is_feasible(published_point)
     run = run_scenario(published_point, loaded.controller(), progress=loaded.progress)

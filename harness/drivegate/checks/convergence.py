@@ -39,7 +39,7 @@ def _window_margin(window: Window) -> tuple[float, str]:
     share = spread / mean if mean > 0.0 else 0.0
     error = float(values[observation.WINDOW_SPEED_ERROR])
     return min(
-        (1.0 - error / SPEED_TOLERANCE, f"speed error {error / RADIANS_PER_RPM:.3g} rpm"),
+        (1.0 - error / SPEED_TOLERANCE, f"speed error {error / RADIANS_PER_RPM:.4g} rpm"),
         (1.0 - share / POWER_TOLERANCE, f"Σ|i| varies by {100.0 * share:.3g} %"),
         (1.0 - moved / ANGLE_TOLERANCE, f"angle moves by {math.degrees(moved):.3g}°"),
     )
@@ -135,7 +135,7 @@ def holds_constant_power(record: RunRecord) -> Margin | None:
         return None
     worst = min(windows, key=_speed_margin)
     error = float(worst.values[observation.WINDOW_SPEED_ERROR]) / RADIANS_PER_RPM
-    return Margin("CPW-1", _speed_margin(worst), f"speed error {error:.3g} rpm{_at(worst)}")
+    return Margin("CPW-1", _speed_margin(worst), f"speed error {error:.4g} rpm{_at(worst)}")
 
 
 CNV_1 = Check(

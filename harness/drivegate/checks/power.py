@@ -11,6 +11,10 @@ TOLERANCE = 1e-9
 """Greatest relative difference of powers that counts as equal (1)."""
 
 
+def _relative(error: float) -> str:
+    return f"{error:.1e} relative" if error > 0.0 else "exact"
+
+
 def exchanged_power(record: RunRecord) -> Margin:
     """Judge the plant's power balance (paper, "Optimal Efficiency Control").
 
@@ -28,7 +32,7 @@ def exchanged_power(record: RunRecord) -> Margin:
         Of the worst control period.
     """
     error = float(record.run.run[observation.RUN_EXCHANGE_ERROR])
-    return Margin("PWR-1", 1.0 - error / TOLERANCE, f"{error:.1e} relative")
+    return Margin("PWR-1", 1.0 - error / TOLERANCE, _relative(error))
 
 
 def estimated_power(record: RunRecord) -> Margin | None:
@@ -49,7 +53,7 @@ def estimated_power(record: RunRecord) -> Margin | None:
             return Margin("PWR-2", -1.0, "declared, but every estimate is NaN")
         return None
     error = float(record.run.run[observation.RUN_POWER_ERROR_RELATIVE])
-    return Margin("PWR-2", 1.0 - error / TOLERANCE, f"{error:.1e} relative")
+    return Margin("PWR-2", 1.0 - error / TOLERANCE, _relative(error))
 
 
 PWR_1 = Check(
