@@ -50,6 +50,8 @@ def main(connection: int, progress: int, parent: int) -> None:
         Process id of the parent.
     """
     _die_with(parent)
+    # A check leaves nothing beside the candidate's sources.
+    sys.dont_write_bytecode = True
     faulthandler.enable()
     faulthandler.register(STACK_SIGNAL, all_threads=True)
     channel: Connection[Any, Any] = Connection(connection)

@@ -70,6 +70,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.saturated = 0
     state.held_power = 0.0
     state.speed_reference = -inf
+    state.supply_voltage = nameplate.half_supply_voltage
     state.saturated_run = 0
     state.speed_mark = 0.0
     state.improvements = 0
@@ -137,7 +138,14 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
         if saturated:
             state.saturated += 1
         if state.search == GUARDED:
-            guard_regulation(state, sense.speed, sense.speed_reference, saturated, state.control_period)
+            guard_regulation(
+                state,
+                sense.speed,
+                sense.speed_reference,
+                sense.half_supply_voltage,
+                saturated,
+                state.control_period,
+            )
         if state.count >= state.decision_steps:
             if state.search == FLOWCHART:
                 decide_by_flowchart(state, error)

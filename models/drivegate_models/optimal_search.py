@@ -20,6 +20,8 @@ HOLDING: Final = 2
 
 _SETTLED = 0.01
 _CHANGED = 0.03
+_LOAD_CHANGED = 0.12
+_SUPPLY_MOVED = 0.02
 _SMALLEST_STEP = radians(0.24)
 _MARGIN = radians(0.2)
 _RECOVERY = radians(0.3)
@@ -75,6 +77,7 @@ def rearm(state: Any) -> None:
     state.quiet = 0
     state.moved = 0.0
     state.good_integral = inf
+    state.good_power = inf
 
 
 @inlined
@@ -99,8 +102,8 @@ def begin_settling(state: Any) -> None:
 
 
 @inlined
-def walk_back(state: Any, angle: float) -> None:
-    """Add angle, since torque is lost at the present one, and forbid the present one.
+def walk_back(state: Any, angle: float, lost: bool) -> None:
+    """Add angle, and forbid the present one where it has lost the torque.
 
     The walk starts from the search's own step toward less angle, leads back to the initial angle, and beyond
     it where even that one cannot give the torque.
@@ -111,8 +114,11 @@ def walk_back(state: Any, angle: float) -> None:
         Updated.
     angle : float
         Angle to add (rad electrical).
+    lost : bool
+        Whether torque is lost at the present angle, rather than too slow to return.
     """
-    state.forbidden = max(state.forbidden, state.offset)
+    if lost:
+        state.forbidden = max(state.forbidden, state.offset)
     state.offset += angle
     state.step = max(min(0.5 * state.step, 0.5 * state.first_step), _SMALLEST_STEP)
     state.direction = -1.0
@@ -121,7 +127,7 @@ def walk_back(state: Any, angle: float) -> None:
 
 @inlined
 def guard_regulation(
-    state: Any, speed: float, speed_reference: float, saturated: bool, period: float
+    state: Any, speed: float, speed_reference: float, voltage: float, saturated: bool, period: float
 ) -> None:
     """Watch the regulator at every step and give the angle back when it costs regulation.
 
@@ -131,13 +137,17 @@ def guard_regulation(
         Updated.
     speed, speed_reference : float
         (rad/s).
+    voltage : float
+        Measured voltage of a half-source (V).
     saturated : bool
         Whether the current reference is at its limit.
     period : float
         Control period (s).
     """
-    if speed_reference != state.speed_reference:
+    supply_moved = abs(voltage - state.supply_voltage) > _SUPPLY_MOVED * state.nominal_voltage
+    if speed_reference != state.speed_reference or supply_moved:
         state.speed_reference = speed_reference
+        state.supply_voltage = voltage
         rearm(state)
         begin_settling(state)
     state.saturated_run = state.saturated_run + 1 if saturated else 0
@@ -146,13 +156,13 @@ def guard_regulation(
     if state.moved < 0.0 and speed_reference - speed > _ALARM * state.speed_tolerance:
         # The integral has wound up in vain; with the old angle goes the old current.
         state.integral = state.good_integral
-        walk_back(state, -state.moved + _RECOVERY)
+        walk_back(state, -state.moved + _RECOVERY, True)
     elif state.saturated_run * period >= _DWELL:
         state.saturated_run = 0
         # Below the initial angle torque must return soon; at it, a heavy load may take its time to accelerate.
         wanted = (speed_reference - speed) * _DWELL / _REGAIN if state.offset < 0.0 else 0.0
         if speed - state.speed_mark <= wanted and speed < speed_reference:
-            walk_back(state, state.first_step)
+            walk_back(state, state.first_step, speed <= state.speed_mark)
 
 
 @inlined
@@ -173,13 +183,15 @@ def begin_holding(state: Any, power: float) -> None:
 
 
 @inlined
-def is_creeping(state: Any) -> bool:
-    """Return whether the regulator winds up in vain: more current reference than at the last good angle.
+def is_creeping(state: Any, power: float) -> bool:
+    """Return whether the regulator winds up in vain: more current reference for no more current.
 
     Parameters
     ----------
     state : record of CONTROLLER_STATE
-        The state.
+        The state, with what was needed at the last good angle.
+    power : float
+        Mean current sum of the decision interval (A).
 
     Returns
     -------
@@ -187,8 +199,33 @@ def is_creeping(state: Any) -> bool:
         False as long as no good angle is known, and well above it.
     """
     near = state.offset < state.good_offset + state.first_step
-    creeping: bool = near and state.integral > _CREEP * state.good_integral + _CREEP_LEAST
+    creeping: bool = (
+        near
+        and state.integral > _CREEP * state.good_integral + _CREEP_LEAST
+        and power < (1.0 + 0.5 * _CHANGED) * state.good_power
+    )
     return creeping
+
+
+@inlined
+def load_has_changed(state: Any, power: float) -> bool:
+    """Return whether the current sum differs from that of the last good angle by more than angles explain.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power : float
+        Mean current sum of the decision interval (A).
+
+    Returns
+    -------
+    bool
+        False as long as no good angle is known, and away from it.
+    """
+    near = abs(state.offset - state.good_offset) <= 3.0 * state.first_step
+    changed: bool = near and abs(power - state.good_power) > _LOAD_CHANGED * power + 0.2
+    return changed and state.good_power < inf
 
 
 @inlined
@@ -203,14 +240,16 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         Mean current sum of the decision interval, and its change from the one before (A).
     """
     uneasy = state.worst_error > _UNEASY * state.speed_tolerance
-    if is_creeping(state) and power < (1.0 + 0.5 * _CHANGED) * state.held_power:
+    changed = abs(power - state.held_power) > _CHANGED * power + 0.2
+    if is_creeping(state, power):
         state.integral = state.good_integral
-        walk_back(state, state.first_step if uneasy else _SMALLEST_STEP)
+        walk_back(state, state.first_step if uneasy else _SMALLEST_STEP, True)
     elif state.quiet == 0:
-        # Still moving after its own last step.
-        state.held_power = power
-        state.quiet = 0 if uneasy else 1
-    elif abs(power - state.held_power) > _CHANGED * power + 0.2:
+        # The interval of its own last step is not judged.
+        state.quiet = 1
+        if not changed:
+            state.held_power = power
+    elif changed:
         rearm(state)
         begin_settling(state)
     elif uneasy or abs(change) > _RESTLESS * power:
@@ -245,6 +284,7 @@ def move(state: Any, power: float, change: float) -> None:
     state.moved = state.direction * state.step
     state.good_offset = state.offset
     state.good_integral = state.integral
+    state.good_power = power
     state.offset += state.moved
 
 
@@ -264,11 +304,15 @@ def decide_guarded(state: Any) -> None:
     if state.mode == HOLDING:
         decide_holding(state, power, change)
         return
-    if is_creeping(state) and state.worst_error > _UNEASY * state.speed_tolerance:
+    if is_creeping(state, power) and state.worst_error > _UNEASY * state.speed_tolerance:
         state.integral = state.good_integral
-        walk_back(state, 0.5 * state.first_step)
+        walk_back(state, 0.5 * state.first_step, True)
         return
     if not regulated or power < _SMALLEST_POWER:
+        begin_settling(state)
+        return
+    if load_has_changed(state, power):
+        rearm(state)
         begin_settling(state)
         return
     if state.mode == SETTLING:
