@@ -40,9 +40,7 @@ class _Work:
 def _planned(effort: str, seed: int) -> list[_Work]:
     fixed = fixed_scenarios()
     work = [_Work(Job(run_fixed, FixedRuns(fixed[:2], repeat=True)), 2, fixed[1].name)]
-    work += [
-        _Work(Job(run_fixed, FixedRuns((scenario,))), 1, scenario.name) for scenario in fixed[2:]
-    ]
+    work += [_Work(Job(run_fixed, FixedRuns((scenario,))), 1, scenario.name) for scenario in fixed[2:]]
     examples = EXAMPLES[effort]
     work += [
         _Work(

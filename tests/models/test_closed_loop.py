@@ -73,7 +73,9 @@ def test_the_energy_of_a_whole_run_is_accounted_for(motor: Any, friction: float)
     totals = run.totals
     assert run.status == FINISHED
     assert run.run[observation.RUN_EXCHANGE_ERROR] < 1e-12, "a control period does not close"
-    source = totals[ledger.UPPER] + totals[ledger.LOWER] + totals[ledger.CORE_SOURCE] + totals[ledger.SWITCHING]
+    source = (
+        totals[ledger.UPPER] + totals[ledger.LOWER] + totals[ledger.CORE_SOURCE] + totals[ledger.SWITCHING]
+    )
     assert run.run[observation.RUN_INPUT_ENERGY] == pytest.approx(source, rel=1e-12)
     spent = (
         drive.resistance * totals[ledger.SQUARE]
@@ -93,7 +95,9 @@ def test_freezing_the_speed_within_a_period_vanishes_with_the_period(motor: Any)
         run = simulate(drive, Load(CONSTANT_TORQUE, 9.8, 1.0), name="initial", period=period, duration=1.0)
         residuals.append(run.run[observation.RUN_KINETIC_RESIDUAL])
         speeds.append(run.run[observation.RUN_SPEED_FINAL])
-    assert residuals[0] > 1.5 * residuals[1] > 2.0 * residuals[2], f"the residual does not vanish: {residuals}"
+    assert residuals[0] > 1.5 * residuals[1] > 2.0 * residuals[2], (
+        f"the residual does not vanish: {residuals}"
+    )
     assert abs(speeds[2] - speeds[1]) < 0.02, f"the speeds do not converge: {speeds}"
 
 

@@ -18,7 +18,9 @@ BASE = 500.0 * math.pi / 30.0
 
 
 @given(st.floats(0.0, 400.0), st.floats(0.0, 1.0), st.floats(0.0, 0.02))
-def test_initial_angle_is_zero_below_base_speed_and_a_line_above(speed: float, start: float, slope: float) -> None:
+def test_initial_angle_is_zero_below_base_speed_and_a_line_above(
+    speed: float, start: float, slope: float
+) -> None:
     angle = initial_angle(speed, BASE, start, slope)
     if speed < BASE:
         assert angle == 0.0, f"{angle} rad at {speed} rad/s"
