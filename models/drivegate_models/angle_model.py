@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from drivegate_models.compilation import inlined
+from drivegate_models.compilation import unfused
 
 
-@inlined
+@unfused
 def initial_angle(speed: float, base_speed: float, angle_at_base: float, slope: float) -> float:
     """Return the initial advance angle: zero below base speed, a straight line in speed above.
 

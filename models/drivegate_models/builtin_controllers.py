@@ -15,7 +15,7 @@ from numba import types
 from numba.np.numpy_support import carray
 
 from drivegate_models.angle_model import initial_angle
-from drivegate_models.compilation import KEEPS_CACHE, inlined
+from drivegate_models.compilation import KEEPS_CACHE, unfused
 from drivegate_models.contract import COMMAND, SENSE
 from drivegate_models.controller_state import CONTROLLER_STATE, FLOWCHART, GUARDED, NO_SEARCH
 from drivegate_models.optimal_search import decide_by_flowchart, decide_guarded, guard_regulation, rearm
@@ -32,7 +32,7 @@ _INTEGRAL_RATE = 30.0
 _ADVANCE_MARGIN = 10.0 * pi / 30.0
 
 
-@inlined
+@unfused
 def reset_state(state: Any, nameplate: Any, search: int) -> None:
     """Write the constants of a controller and forget everything else.
 
@@ -78,7 +78,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     rearm(state)
 
 
-@inlined
+@unfused
 def advance_angle(state: Any, speed: float, voltage: float) -> float:
     """Return the advance angle: the initial one plus the search's offset, zero below base speed.
 
@@ -112,7 +112,7 @@ def advance_angle(state: Any, speed: float, voltage: float) -> float:
     return applied
 
 
-@inlined
+@unfused
 def step_state(state: Any, sense: Any, command: Any) -> None:
     """Answer for one control period.
 

@@ -102,13 +102,16 @@ import numba  # noqa: E402  (the cache folder must be known before numba is impo
 _Function = TypeVar("_Function", bound=Callable[..., object])
 
 
-def _compiled(function: _Function, **options: bool) -> _Function:
+_FUSED = {"contract"}
+
+
+def _compiled(function: _Function, **options: Any) -> _Function:
     njit: Any = numba.njit
     return cast(_Function, njit(cache=KEEPS_CACHE, error_model="numpy", **options)(function))
 
 
 def kernel(function: _Function) -> _Function:
-    """Compile `function` in nopython mode, cached, releasing nothing and reordering no arithmetic.
+    """Compile `function` in nopython mode, cached; a product and a sum may be rounded at once, nothing is reordered.
 
     Parameters
     ----------
@@ -120,7 +123,7 @@ def kernel(function: _Function) -> _Function:
     callable
         The compiled function, with the signature of the original.
     """
-    return _compiled(function)
+    return _compiled(function, fastmath=_FUSED)
 
 
 def unallocating(function: _Function) -> _Function:
@@ -139,7 +142,7 @@ def unallocating(function: _Function) -> _Function:
     callable
         The compiled function, with the signature of the original.
     """
-    return _compiled(function, _nrt=False)
+    return _compiled(function, fastmath=_FUSED, _nrt=False)
 
 
 def inlined(function: _Function) -> _Function:
@@ -149,6 +152,24 @@ def inlined(function: _Function) -> _Function:
     ----------
     function
         A small function of floats.
+
+    Returns
+    -------
+    callable
+        The compiled function.
+    """
+    return _compiled(function, fastmath=_FUSED, forceinline=True, _nrt=False)
+
+
+def unfused(function: _Function) -> _Function:
+    """Compile a controller's function like `inlined`, every operation rounded by itself.
+
+    So the same algorithm in Python, here and in C (without contraction) gives the same commands, bit for bit.
+
+    Parameters
+    ----------
+    function
+        A function of floats and records.
 
     Returns
     -------

@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import inf, radians
 from typing import Any, Final
 
-from drivegate_models.compilation import inlined
+from drivegate_models.compilation import unfused
 
 SETTLING: Final = 0
 """Mode: command or load has changed; wait until the current sum repeats."""
@@ -36,7 +36,7 @@ _DWELL = 0.02
 _REGAIN = 0.25
 
 
-@inlined
+@unfused
 def decide_by_flowchart(state: Any, error: float) -> None:
     """Make one decision of Fig. 4, literally: gate by k1, stop by k2, reverse or go on.
 
@@ -59,7 +59,7 @@ def decide_by_flowchart(state: Any, error: float) -> None:
     state.offset += state.direction * state.step
 
 
-@inlined
+@unfused
 def rearm(state: Any) -> None:
     """Return to the initial angle and forget what was found: command or load has changed.
 
@@ -80,7 +80,7 @@ def rearm(state: Any) -> None:
     state.good_power = inf
 
 
-@inlined
+@unfused
 def begin_settling(state: Any) -> None:
     """Start a new decision interval, and wait until the current sum repeats before the next move.
 
@@ -101,7 +101,7 @@ def begin_settling(state: Any) -> None:
     state.saturated_run = 0
 
 
-@inlined
+@unfused
 def walk_back(state: Any, angle: float, lost: bool) -> None:
     """Add angle, and forbid the present one where it has lost the torque.
 
@@ -125,7 +125,7 @@ def walk_back(state: Any, angle: float, lost: bool) -> None:
     begin_settling(state)
 
 
-@inlined
+@unfused
 def guard_regulation(
     state: Any, speed: float, speed_reference: float, voltage: float, saturated: bool, period: float
 ) -> None:
@@ -165,7 +165,7 @@ def guard_regulation(
             walk_back(state, state.first_step, speed <= state.speed_mark)
 
 
-@inlined
+@unfused
 def begin_holding(state: Any, power: float) -> None:
     """Rest at the angle found.
 
@@ -182,7 +182,7 @@ def begin_holding(state: Any, power: float) -> None:
     state.quiet = 0
 
 
-@inlined
+@unfused
 def is_creeping(state: Any, power: float) -> bool:
     """Return whether the regulator winds up in vain: more current reference for no more current.
 
@@ -207,7 +207,7 @@ def is_creeping(state: Any, power: float) -> bool:
     return creeping
 
 
-@inlined
+@unfused
 def load_has_changed(state: Any, power: float) -> bool:
     """Return whether the current sum differs from that of the last good angle by more than angles explain.
 
@@ -228,7 +228,7 @@ def load_has_changed(state: Any, power: float) -> bool:
     return changed and state.good_power < inf
 
 
-@inlined
+@unfused
 def decide_holding(state: Any, power: float, change: float) -> None:
     """Watch what was found: search anew after a change of load, and keep off an edge that is too near.
 
@@ -258,7 +258,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         state.quiet = 0
 
 
-@inlined
+@unfused
 def move(state: Any, power: float, change: float) -> None:
     """Take the next step, by as much as the forbidden angle leaves; rest where nothing is left.
 
@@ -288,7 +288,7 @@ def move(state: Any, power: float, change: float) -> None:
     state.offset += state.moved
 
 
-@inlined
+@unfused
 def decide_guarded(state: Any) -> None:
     """Make one decision of the guarded search.
 
