@@ -18,6 +18,12 @@ LOAD_STEP = 0.05
 """Step of drawn loads, as a share of rated power (1)."""
 
 
+def _loaded_speeds() -> st.SearchStrategy[float]:
+    """Draw a speed (rpm), simplest at the highest."""
+    steps = (HIGHEST_LOADED_RPM - LOWEST_LOADED_RPM) // SPEED_STEP_RPM
+    return st.integers(0, steps).map(lambda slower: float(HIGHEST_LOADED_RPM - SPEED_STEP_RPM * slower))
+
+
 def steady_scenarios(motor: Motor) -> st.SearchStrategy[Scenario]:
     """Draw runs at one speed under one load.
 
@@ -32,15 +38,14 @@ def steady_scenarios(motor: Motor) -> st.SearchStrategy[Scenario]:
         Of scenarios from 550 to 1500 rpm and from 10 % to all of rated power; simplest at 1500 rpm and rated
         power.
     """
-    steps = (HIGHEST_LOADED_RPM - LOWEST_LOADED_RPM) // SPEED_STEP_RPM
     return st.builds(
-        lambda slower, lighter, constant_power: steady_scenario(
+        lambda speed, lighter, constant_power: steady_scenario(
             motor,
-            float(HIGHEST_LOADED_RPM - SPEED_STEP_RPM * slower),
+            speed,
             power_share=round(1.0 - LOAD_STEP * lighter, 2),
             constant_power=constant_power,
         ),
-        st.integers(0, steps),
+        _loaded_speeds(),
         st.integers(0, 18),
         st.booleans(),
     )
@@ -59,12 +64,8 @@ def constant_power_scenarios(motor: Motor) -> st.SearchStrategy[Scenario]:
     SearchStrategy
         Of scenarios from 550 to 1500 rpm.
     """
-    steps = (HIGHEST_LOADED_RPM - LOWEST_LOADED_RPM) // SPEED_STEP_RPM
     return st.builds(
-        lambda slower: steady_scenario(
-            motor, float(HIGHEST_LOADED_RPM - SPEED_STEP_RPM * slower), power_share=1.0, constant_power=True
-        ),
-        st.integers(0, steps),
+        lambda speed: steady_scenario(motor, speed, power_share=1.0, constant_power=True), _loaded_speeds()
     )
 
 

@@ -64,16 +64,10 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.decision_steps = max(round(SEARCH_PERIOD / nameplate.control_period), 1)
     state.integral = 0.0
     state.advancing = 0
-    state.count = 0
-    state.power_sum = 0.0
-    state.worst_error = 0.0
-    state.saturated = 0
     state.held_power = 0.0
     state.speed_reference = -inf
     state.supply_voltage = nameplate.half_supply_voltage
-    state.saturated_run = 0
     state.speed_mark = 0.0
-    state.improvements = 0
     state.good_offset = 0.0
     rearm(state)
 

@@ -60,27 +60,6 @@ def decide_by_flowchart(state: Any, error: float) -> None:
 
 
 @unfused
-def rearm(state: Any) -> None:
-    """Return to the initial angle and forget what was found: command or load has changed.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    """
-    state.mode = SETTLING
-    state.offset = 0.0
-    state.step = state.first_step
-    state.direction = -1.0
-    state.old_power = inf
-    state.forbidden = -inf
-    state.quiet = 0
-    state.moved = 0.0
-    state.good_integral = inf
-    state.good_power = inf
-
-
-@unfused
 def begin_settling(state: Any) -> None:
     """Start a new decision interval, and wait until the current sum repeats before the next move.
 
@@ -99,6 +78,24 @@ def begin_settling(state: Any) -> None:
     state.worst_error = 0.0
     state.saturated = 0
     state.saturated_run = 0
+
+
+@unfused
+def rearm(state: Any) -> None:
+    """Return to the initial angle and forget what was found: command or load has changed.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.offset = 0.0
+    state.step = state.first_step
+    state.direction = -1.0
+    state.forbidden = -inf
+    state.good_integral = inf
+    state.good_power = inf
+    begin_settling(state)
 
 
 @unfused
@@ -149,7 +146,6 @@ def guard_regulation(
         state.speed_reference = speed_reference
         state.supply_voltage = voltage
         rearm(state)
-        begin_settling(state)
     state.saturated_run = state.saturated_run + 1 if saturated else 0
     if state.saturated_run == 1:
         state.speed_mark = speed
@@ -251,7 +247,6 @@ def decide_holding(state: Any, power: float, change: float) -> None:
             state.held_power = power
     elif changed:
         rearm(state)
-        begin_settling(state)
     elif uneasy or abs(change) > _RESTLESS * power:
         state.forbidden = max(state.forbidden, state.offset)
         state.offset += _SMALLEST_STEP
@@ -313,7 +308,6 @@ def decide_guarded(state: Any) -> None:
         return
     if load_has_changed(state, power):
         rearm(state)
-        begin_settling(state)
         return
     if state.mode == SETTLING:
         if abs(change) > _SETTLED * power or state.worst_error > _UNEASY * state.speed_tolerance:
