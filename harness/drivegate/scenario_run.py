@@ -107,7 +107,7 @@ def run_scenario(
     schedule = closed_loop.Schedule(
         speed_times, speed_values * RADIANS_PER_RPM, load_times, load_values, supply_times, supply_values
     )
-    nameplate = scenario.motor.nameplate(scenario.control_period_s)
+    nameplate = scenario.nameplate()
     drive = scenario.motor.drive(scenario.scales)
     with progress.run() if progress is not None else nullcontext():
         controller.reset(nameplate)

@@ -2,22 +2,27 @@
 
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
+from drivegate_cases.disturbance import Drift, Dropout, Glitch
 from drivegate_cases.document import Document
-from drivegate_cases.load import ConstantPowerLoad, Load, LockedLoad
+from drivegate_cases.load import ConstantPowerLoad, Load, LockedLoad, VehicleLoad
 from drivegate_cases.motor import Motor, load_motor
 from drivegate_cases.packaged import load_named, packaged_names
 from drivegate_cases.piecewise import Profile, breakpoints, check_times, value_from, value_until
 from drivegate_cases.scales import Scales
+from drivegate_cases.sensors import IDEAL, Sensors
 from drivegate_models.errors import InputError
+from drivegate_models.signals import Nameplate
 
 LONGEST_CONTROL_PERIOD_S = 0.0005
 SHORTEST_CONTROL_PERIOD_S = 1e-6
 _HIGHEST_SPEED_RPM = 1e6
 _HIGHEST_VOLTAGE_V = 1e5
+_GREATEST_IMBALANCE = 0.5
+_STEADY: Profile = ((0.0, 1.0),)
 
 
 def _motor_by_name(value: Any, info: ValidationInfo) -> Any:
@@ -32,6 +37,8 @@ def _motor_by_name(value: Any, info: ValidationInfo) -> Any:
 
 class Scenario(Document):
     """A run of a candidate against the plant, fully resolved: its motor is in it, not just named."""
+
+    schema_current: ClassVar[int] = 2
 
     name: str = Field(min_length=1, max_length=200, description="name of the scenario")
     description: str = Field(default="", max_length=2000, description="what the run shows")
@@ -60,7 +67,18 @@ class Scenario(Document):
         description="voltage of each half of the supply, a list of [seconds, volts], by default the motor's",
     )
     load: Load = Field(description="table of the load on the shaft")
-    sensors: Literal["ideal"] = Field(default="ideal", description="sensors between plant and controller")
+    sensors: Sensors = Field(
+        default=IDEAL,
+        description="sensors between plant and controller: the name of a kind, or a table of its keys",
+    )
+    imbalance: Profile | None = Field(
+        default=None,
+        description="share by which the upper half of the supply is above, and the lower half below, its voltage, "
+        "a list of [seconds, share]",
+    )
+    drift: Drift | None = Field(default=None, description="table of how parameters change during the run")
+    dropouts: tuple[Dropout, ...] = Field(default=(), description="list of tables of signals that are lost")
+    glitches: tuple[Glitch, ...] = Field(default=(), description="list of tables of false encoder edges")
 
     @model_validator(mode="before")
     @classmethod
@@ -90,11 +108,23 @@ class Scenario(Document):
             raise ValueError(f"must have voltages above 0 and up to {_HIGHEST_VOLTAGE_V:g} V")
         return check_times(profile)
 
+    @field_validator("imbalance")
+    @classmethod
+    def _imbalance_in_range(cls, profile: Profile | None) -> Profile | None:
+        if profile is None:
+            return None
+        if any(abs(share) > _GREATEST_IMBALANCE for _, share in profile):
+            raise ValueError(f"must have shares from -{_GREATEST_IMBALANCE:g} to {_GREATEST_IMBALANCE:g}")
+        return check_times(profile)
+
     @model_validator(mode="after")
     def _keys_fit_together(self) -> Self:
         self._check_whole_periods()
         self._check_profiles_end_in_time()
+        self._check_disturbances_end_in_time()
         self._check_load_fits_speed()
+        if self.glitches and self.sensors.kind == "ideal":
+            raise ValueError("the key 'glitches' needs the sensors 'mcs96', since ideal ones have no encoder")
         return self
 
     def _check_whole_periods(self) -> None:
@@ -109,12 +139,26 @@ class Scenario(Document):
         profiles = {
             "speed_rpm": self.speed_rpm,
             "supply_v": self.supply_profile,
-            "load.factor": self.load_profile,
+            "load.grade_percent" if isinstance(self.load, VehicleLoad) else "load.factor": self.load_profile,
+            "imbalance": self.imbalance_profile,
+            "drift.resistance": self.resistance_profile,
+            "drift.emf_constant": self.emf_profile,
         }
         for key, profile in profiles.items():
             if profile[-1][0] > self.duration_s:
                 raise ValueError(
                     f"the key '{key}' has a point at {profile[-1][0]} s, "
+                    f"but must end within the run's {self.duration_s} s"
+                )
+
+    def _check_disturbances_end_in_time(self) -> None:
+        ends = {"dropouts": [dropout.end_s for dropout in self.dropouts]}
+        ends["glitches"] = [glitch.time_s for glitch in self.glitches]
+        for key, times in ends.items():
+            late = [time for time in times if time > self.duration_s]
+            if late:
+                raise ValueError(
+                    f"the key '{key}' has one that ends at {late[0]:.9g} s, "
                     f"but must end within the run's {self.duration_s} s"
                 )
 
@@ -141,8 +185,38 @@ class Scenario(Document):
 
     @property
     def load_profile(self) -> Profile:
-        """Share of the load over time (s, -), 1 throughout for a locked shaft."""
-        return ((0.0, 1.0),) if isinstance(self.load, LockedLoad) else self.load.factor
+        """Share of the load over time (s, -), 1 throughout for a locked shaft; a vehicle's grade (s, %)."""
+        if isinstance(self.load, LockedLoad):
+            return ((0.0, 1.0),)
+        return self.load.grade_percent if isinstance(self.load, VehicleLoad) else self.load.factor
+
+    @property
+    def imbalance_profile(self) -> Profile:
+        """Share by which the halves of the supply differ from their mean over time (s, -)."""
+        return self.imbalance if self.imbalance is not None else ((0.0, 0.0),)
+
+    @property
+    def resistance_profile(self) -> Profile:
+        """Factor on the phase resistance over time (s, -)."""
+        return _STEADY if self.drift is None or self.drift.resistance is None else self.drift.resistance
+
+    @property
+    def emf_profile(self) -> Profile:
+        """Factor on the EMF constant over time (s, -)."""
+        return _STEADY if self.drift is None or self.drift.emf_constant is None else self.drift.emf_constant
+
+    def nameplate(self) -> Nameplate:
+        """Give what the controller is told of its drive.
+
+        Returns
+        -------
+        Nameplate
+            The motor's nominal data; the inertia at the shaft includes a vehicle's mass.
+        """
+        nameplate = self.motor.nameplate(self.control_period_s)
+        if isinstance(self.load, VehicleLoad):
+            return nameplate._replace(inertia=nameplate.inertia + self.load.inertia_kg_m2)
+        return nameplate
 
     @property
     def control_periods(self) -> int:

@@ -41,7 +41,7 @@ def test_the_defaults(scenario_mapping: dict[str, Any]) -> None:
     assert scenario.initial_speed_rpm == 1500.0
     assert scenario.supply_profile == ((0.0, 48.0),)
     assert scenario.load_profile == ((0.0, 0.0), (0.2, 1.0))
-    assert scenario.sensors == "ideal"
+    assert scenario.sensors.kind == "ideal"
     assert scenario.scales.resistance == 1.0
 
 
@@ -97,7 +97,7 @@ RAMP = [[0, 0], [0.2, 1]]
         ({"seed": -1}, "the key 'seed' is -1"),
         ({"seed": 2**63}, "the key 'seed'"),
         ({"seed": 1.0}, "the key 'seed' is 1.0, but must be a whole number"),
-        ({"sensors": "perfect"}, "the key 'sensors' is \"perfect\", but must be 'ideal'"),
+        ({"sensors": "perfect"}, "the key 'sensors.kind' is \"perfect\", but must be one of 'ideal', 'mcs96'"),
         ({"initial_speed_rpm": -1}, "the key 'initial_speed_rpm' is -1"),
         ({"speed_rpm": 1500}, "the key 'speed_rpm' is 1500, but must be a list"),
         ({"speed_rpm": []}, "must have its first point at time 0"),
