@@ -6,13 +6,25 @@ import math
 from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from drivegate.controller import Controller
 from drivegate.fault import CandidateFault, Fault, FaultKind
-from drivegate_cases.load import ConstantPowerLoad, ConstantTorqueLoad, LockedLoad
+from drivegate_cases.load import (
+    GRAVITY,
+    ConstantPowerLoad,
+    ConstantTorqueLoad,
+    FanLoad,
+    LockedLoad,
+    VehicleLoad,
+)
+from drivegate_cases.piecewise import Profile
 from drivegate_cases.profile import dwells, profile_arrays
 from drivegate_cases.scenario import Scenario
-from drivegate_models import closed_loop, load
+from drivegate_cases.sensors import IdealSensors
+from drivegate_models import closed_loop, load, sensors
 from drivegate_models.errors import HarnessFault
+from drivegate_models.schedule import Course, Schedule
 from drivegate_models.signals import Sense
 
 if TYPE_CHECKING:
@@ -24,6 +36,8 @@ SHORTEST_WINDOW = 3.0
 """Shortest time over which convergence is judged (s)."""
 
 RADIANS_PER_RPM = math.pi / 30.0
+_PERCENT = 0.01
+_SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
 
 
 def observed_windows(scenario: Scenario) -> list[tuple[float, float]]:
@@ -59,14 +73,91 @@ def plant_load(scenario: Scenario) -> load.Load:
     Load
         Kind and size in SI units.
     """
-    drawn = scenario.load
-    if isinstance(drawn, LockedLoad):
-        return load.Load(load.LOCKED, 0.0, 1.0)
-    if isinstance(drawn, ConstantTorqueLoad):
-        return load.Load(load.CONSTANT_TORQUE, drawn.torque_nm, 1.0)
-    if isinstance(drawn, ConstantPowerLoad):
-        return load.Load(load.CONSTANT_POWER, drawn.power_w, 1.0)
-    return load.Load(load.FAN, drawn.torque_nm, drawn.speed_rpm * RADIANS_PER_RPM)
+    given = scenario.load
+    if isinstance(given, LockedLoad):
+        return load.Load(load.LOCKED)
+    if isinstance(given, ConstantTorqueLoad):
+        return load.Load(load.CONSTANT_TORQUE, given.torque_nm)
+    if isinstance(given, ConstantPowerLoad):
+        return load.Load(load.CONSTANT_POWER, given.power_w)
+    if isinstance(given, FanLoad):
+        return load.Load(load.FAN, given.torque_nm, given.speed_rpm * RADIANS_PER_RPM)
+    return load.Load(
+        load.VEHICLE,
+        size=given.mass_kg * GRAVITY * given.lever_m,
+        rolling=given.rolling_resistance,
+        drag=0.5 * given.air_density_kg_m3 * given.drag_area_m2 * given.lever_m**3,
+        inertia=given.inertia_kg_m2,
+    )
+
+
+def plant_schedule(scenario: Scenario) -> Schedule:
+    """Give what happens in a scenario as the plant takes it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    Schedule
+        In SI units.
+    """
+    load_unit = _PERCENT if isinstance(scenario.load, VehicleLoad) else 1.0
+    return Schedule(
+        speed=_course(scenario.speed_rpm, RADIANS_PER_RPM),
+        load=_course(scenario.load_profile, load_unit),
+        supply=_course(scenario.supply_profile),
+        imbalance=_course(scenario.imbalance_profile),
+        resistance=_course(scenario.resistance_profile),
+        emf=_course(scenario.emf_profile),
+    )
+
+
+def _course(profile: Profile, unit: float = 1.0) -> Course:
+    times, values = profile_arrays(profile)
+    return Course(times, values * unit)
+
+
+def plant_sensors(scenario: Scenario) -> sensors.Sensors:
+    """Make the sensors of a scenario, as at its start.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    Sensors
+        New ones, for one run.
+    """
+    dropouts = np.array(
+        [(_SIGNALS[lost.signal], lost.start_s, lost.end_s) for lost in scenario.dropouts], np.float64
+    ).reshape(-1, 3)
+    given = scenario.sensors
+    if isinstance(given, IdealSensors):
+        return sensors.ideal_sensors(scenario.motor.phases, dropouts)
+    glitches = np.array([(glitch.time_s, glitch.counts) for glitch in scenario.glitches], np.float64)
+    return sensors.real_sensors(
+        scenario.motor.phases,
+        encoder_lines=given.encoder_lines,
+        speed_window=given.speed_window_s,
+        clock=given.clock_s,
+        current_range=given.current_range_a,
+        current_gain_spread=given.current_gain_spread,
+        current_offset=given.current_offset_a,
+        current_noise=given.current_noise_a,
+        voltage_range=given.voltage_range_v,
+        voltage_noise=given.voltage_noise_v,
+        converter_bits=given.converter_bits,
+        control_period=scenario.control_period_s,
+        initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
+        seed=scenario.seed,
+        dropouts=dropouts,
+        glitches=glitches.reshape(-1, 2),
+    )
 
 
 def run_scenario(
@@ -74,6 +165,7 @@ def run_scenario(
     controller: Controller,
     *,
     progress: SharedProgress | None = None,
+    power_window: float = 0.0,
     trace_every: int = 0,
 ) -> closed_loop.ClosedLoopRun:
     """Reset a controller and run it through a scenario.
@@ -86,6 +178,8 @@ def run_scenario(
         The candidate's instance.
     progress : SharedProgress, optional
         Memory in which a parent process follows the run.
+    power_window : float
+        Time over which the candidate declares its estimate of the input power to be a mean (s).
     trace_every : int
         Keep every n-th control period in the trace; 0 keeps none.
 
@@ -101,12 +195,6 @@ def run_scenario(
     HarnessFault
         When the plant itself fails.
     """
-    speed_times, speed_values = profile_arrays(scenario.speed_rpm)
-    load_times, load_values = profile_arrays(scenario.load_profile)
-    supply_times, supply_values = profile_arrays(scenario.supply_profile)
-    schedule = closed_loop.Schedule(
-        speed_times, speed_values * RADIANS_PER_RPM, load_times, load_values, supply_times, supply_values
-    )
     nameplate = scenario.nameplate()
     drive = scenario.motor.drive(scenario.scales)
     with progress.run() if progress is not None else nullcontext():
@@ -114,7 +202,7 @@ def run_scenario(
         run = closed_loop.run_closed_loop(
             drive,
             plant_load(scenario),
-            schedule,
+            plant_schedule(scenario),
             step_address=controller.step_address,
             state_address=controller.state_address,
             initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
@@ -122,6 +210,8 @@ def run_scenario(
             control_period=scenario.control_period_s,
             duration=scenario.duration_s,
             windows=observed_windows(scenario),
+            sensors=plant_sensors(scenario),
+            power_window=power_window,
             sense=progress.sense if progress is not None else None,
             sensed_currents=progress.phase_currents if progress is not None else None,
             progress=progress.steps if progress is not None else None,

@@ -16,11 +16,21 @@ from numpy.typing import NDArray
 from drivegate_models import ledger, observation
 from drivegate_models.compilation import inlined, unallocating
 from drivegate_models.contract import COMMAND, SENSE
-from drivegate_models.drive import Drive
+from drivegate_models.drive import Drive, drifted
 from drivegate_models.load import LOCKED, Load, load_torque
 from drivegate_models.native_call import call_step
 from drivegate_models.phase import COMPLETED
 from drivegate_models.plant import Phases, advance_phases, make_phases, stored_energy
+from drivegate_models.schedule import Schedule, follow
+from drivegate_models.sensors import (
+    Sensors,
+    ideal_sensors,
+    show_currents,
+    shown_speed,
+    shown_supply,
+    turn_encoder,
+)
+from drivegate_models.torque import torque_extremes
 
 FINISHED = 0
 """Status: the run reached its end."""
@@ -33,23 +43,6 @@ PLANT_FAULT = 3
 
 _RADIANS_TO_RPM = 30.0 / pi
 _DEGREES = 180.0 / pi
-
-
-class Schedule(NamedTuple):
-    """What happens during a run, as piecewise linear functions of time; a step is two points at one time."""
-
-    speed_times: NDArray[np.float64]
-    """Shape (a,) (s)."""
-    speed_values: NDArray[np.float64]
-    """Speed reference, shape (a,) (rad/s)."""
-    load_times: NDArray[np.float64]
-    """Shape (b,) (s)."""
-    load_values: NDArray[np.float64]
-    """Load factor, shape (b,) (1)."""
-    supply_times: NDArray[np.float64]
-    """Shape (c,) (s)."""
-    supply_values: NDArray[np.float64]
-    """Voltage of each half-source, shape (c,) (V)."""
 
 
 class Exchange(NamedTuple):
@@ -71,30 +64,76 @@ class Exchange(NamedTuple):
     """Address of `command`."""
 
 
-@inlined
-def _value_at(times: NDArray[np.float64], values: NDArray[np.float64], position: int, time: float) -> float:
-    """Return a piecewise linear function's value after its point `position`."""
-    if position + 1 >= times.size:
-        return float(values[times.size - 1])
-    span = times[position + 1] - times[position]
-    share = (time - times[position]) / span
-    return float(values[position] + share * (values[position + 1] - values[position]))
+class RippleWatch(NamedTuple):
+    """The electrical period whose torque is being followed."""
+
+    positions: NDArray[np.int64]
+    """Room for the search of extremes, shape (m,)."""
+    values: NDArray[np.float64]
+    """Lowest and highest torque (N m), impulse (N m s), time (s), whether it began in full; shape (5,)."""
+
+
+_LOWEST, _HIGHEST, _IMPULSE, _TIME, _WHOLE = range(5)
 
 
 @inlined
-def _position(times: NDArray[np.float64], position: int, time: float) -> int:
-    """Return the index of the last point at or before a time."""
-    while position + 1 < times.size and times[position + 1] <= time:
-        position += 1
-    return position
+def _follow_ripple(
+    watch: RippleWatch, drive: Drive, phases: Phases, period: float, impulse: float, wraps: bool, row: Any
+) -> None:
+    """Add one control period to the electrical period that is followed, and close it where the angle wraps."""
+    values = watch.values
+    lowest, highest = torque_extremes(
+        phases.rows,
+        phases.row_counts,
+        watch.positions,
+        drive.emf_constant,
+        drive.resistance / drive.inductance,
+        period,
+        values[_LOWEST],
+        values[_HIGHEST],
+    )
+    values[_LOWEST] = lowest
+    values[_HIGHEST] = highest
+    values[_IMPULSE] += impulse
+    values[_TIME] += period
+    if wraps:
+        mean = values[_IMPULSE] / values[_TIME]
+        if values[_WHOLE] > 0.0 and mean > 0.0:
+            ripple = (highest - lowest) / mean
+            one_sided = max(highest - mean, mean - lowest) / mean
+            row[observation.WINDOW_RIPPLE] = max(row[observation.WINDOW_RIPPLE], ripple)
+            row[observation.WINDOW_RIPPLE_ONE_SIDED] = max(
+                row[observation.WINDOW_RIPPLE_ONE_SIDED], one_sided
+            )
+        values[_LOWEST] = inf
+        values[_HIGHEST] = -inf
+        values[_IMPULSE] = 0.0
+        values[_TIME] = 0.0
+        values[_WHOLE] = 1.0
+
+
+@inlined
+def _mean_product(products: NDArray[np.float64], step: int, product: float) -> float:
+    """Return the mean of the last products, as many as there is room for."""
+    count = products.size
+    products[step % count] = product
+    if count == 1:
+        return product
+    known = min(step + 1, count)
+    total = 0.0
+    for index in range(known):
+        total += products[index]
+    return total / known
 
 
 @unallocating
 def _run(
     drive: Drive,
     phases: Phases,
+    recorded: Phases,
     load: Load,
     schedule: Schedule,
+    sensors: Sensors,
     exchange: Exchange,
     step_address: int,
     state_address: int,
@@ -103,6 +142,9 @@ def _run(
     control_period: float,
     steps: int,
     window_steps: NDArray[np.int64],
+    watch: RippleWatch,
+    products: NDArray[np.float64],
+    positions: NDArray[np.int64],
     totals: NDArray[np.float64],
     period: NDArray[np.float64],
     block_sums: NDArray[np.float64],
@@ -113,34 +155,39 @@ def _run(
 ) -> tuple[int, int]:
     sense = exchange.sense
     command = exchange.command
-    speed_at = 0
-    load_at = 0
-    supply_at = 0
     speed = initial_speed
     angle = 0.0
     current_sum = 0.0
     digest = 0
+    inertia = drive.inertia + load.inertia
     block = max(round(observation.MEAN_TIME / control_period), 1)
     stored = stored_energy(drive, phases.currents)
     traced = 0
     for k in range(steps):
         time = k * control_period
-        speed_at = _position(schedule.speed_times, speed_at, time)
-        load_at = _position(schedule.load_times, load_at, time)
-        supply_at = _position(schedule.supply_times, supply_at, time)
-        wanted = _value_at(schedule.speed_times, schedule.speed_values, speed_at, time)
-        factor = _value_at(schedule.load_times, schedule.load_values, load_at, time)
-        supply = _value_at(schedule.supply_times, schedule.supply_values, supply_at, time)
+        wanted = follow(schedule.speed, positions, 0, time)
+        factor = follow(schedule.load, positions, 1, time)
+        supply = follow(schedule.supply, positions, 2, time)
+        imbalance = follow(schedule.imbalance, positions, 3, time)
+        resistance_factor = follow(schedule.resistance, positions, 4, time)
+        emf_factor = follow(schedule.emf, positions, 5, time)
+        plant = drifted(drive, resistance_factor, emf_factor)
         if load.kind == LOCKED:
             speed = wanted
 
+        measured_speed = shown_speed(sensors, time, speed)
+        measured_supply = shown_supply(sensors, time, supply)
+        measured_sum = show_currents(
+            sensors, time, phases.currents, phases.magnitudes, control_period, exchange.sensed_currents
+        )
+        if sensors.ideal and measured_sum > 0.0:
+            # The sum over the phases as the ledger has it, not the sum of its differences.
+            measured_sum = current_sum
         sense[0].time = time
         sense[0].speed_reference = wanted
-        sense[0].speed = speed
-        sense[0].current_magnitude_sum = current_sum
-        sense[0].half_supply_voltage = supply
-        for phase in range(drive.phases):
-            exchange.sensed_currents[phase] = phases.currents[phase]
+        sense[0].speed = measured_speed
+        sense[0].current_magnitude_sum = measured_sum
+        sense[0].half_supply_voltage = measured_supply
         command[0].current_reference = nan
         command[0].advance_angle = nan
         command[0].input_power = nan
@@ -166,14 +213,14 @@ def _run(
             run[observation.RUN_ANGLE_LOWEST] = advance
         if advance > run[observation.RUN_ANGLE_HIGHEST]:
             run[observation.RUN_ANGLE_HIGHEST] = advance
-        if speed < base_speed:
+        if measured_speed < base_speed:
             run[observation.RUN_STEPS_BELOW_BASE] += 1.0
             if abs(advance) > run[observation.RUN_ANGLE_BELOW_BASE]:
                 run[observation.RUN_ANGLE_BELOW_BASE] = abs(advance)
                 run[observation.RUN_FIRST_BELOW_BASE] = time
+        product = _mean_product(products, k, measured_supply * measured_sum)
         if estimate == estimate:
             run[observation.RUN_POWER_ESTIMATES] += 1.0
-            product = supply * current_sum
             error = abs(estimate - product)
             if error > run[observation.RUN_POWER_ERROR]:
                 run[observation.RUN_POWER_ERROR] = error
@@ -185,13 +232,18 @@ def _run(
 
         for entry in range(ledger.ENTRIES):
             period[entry] = 0.0
+        watched = -1
+        for window in range(window_steps.shape[0]):
+            if window_steps[window, 2] <= k < window_steps[window, 1]:
+                watched = window
+        moving = recorded if watched >= 0 else phases
         status = advance_phases(
-            drive,
-            phases,
+            plant,
+            moving,
             angle,
             speed,
-            supply,
-            supply,
+            supply * (1.0 + imbalance),
+            supply * (1.0 - imbalance),
             reference,
             advance,
             control_period,
@@ -211,7 +263,7 @@ def _run(
         returned = period[ledger.RETURNED]
         now_stored = stored_energy(drive, phases.currents)
         spent = (
-            drive.resistance * period[ledger.SQUARE]
+            plant.resistance * period[ledger.SQUARE]
             + speed * impulse
             + period[ledger.DEVICE]
             + (now_stored - stored)
@@ -272,16 +324,24 @@ def _run(
             trace[traced, 7] = asked
             trace[traced, 8] = source / control_period
             trace[traced, 9] = supply
+            trace[traced, 10] = measured_speed * _RADIANS_TO_RPM
             traced += 1
 
+        turn_encoder(sensors, k, time, control_period, speed)
         turned = angle + drive.pole_pairs * speed * control_period
+        if watched >= 0:
+            _follow_ripple(
+                watch, plant, recorded, control_period, impulse, turned >= 2.0 * pi, windows[watched]
+            )
+        else:
+            watch.values[_WHOLE] = 0.0
         angle = turned - 2.0 * pi * floor(turned * (0.5 / pi))
         if load.kind != LOCKED:
             resisting = asked + drive.friction + drive.viscous_friction * speed
-            change = (impulse - drag - resisting * control_period) / drive.inertia
+            change = (impulse - drag - resisting * control_period) / inertia
             # Load and friction hold a shaft at standstill; they never drive it backward.
             following = max(speed + change, 0.0)
-            run[observation.RUN_KINETIC_RESIDUAL] += 0.5 * drive.inertia * (following - speed) ** 2
+            run[observation.RUN_KINETIC_RESIDUAL] += 0.5 * inertia * (following - speed) ** 2
             speed = following
     run[observation.RUN_STEPS] = steps
     run[observation.RUN_SPEED_FINAL] = speed
@@ -340,6 +400,8 @@ def run_closed_loop(
     control_period: float,
     duration: float,
     windows: list[tuple[float, float]],
+    sensors: Sensors | None = None,
+    power_window: float = 0.0,
     sense: NDArray[Any] | None = None,
     sensed_currents: NDArray[np.float64] | None = None,
     progress: NDArray[np.int64] | None = None,
@@ -354,7 +416,7 @@ def run_closed_loop(
     load : Load
         The load.
     schedule : Schedule
-        Speed reference, load factor and supply over time.
+        What happens during the run.
     step_address, state_address : int
         Addresses of the controller's step function and of its state.
     initial_speed : float
@@ -367,6 +429,10 @@ def run_closed_loop(
         (s).
     windows : list of tuple of float
         Start and end of each observed window (s).
+    sensors : Sensors, optional
+        What the controller sees the plant through, made for this run; ideal by default.
+    power_window : float
+        Time over which the controller's estimate of its input power is a mean (s); 0 for the last period alone.
     sense : ndarray of SENSE, shape (1,), optional
         The record to hand to the controller, where another process is to see it.
     sensed_currents : ndarray, shape (m,) or longer, optional
@@ -383,6 +449,8 @@ def run_closed_loop(
     """
     steps = round(duration / control_period)
     phases = make_phases(drive)
+    room = make_phases(drive, control_period)
+    recorded = phases._replace(rows=room.rows, row_counts=room.row_counts)
     sense = np.zeros(1, SENSE) if sense is None else sense
     currents = np.zeros(drive.phases) if sensed_currents is None else sensed_currents
     command = np.zeros(1, COMMAND)
@@ -406,16 +474,23 @@ def run_closed_loop(
     rows[:, [observation.WINDOW_ANGLE_LOWEST, observation.WINDOW_MEAN_LOWEST]] = inf
     rows[:, [observation.WINDOW_ANGLE_HIGHEST, observation.WINDOW_MEAN_HIGHEST]] = -inf
     window_steps = np.array(
-        [[round(start / control_period), round(end / control_period)] for start, end in windows], np.int64
-    ).reshape(-1, 2)
+        [
+            [round(time / control_period) for time in (start, end, max(start, end - observation.RIPPLE_TIME))]
+            for start, end in windows
+        ],
+        np.int64,
+    ).reshape(-1, 3)
+    watch = RippleWatch(np.zeros(drive.phases, np.int64), np.array([inf, -inf, 0.0, 0.0, 0.0]))
     kept = -(-steps // trace_every) if trace_every > 0 else 0
     trace = np.zeros((kept, len(observation.TRACE_COLUMNS)))
     totals = np.zeros(ledger.ENTRIES)
     status, digest = _run(
         drive,
         phases,
+        recorded,
         load,
         schedule,
+        ideal_sensors(drive.phases) if sensors is None else sensors,
         exchange,
         step_address,
         state_address,
@@ -424,6 +499,9 @@ def run_closed_loop(
         control_period,
         steps,
         window_steps,
+        watch,
+        np.zeros(max(round(power_window / control_period), 1)),
+        np.zeros(len(Schedule._fields), np.int64),
         totals,
         np.zeros(ledger.ENTRIES),
         np.zeros(len(windows)),

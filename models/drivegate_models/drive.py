@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate_models.compilation import inlined
 from drivegate_models.emf import full_cycle
 
 
@@ -139,4 +140,44 @@ def make_drive(
         emf_angles=angles,
         emf_values=values,
         emf_slopes=np.diff(values) / np.diff(angles),
+    )
+
+
+@inlined
+def drifted(drive: Drive, resistance_factor: float, emf_factor: float) -> Drive:
+    """Return a drive whose windings and magnets have another temperature.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive.
+    resistance_factor, emf_factor : float
+        Factors on the winding resistance and on the EMF constant (1).
+
+    Returns
+    -------
+    Drive
+        The same but for these two.
+    """
+    return Drive(
+        drive.phases,
+        drive.pole_pairs,
+        drive.resistance * resistance_factor,
+        drive.inductance,
+        drive.emf_constant * emf_factor,
+        drive.half_supply_voltage,
+        drive.hysteresis_band,
+        drive.window,
+        drive.current_limit,
+        drive.core_loss_conductance,
+        drive.inertia,
+        drive.friction,
+        drive.viscous_friction,
+        drive.switch_drop,
+        drive.diode_drop,
+        drive.turn_on_energy,
+        drive.turn_off_energy,
+        drive.emf_angles,
+        drive.emf_values,
+        drive.emf_slopes,
     )

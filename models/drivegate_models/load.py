@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Final, NamedTuple
 
 from drivegate_models.compilation import inlined
@@ -14,6 +15,8 @@ CONSTANT_POWER: Final = 2
 """Power over speed, limited to the torque at `SLOWEST`."""
 FAN: Final = 3
 """Torque with the square of speed."""
+VEHICLE: Final = 4
+"""A vehicle on a road; the factor is the road's grade."""
 SLOWEST: Final = 1.0
 """Speed below which a constant power load asks for no more torque (rad/s)."""
 
@@ -22,11 +25,17 @@ class Load(NamedTuple):
     """A load: its kind and its size."""
 
     kind: int
-    """`LOCKED`, `CONSTANT_TORQUE`, `CONSTANT_POWER` or `FAN`."""
-    size: float
-    """Torque (N m) or power (W)."""
-    speed: float
+    """`LOCKED`, `CONSTANT_TORQUE`, `CONSTANT_POWER`, `FAN` or `VEHICLE`."""
+    size: float = 0.0
+    """Torque (N m) or power (W); a vehicle's weight times its lever at the shaft (N m)."""
+    speed: float = 1.0
     """Speed at which a fan asks for `size` (rad/s); unused by the others."""
+    rolling: float = 0.0
+    """Rolling resistance of a vehicle as a share of its weight (1)."""
+    drag: float = 0.0
+    """Drag torque of a vehicle over the squared shaft speed (N m s2/rad2)."""
+    inertia: float = 0.0
+    """Inertia of the load at the shaft (kg m2)."""
 
 
 @inlined
@@ -38,14 +47,15 @@ def load_torque(load: Load, factor: float, speed: float) -> float:
     load : Load
         Kind and size.
     factor : float
-        Scale of the size at this time (1).
+        Scale of the size at this time (1); a vehicle's grade, height over way (1).
     speed : float
         Shaft speed (rad/s), at least 0.
 
     Returns
     -------
     float
-        Torque against the rotation (N m).
+        Torque against the rotation (N m). A vehicle's is that of its weight along the road, its rolling
+        resistance and its drag.
     """
     if load.kind == CONSTANT_TORQUE:
         return factor * load.size
@@ -53,4 +63,7 @@ def load_torque(load: Load, factor: float, speed: float) -> float:
         return factor * load.size / max(speed, SLOWEST)
     if load.kind == FAN:
         return factor * load.size * (speed / load.speed) ** 2
+    if load.kind == VEHICLE:
+        weight = load.size / sqrt(1.0 + factor * factor)
+        return weight * (load.rolling + factor) + load.drag * speed * speed
     return 0.0

@@ -22,7 +22,8 @@ RUN_STEPS_BELOW_BASE: Final = 6
 RUN_POWER_ESTIMATES: Final = 7
 """Number of input power estimates."""
 RUN_POWER_ERROR: Final = 8
-"""Greatest difference of an estimate from supply voltage times current sum (W)."""
+"""Greatest difference of an estimate from measured supply voltage times measured current sum, or from the mean of
+that product over the window that the candidate declares (W)."""
 RUN_POWER_ERROR_RELATIVE: Final = 9
 """The same over that product, where it exceeds 1 W (1)."""
 RUN_EXCHANGE_ERROR: Final = 10
@@ -68,11 +69,18 @@ WINDOW_SPEED: Final = 12
 """Mean speed (rad/s)."""
 WINDOW_PEAK: Final = 13
 """Greatest phase current (A)."""
-WINDOW_ENTRIES: Final = 14
+WINDOW_RIPPLE: Final = 14
+"""Torque ripple, peak to peak over mean, of the worst electrical period in the window's last `RIPPLE_TIME` (1)."""
+WINDOW_RIPPLE_ONE_SIDED: Final = 15
+"""Greatest deviation from the mean over the mean, of the worst electrical period there (1)."""
+WINDOW_ENTRIES: Final = 16
 """Length of a window's row."""
 
 MEAN_TIME: Final = 0.1
 """Length of the means of the current sum (s)."""
+
+RIPPLE_TIME: Final = 1.0
+"""Time at a window's end in which the torque's extremes are followed (s)."""
 
 TRACE_COLUMNS: Final = (
     "time_s",
@@ -85,5 +93,6 @@ TRACE_COLUMNS: Final = (
     "load_torque_nm",
     "input_power_w",
     "half_supply_v",
+    "measured_speed_rpm",
 )
 """Columns of a trace, in people's units; one row for each kept control period."""

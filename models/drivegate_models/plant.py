@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models import segments
+from drivegate_models import ledger, segments
 from drivegate_models.compilation import inlined, kernel
 from drivegate_models.drive import Drive
 from drivegate_models.phase import COMPLETED, advance_phase
@@ -23,6 +23,8 @@ class Phases(NamedTuple):
     """Window of each phase, shape (m,): 1, 0 or -1."""
     latches: NDArray[np.int64]
     """Comparator of each phase, shape (m,): 1 on, 0 off."""
+    magnitudes: NDArray[np.float64]
+    """Integral of each phase's current magnitude over the last advance, shape (m,) (A s)."""
     rows: NDArray[np.float64]
     """Segments of the last advance, shape (m, n, segments.FIELDS); n = 0 keeps none."""
     row_counts: NDArray[np.int64]
@@ -55,6 +57,7 @@ def make_phases(drive: Drive, longest_advance: float = 0.0) -> Phases:
         currents=np.zeros(count),
         sectors=np.zeros(count, np.int64),
         latches=np.ones(count, np.int64),
+        magnitudes=np.zeros(count),
         rows=np.zeros((count, capacity, segments.FIELDS)),
         row_counts=np.zeros(count, np.int64),
     )
@@ -110,7 +113,9 @@ def advance_phases(
     latches = phases.latches
     rows = phases.rows
     row_counts = phases.row_counts
+    magnitudes = phases.magnitudes
     for phase in range(drive.phases):
+        before = totals[ledger.MAGNITUDE]
         outcome = advance_phase(
             drive,
             corners,
@@ -131,6 +136,7 @@ def advance_phases(
             rows,
             row_counts,
         )
+        magnitudes[phase] = totals[ledger.MAGNITUDE] - before
         if outcome != COMPLETED:
             status = outcome
     return status

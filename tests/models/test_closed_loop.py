@@ -9,18 +9,23 @@ import pytest
 
 from drivegate_models import ledger, observation
 from drivegate_models.builtin_controllers import SEARCHES, reset_function, step_function
-from drivegate_models.closed_loop import FINISHED, ClosedLoopRun, Schedule, run_closed_loop
+from drivegate_models.closed_loop import FINISHED, ClosedLoopRun, run_closed_loop
 from drivegate_models.contract import nameplate_record
 from drivegate_models.controller_state import CONTROLLER_STATE
 from drivegate_models.load import CONSTANT_POWER, CONSTANT_TORQUE, FAN, LOCKED, SLOWEST, Load, load_torque
+from drivegate_models.schedule import Course, Schedule, steady
 from drivegate_models.signals import Nameplate
 
 RPM = math.pi / 30.0
 
 
-def profile(*points: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+def course(*points: tuple[float, float]) -> Course:
     table = np.array(points, float)
-    return np.ascontiguousarray(table[:, 0]), np.ascontiguousarray(table[:, 1])
+    return Course(np.ascontiguousarray(table[:, 0]), np.ascontiguousarray(table[:, 1]))
+
+
+def schedule(speed: float, factor: tuple[tuple[float, float], ...]) -> Schedule:
+    return Schedule(steady(speed), course(*factor), steady(48.0), steady(0.0), steady(1.0), steady(1.0))
 
 
 def simulate(
@@ -54,7 +59,7 @@ def simulate(
     return run_closed_loop(
         drive,
         load,
-        Schedule(*profile((0.0, speed)), *profile(*factor), *profile((0.0, 48.0))),
+        schedule(speed, factor),
         step_address=step_function().address,
         state_address=state.ctypes.data,
         initial_speed=speed if initial_speed is None else initial_speed,
