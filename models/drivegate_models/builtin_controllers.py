@@ -27,8 +27,9 @@ SEARCH_PERIOD: Final = 0.1
 SEARCHES: Final = MappingProxyType({"initial": NO_SEARCH, "published": FLOWCHART, "reference": GUARDED})
 """Kind of search by name of controller."""
 
-_BANDWIDTH = 150.0
-_INTEGRAL_RATE = 30.0
+_BANDWIDTH = 80.0
+_INTEGRAL_RATE = 15.0
+_LEAST_CHANGE = 0.0008
 _ADVANCE_MARGIN = 10.0 * pi / 30.0
 
 
@@ -55,11 +56,13 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.nominal_voltage = nameplate.half_supply_voltage
     state.current_limit = nameplate.current_limit
     state.control_period = nameplate.control_period
-    torque_per_ampere = 0.8 * nameplate.phases * nameplate.emf_constant
+    state.conducting_phases = 0.8 * nameplate.phases
+    torque_per_ampere = state.conducting_phases * nameplate.emf_constant
     state.proportional = nameplate.inertia * _BANDWIDTH / torque_per_ampere
     state.integral_step = state.proportional * _INTEGRAL_RATE * nameplate.control_period
     state.speed_tolerance = 5.0 * pi / 30.0
     state.power_tolerance = 0.001
+    state.least_change = _LEAST_CHANGE * nameplate.current_limit
     state.first_step = radians(1.0)
     state.decision_steps = max(round(SEARCH_PERIOD / nameplate.control_period), 1)
     state.integral = 0.0
@@ -69,11 +72,14 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.supply_voltage = nameplate.half_supply_voltage
     state.speed_mark = 0.0
     state.good_offset = 0.0
+    state.last_power = 0.0
+    state.last_integral = 0.0
+    state.winding = 0
     rearm(state)
 
 
 @unfused
-def advance_angle(state: Any, speed: float, voltage: float) -> float:
+def advance_angle(state: Any, speed: float) -> float:
     """Return the advance angle: the initial one plus the search's offset, zero below base speed.
 
     Parameters
@@ -82,8 +88,6 @@ def advance_angle(state: Any, speed: float, voltage: float) -> float:
         Updated.
     speed : float
         Measured speed (rad/s).
-    voltage : float
-        Measured voltage of a half-source (V).
 
     Returns
     -------
@@ -98,9 +102,9 @@ def advance_angle(state: Any, speed: float, voltage: float) -> float:
             return 0.0
         state.advancing = 1
     line_speed = speed
-    if state.search == GUARDED and voltage > 0.0:
-        # The same EMF over supply: the line follows the measured supply.
-        line_speed = max(speed * state.nominal_voltage / voltage, state.base_speed)
+    if state.search == GUARDED and state.supply_voltage > 0.0:
+        # The same EMF over supply: the line follows the measured supply, but not its noise.
+        line_speed = max(speed * state.nominal_voltage / state.supply_voltage, state.base_speed)
     angle = initial_angle(line_speed, state.base_speed, state.angle_at_base, state.angle_slope)
     applied: float = min(max(angle + state.offset, 0.0), 0.5 * pi)
     return applied
@@ -150,7 +154,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
             state.worst_error = 0.0
             state.saturated = 0
     command.current_reference = reference
-    command.advance_angle = advance_angle(state, sense.speed, sense.half_supply_voltage)
+    command.advance_angle = advance_angle(state, sense.speed)
     command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum
 
 

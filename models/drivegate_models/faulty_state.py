@@ -38,6 +38,10 @@ FALLING_LOAD_IGNORED: Final = 15
 """The search starts anew when the load has risen, not when it has fallen."""
 NO_ANTI_WINDUP: Final = 16
 """The regulator's integral goes on while its output is limited."""
+ANGLE_CAPPED: Final = 17
+"""The angle stays at or below `size`, and so does the search."""
+LINE_IS_LIMIT: Final = 18
+"""The angle is never raised beyond the initial one."""
 
 ADVANCES_BELOW_BASE: Final = 20
 """The advance angle is `size` instead of zero below base speed."""
@@ -49,22 +53,24 @@ RIPPLING: Final = 23
 """The current reference is moved up and down by `size`, 125 times a second."""
 DRIFTS: Final = 24
 """The angle found moves on, by `size` a second."""
-ANGLE_CAPPED: Final = 25
-"""The angle stays at or below `size`."""
-NOMINAL_TABLE: Final = 26
+NOMINAL_TABLE: Final = 25
 """The angle comes from a table made for the nominal drive."""
-TRUSTS_SUPPLY: Final = 27
+TRUSTS_SUPPLY: Final = 26
 """The angle is raised by `size` in every step whose supply differs from that of the step before."""
-LATCHES_AT_STANDSTILL: Final = 28
+LATCHES_AT_STANDSTILL: Final = 27
 """After one reading of no speed the angle stays zero."""
-REFERENCE_BELOW_ZERO: Final = 29
+REFERENCE_BELOW_ZERO: Final = 28
 """The current reference is not limited at zero."""
-ESTIMATE_SCALED: Final = 30
+ESTIMATE_SCALED: Final = 29
 """The estimate of the input power is multiplied by `size`."""
-ESTIMATE_AT_NOMINAL_SUPPLY: Final = 31
+ESTIMATE_AT_NOMINAL_SUPPLY: Final = 30
 """The estimate takes the supply for nominal."""
-SLOW: Final = 32
+SLOW: Final = 31
 """Every step computes in vain, `size` times."""
+BLIND_SPOT: Final = 32
+"""The angle is the initial one, whatever the search says, between 1230 and 1290 rpm."""
+UNLIMITED_LINE: Final = 33
+"""The line of initial angles, and the angle that follows from it, have no limits."""
 
 FAULTY_STATE: Final = np.dtype(
     [

@@ -6,7 +6,7 @@ Input power is judged by the current sum, which is proportional to the power exc
 
 from __future__ import annotations
 
-from math import inf, radians
+from math import inf, pi, radians
 from typing import Any, Final
 
 from drivegate_models.compilation import unfused
@@ -28,12 +28,20 @@ _RECOVERY = radians(0.3)
 _SMALLEST_POWER = 1.0
 _ALARM = 0.3
 _UNEASY = 0.1
+_CALM = 1.5
+_ANSWER = 2.0
 _CREEP = 1.15
 _CREEP_LEAST = 0.15
 _IMPROVEMENTS = 3
 _RESTLESS = 0.003
+_LIGHTER = 0.85
+_WINDING = 0.005
+_IDLE = 0.002
+_WOUND = 3
 _DWELL = 0.02
 _REGAIN = 0.25
+_SLOWEST_REGAIN = 20.0 * pi / 30.0
+_LONGEST_CLIMB = radians(8.0)
 
 
 @unfused
@@ -93,9 +101,26 @@ def rearm(state: Any) -> None:
     state.step = state.first_step
     state.direction = -1.0
     state.forbidden = -inf
+    state.forbidden_power = 0.0
     state.good_integral = inf
     state.good_power = inf
+    state.climb = 0.5 * state.first_step
+    state.regained = -inf
+    state.calm_error = inf
     begin_settling(state)
+
+
+@unfused
+def forbid(state: Any) -> None:
+    """Forbid the present angle and those below it, for a load as heavy as the present one.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.forbidden = max(state.forbidden, state.offset)
+    state.forbidden_power = state.last_power
 
 
 @unfused
@@ -115,11 +140,30 @@ def walk_back(state: Any, angle: float, lost: bool) -> None:
         Whether torque is lost at the present angle, rather than too slow to return.
     """
     if lost:
-        state.forbidden = max(state.forbidden, state.offset)
+        forbid(state)
     state.offset += angle
     state.step = max(min(0.5 * state.step, 0.5 * state.first_step), _SMALLEST_STEP)
     state.direction = -1.0
     begin_settling(state)
+
+
+@unfused
+def seek_torque(state: Any, gained: float) -> None:
+    """Climb from the initial angle, which cannot give the torque, to one that can; in growing steps.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    gained : float
+        Speed gained at the current limit since the last step (rad/s).
+    """
+    if gained < state.regained:
+        state.climb = -0.5 * state.climb
+    elif abs(state.climb) < _LONGEST_CLIMB:
+        state.climb = 2.0 * state.climb
+    state.regained = gained
+    walk_back(state, state.climb, gained <= 0.0 and state.climb > 0.0)
 
 
 @unfused
@@ -146,6 +190,13 @@ def guard_regulation(
         state.speed_reference = speed_reference
         state.supply_voltage = voltage
         rearm(state)
+    sag = speed_reference - speed
+    if state.offset < 0.0 and sag > (1.0 if state.mode == HOLDING else 3.0) * state.speed_tolerance:
+        # The load has grown, or the angle was below what it needs from the start; neither is to be tried again.
+        forbid(state)
+        forbidden = state.forbidden
+        rearm(state)
+        state.forbidden = forbidden
     state.saturated_run = state.saturated_run + 1 if saturated else 0
     if state.saturated_run == 1:
         state.speed_mark = speed
@@ -155,10 +206,17 @@ def guard_regulation(
         walk_back(state, -state.moved + _RECOVERY, True)
     elif state.saturated_run * period >= _DWELL:
         state.saturated_run = 0
+        gained = speed - state.speed_mark
+        missing = speed_reference - speed
         # Below the initial angle torque must return soon; at it, a heavy load may take its time to accelerate.
-        wanted = (speed_reference - speed) * _DWELL / _REGAIN if state.offset < 0.0 else 0.0
-        if speed - state.speed_mark <= wanted and speed < speed_reference:
-            walk_back(state, state.first_step, speed <= state.speed_mark)
+        wanted = missing * _DWELL / _REGAIN
+        if state.offset >= 0.0:
+            wanted = min(wanted, _SLOWEST_REGAIN * _DWELL)
+        if gained <= wanted and missing > 0.0:
+            if state.offset < 0.0:
+                walk_back(state, state.first_step, gained <= 0.0)
+            else:
+                seek_torque(state, gained)
 
 
 @unfused
@@ -174,8 +232,49 @@ def begin_holding(state: Any, power: float) -> None:
     """
     state.mode = HOLDING
     state.held_power = power
+    if state.good_power == inf:
+        state.good_offset = state.offset
+        state.good_integral = state.integral
+        state.good_power = power
     state.moved = 0.0
     state.quiet = 0
+
+
+@unfused
+def is_uneasy(state: Any) -> bool:
+    """Return whether the speed varied by more than sensors and regulator explain.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state; the calmest decision interval since the last change tells what they explain.
+
+    Returns
+    -------
+    bool
+        About the decision interval just ended.
+    """
+    uneasy: bool = state.worst_error > _UNEASY * state.speed_tolerance + _CALM * state.calm_error
+    return uneasy
+
+
+@unfused
+def noise_of_power(state: Any) -> float:
+    """Return what the converter, and the regulator's answer to the speed sensor's errors, make of the power.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    float
+        Current sum (A).
+    """
+    error = min(state.calm_error, _UNEASY * state.speed_tolerance)
+    noise: float = state.least_change + _ANSWER * state.proportional * error
+    return noise
 
 
 @unfused
@@ -235,7 +334,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
     power, change : float
         Mean current sum of the decision interval, and its change from the one before (A).
     """
-    uneasy = state.worst_error > _UNEASY * state.speed_tolerance
+    uneasy = is_uneasy(state)
     changed = abs(power - state.held_power) > _CHANGED * power + 0.2
     if is_creeping(state, power):
         state.integral = state.good_integral
@@ -247,8 +346,8 @@ def decide_holding(state: Any, power: float, change: float) -> None:
             state.held_power = power
     elif changed:
         rearm(state)
-    elif uneasy or abs(change) > _RESTLESS * power:
-        state.forbidden = max(state.forbidden, state.offset)
+    elif uneasy or abs(change) > _RESTLESS * power + noise_of_power(state):
+        forbid(state)
         state.offset += _SMALLEST_STEP
         state.quiet = 0
 
@@ -264,6 +363,9 @@ def move(state: Any, power: float, change: float) -> None:
     power, change : float
         Mean current sum of the decision interval, and its change from the one before (A).
     """
+    if power < _LIGHTER * state.forbidden_power:
+        # The edge lies lower for a lighter load.
+        state.forbidden = -inf
     while (
         state.step >= _SMALLEST_STEP
         and state.direction < 0.0
@@ -293,13 +395,24 @@ def decide_guarded(state: Any) -> None:
         Updated; its decision interval is complete.
     """
     power = state.power_sum / state.count
+    state.calm_error = min(state.calm_error, state.worst_error)
+    winding = state.integral - state.last_integral > _WINDING * state.current_limit
+    winding = winding and abs(power - state.last_power) < _IDLE * power
+    state.winding = state.winding + 1 if winding else 0
+    state.last_integral = state.integral
+    state.last_power = power
     regulated = state.worst_error <= state.speed_tolerance and state.saturated == 0
     change = power - state.old_power
     state.old_power = power
     if state.mode == HOLDING:
         decide_holding(state, power, change)
         return
-    if is_creeping(state, power) and state.worst_error > _UNEASY * state.speed_tolerance:
+    if state.winding >= _WOUND and is_uneasy(state):
+        # The reference is beyond what the angle lets flow; without a good angle known, the current tells it.
+        state.integral = min(state.integral, power / state.conducting_phases)
+        walk_back(state, state.first_step, True)
+        return
+    if is_creeping(state, power) and is_uneasy(state):
         state.integral = state.good_integral
         walk_back(state, 0.5 * state.first_step, True)
         return
@@ -310,10 +423,12 @@ def decide_guarded(state: Any) -> None:
         rearm(state)
         return
     if state.mode == SETTLING:
-        if abs(change) > _SETTLED * power or state.worst_error > _UNEASY * state.speed_tolerance:
+        if abs(change) > _SETTLED * power or is_uneasy(state):
             return
         state.mode = SEARCHING
-    elif abs(change) <= state.power_tolerance * power:
+        state.climb = 0.5 * state.first_step
+        state.regained = -inf
+    elif abs(change) <= max(state.power_tolerance * power, noise_of_power(state)):
         state.quiet += 1
         if state.quiet >= 2:
             begin_holding(state, power)
@@ -325,6 +440,7 @@ def decide_guarded(state: Any) -> None:
             state.direction = -state.direction
             state.step = 0.5 * state.step
             state.improvements = 0
-        elif state.improvements >= _IMPROVEMENTS and state.step == state.first_step:
-            state.step = 2.0 * state.first_step
+        elif state.improvements >= _IMPROVEMENTS and state.step < 2.0 * state.first_step:
+            state.step = 2.0 * state.step
+            state.improvements = 0
     move(state, power, change)

@@ -14,6 +14,8 @@ from drivegate_cases.document import Document, Section, read_document
 
 _Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
 _CheckName = Annotated[str, Field(pattern=r"^[A-Z]{3}-[1-9]$")]
+_TestName = Annotated[str, Field(pattern=r"^tests/[a-z_/]+\.py::test_[a-z0-9_]+$")]
+_FigureName = Annotated[str, Field(pattern=r"^[a-z_]+$")]
 
 
 class Quantity(Section):
@@ -50,6 +52,18 @@ class Quantity(Section):
         return above_lower and below_upper
 
 
+class Coverage(Section):
+    """What would fail if a fact were not respected; every name must exist, which a test looks after."""
+
+    checks: tuple[_CheckName, ...] = Field(default=(), description="checks whose source is the fact")
+    properties: tuple[_TestName, ...] = Field(
+        default=(), description="tests of the models and controllers, as file.py::test_name"
+    )
+    figures: tuple[_FigureName, ...] = Field(
+        default=(), description="figures of the reports that reproduce what is published, as module names"
+    )
+
+
 class Fact(Section):
     """Something that the paper states."""
 
@@ -61,7 +75,9 @@ class Fact(Section):
         description="how it is held: by a check of candidates, by a property of the plant, "
         "by a reproduced figure, or taken as it is"
     )
-    checks: tuple[_CheckName, ...] = Field(default=(), description="checks that rest on the fact")
+    covered_by: Coverage = Field(
+        default=Coverage(), description="checks, properties and figures that hold it"
+    )
     cases: tuple[str, ...] = Field(
         default=(), description="scenarios, points and sweeps that belong to the fact"
     )
@@ -69,8 +85,10 @@ class Fact(Section):
 
     @model_validator(mode="after")
     def _check_is_named(self) -> Self:
-        if self.kind == "check" and not self.checks:
-            raise ValueError(f"the fact '{self.id}' is held by a check, but must name it in 'checks'")
+        if self.kind == "check" and not self.covered_by.checks:
+            raise ValueError(
+                f"the fact '{self.id}' is held by a check, but must name it in 'covered_by.checks'"
+            )
         return self
 
 

@@ -25,7 +25,7 @@ def test_all_twelve_facts_are_there_in_order() -> None:
 
 
 def test_every_fact_held_by_a_check_names_it() -> None:
-    assert all(fact.checks for fact in facts() if fact.kind == "check")
+    assert all(fact.covered_by.checks for fact in facts() if fact.kind == "check")
 
 
 @pytest.mark.parametrize("fact", facts(), ids=lambda fact: fact.id)
@@ -109,10 +109,17 @@ FACT = {"id": "P1", "title": "t", "statement": "s", "source": "Fig. 1", "kind": 
     ("facts_given", "told"),
     [
         ([FACT, FACT], "the id 'P1' is given more than once"),
-        ([FACT | {"kind": "check"}], "must name it in 'checks'"),
+        ([FACT | {"kind": "check"}], "must name it in 'covered_by.checks'"),
         ([FACT | {"kind": "guess"}], "the key 'fact[0].kind' is \"guess\""),
         ([FACT | {"id": "Q1"}], "the key 'fact[0].id' is \"Q1\""),
-        ([FACT | {"checks": ["pwr1"]}], "the key 'fact[0].checks[0]' is \"pwr1\""),
+        (
+            [FACT | {"covered_by": {"checks": ["pwr1"]}}],
+            "the key 'fact[0].covered_by.checks[0]' is \"pwr1\"",
+        ),
+        (
+            [FACT | {"covered_by": {"properties": ["test_it"]}}],
+            "the key 'fact[0].covered_by.properties[0]' is \"test_it\"",
+        ),
         ([FACT | {"sorce": "x"}], "the key 'fact[0].sorce' is unknown, the nearest known key is 'source'"),
         ([FACT | {"quantities": [{"name": "q", "unit": "A"}]}], "'fact[0].quantities[0].value' is missing"),
         ([], "the key 'fact' is []"),

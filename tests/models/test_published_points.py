@@ -88,6 +88,16 @@ def test_worst_ripple(at: At) -> None:
     assert 11.95 <= ripple <= 12.25, f"the ripple at 52.5 deg is {ripple:.2f} %"
 
 
+@pytest.mark.parametrize("speed", [600, 1000, 1500, 2000])
+def test_torque_keeps_its_sign_under_phase_advance(
+    at: At, rpm: Callable[[float], float], speed: float
+) -> None:
+    """Published of conventional drives with phase advance: ripple of 125 % and more, torque that changes sign."""
+    state = _at_torque(at, speed, 33.0 + 0.025 * (speed - 500.0), 1500.0 / rpm(speed))
+    assert state.torque_lowest > 0.0, f"the torque falls to {state.torque_lowest:.2f} N·m"
+    assert _ripple_percent(state) < 25.0, f"the ripple is {_ripple_percent(state):.1f} %"
+
+
 def test_the_search_lowers_the_current_sum(at: At, rpm: Callable[[float], float]) -> None:
     """From the initial angle of 58 degrees to 52.5 degrees the currents fall much, the watts hardly."""
     initial, optimal = _at_torque(at, 1500, 58, 9.8), _at_torque(at, 1500, 52.5, 9.8)
