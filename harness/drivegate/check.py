@@ -6,11 +6,36 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from drivegate.declaration import Declaration
 from drivegate.margin import Margin
 from drivegate.run_record import RunRecord
 
 Evaluate: TypeAlias = Callable[[RunRecord], Margin | None]
 """From a finished run to the check's margin; None where the check does not apply to the run."""
+ReasonNotApplicable: TypeAlias = Callable[[Declaration], str | None]
+"""From a declaration to the reason why the check does not apply to that candidate; None where it does."""
+
+
+def always_applicable(_declaration: Declaration) -> str | None:
+    """Let a check apply to every candidate.
+
+    Returns
+    -------
+    None
+        No reason against it.
+    """
+    return None
+
+
+def judged_elsewhere(_record: RunRecord) -> Margin | None:
+    """Leave a check out of closed-loop runs: its margins come from jobs of their own.
+
+    Returns
+    -------
+    None
+        No margin.
+    """
+    return None
 
 
 @dataclass(frozen=True)
@@ -33,8 +58,16 @@ class Check:
         The limit in people's units.
     scenarios : str
         The scenarios that it applies to, in words.
+    formula : str
+        How the margin follows from what is measured.
+    why : str
+        Why the requirement is worth checking.
     evaluate : callable
         The margin of a run.
+    reason_not_applicable : callable
+        Why the check does not apply to a candidate that declares what it does.
+    volatile : bool
+        Whether the measured numbers depend on the machine, so that they belong beside a result's times.
     """
 
     id: str
@@ -44,4 +77,8 @@ class Check:
     level: Literal["required", "advisory"]
     limit: str
     scenarios: str
-    evaluate: Evaluate
+    formula: str
+    why: str
+    evaluate: Evaluate = judged_elsewhere
+    reason_not_applicable: ReasonNotApplicable = always_applicable
+    volatile: bool = False

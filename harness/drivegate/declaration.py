@@ -40,8 +40,11 @@ class Declaration:
         Whether the candidate's commands carry an estimate of the input power.
     speed_range_rpm : tuple of float or None
         Lowest and highest speed that the candidate is made for (rpm); None for all.
+    power_window_s : float
+        Time over which the estimate is a mean (s); 0 when it is that of the last control period alone.
     """
 
     flowchart: FlowchartProfile | None = None
     estimates_power: bool = False
     speed_range_rpm: tuple[float, float] | None = None
+    power_window_s: float = 0.0

@@ -25,7 +25,7 @@ class Flowchart(Section):
         default=None, description="change of input power at or below which the search stops"
     )
     k2_percent: NotNegative | None = Field(
-        default=None, description="the same as a percentage of the new input power"
+        default=None, lt=100, description="the same as a percentage of the new input power"
     )
     step_deg: Positive = Field(le=90, description="magnitude of one change of the advance angle")
     period_s: Positive = Field(description="time from one decision of the search to the next")
@@ -53,6 +53,11 @@ class Manifest(Document):
     estimates_power: bool = Field(
         default=False, description="whether commands carry an estimate of input power"
     )
+    power_window_s: NotNegative = Field(
+        default=0.0,
+        le=10.0,
+        description="time over which that estimate is a mean, in seconds; 0 for the last control period alone",
+    )
     speed_range_rpm: tuple[NotNegative, Positive] | None = Field(
         default=None, description="lowest and highest speed that the candidate is made for"
     )
@@ -75,6 +80,12 @@ class Manifest(Document):
         return self
 
     @model_validator(mode="after")
+    def _only_an_estimate_has_a_window(self) -> Self:
+        if self.power_window_s and not self.estimates_power:
+            raise ValueError("the key 'power_window_s' needs 'estimates_power = true'")
+        return self
+
+    @model_validator(mode="after")
     def _speed_range_rises(self) -> Self:
         if self.speed_range_rpm is not None and self.speed_range_rpm[0] >= self.speed_range_rpm[1]:
             raise ValueError("the key 'speed_range_rpm' must give the lowest speed first, then a higher one")
@@ -88,7 +99,9 @@ class Manifest(Document):
         Declaration
             The declaration.
         """
-        return Declaration(_profile(self.flowchart), self.estimates_power, self.speed_range_rpm)
+        return Declaration(
+            _profile(self.flowchart), self.estimates_power, self.speed_range_rpm, self.power_window_s
+        )
 
 
 def _profile(flowchart: Flowchart | None) -> FlowchartProfile | None:

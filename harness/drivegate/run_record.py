@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,10 +12,16 @@ from numpy.typing import NDArray
 
 from drivegate.declaration import Declaration
 from drivegate.scenario_run import RADIANS_PER_RPM, observed_windows
-from drivegate_cases.profile import Dwell, dwells
+from drivegate_cases.circumstance import Circumstance, circumstance
+from drivegate_cases.load import LockedLoad
+from drivegate_cases.profile import Dwell, dwell_scales, dwell_torque, dwells, is_after_change
+from drivegate_cases.scales import Scales
 from drivegate_cases.scenario import Scenario
 from drivegate_models.closed_loop import ClosedLoopRun
 from drivegate_models.drive import Drive
+from drivegate_models.oracle import feasible_edge
+
+_SAME = 1e-6
 
 
 @dataclass(frozen=True)
@@ -23,12 +30,15 @@ class Window:
 
     Attributes
     ----------
+    scenario : Scenario
+        The scenario that it belongs to.
     dwell : Dwell
         The constant conditions it belongs to.
     values : ndarray, shape (observation.WINDOW_ENTRIES,)
         What was observed.
     """
 
+    scenario: Scenario
     dwell: Dwell
     values: NDArray[np.float64]
 
@@ -36,6 +46,55 @@ class Window:
     def speed(self) -> float:
         """Speed reference (rad/s)."""
         return self.dwell.speed_rpm * RADIANS_PER_RPM
+
+    @property
+    def torque_asked(self) -> float:
+        """Torque that the load asks for, without friction (N m)."""
+        return dwell_torque(self.scenario, self.dwell)
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether anything drives or holds the shaft besides friction."""
+        return isinstance(self.scenario.load, LockedLoad) or self.torque_asked != 0.0
+
+    @property
+    def is_after_change(self) -> bool:
+        """Whether load, speed reference, supply, plant or sensors have changed before."""
+        return is_after_change(self.scenario, self.dwell)
+
+    @property
+    def scales(self) -> Scales:
+        """How the plant differs from the nominal motor meanwhile."""
+        return dwell_scales(self.scenario, self.dwell)
+
+    @property
+    def has_nominal_supply(self) -> bool:
+        """Whether the supply has the motor's nominal voltage."""
+        return self.dwell.supply_v == self.scenario.motor.supply_voltage_v
+
+    @property
+    def asks_for_rated_power(self) -> bool:
+        """Whether the load asks for the motor's rated power, from a supply of nominal voltage."""
+        asked = self.torque_asked * self.speed
+        return self.has_nominal_supply and math.isclose(
+            asked, self.scenario.motor.rated_power_w, rel_tol=_SAME
+        )
+
+    def is_feasible(self) -> bool:
+        """Tell whether some advance angle lets the plant give what the load asks for.
+
+        Returns
+        -------
+        bool
+            Whether the oracle finds a robustly feasible angle; True for a locked shaft and where nothing is asked.
+            Unequal halves of the supply count as both the weaker one.
+        """
+        if isinstance(self.scenario.load, LockedLoad) or self.torque_asked <= 0.0:
+            return True
+        drive = self.scenario.motor.drive(self.scales)
+        torque = self.torque_asked + drive.friction + drive.viscous_friction * self.speed
+        voltage = self.dwell.supply_v * (1.0 - abs(self.dwell.imbalance))
+        return not math.isnan(feasible_edge(drive, self.speed, torque, voltage))
 
 
 @dataclass(frozen=True)
@@ -64,18 +123,26 @@ class RunRecord:
         """The plant that the run was made on."""
         return self.scenario.motor.drive(self.scenario.scales)
 
+    @cached_property
+    def circumstance(self) -> Circumstance:
+        """What is not nominal about the run."""
+        return circumstance(self.scenario)
+
     def windows(self) -> Iterator[Window]:
-        """Go through the stretches in which convergence is judged.
+        """Go through the stretches in which the search is judged.
 
         Yields
         ------
         Window
-            Conditions and observations.
+            Conditions and observations; those at or below base speed, where there is nothing to search for, and
+            those at speeds that the candidate is not made for are left out.
         """
-        observed = observed_windows(self.scenario)
+        lowest, highest = self.declaration.speed_range_rpm or (0.0, math.inf)
         by_end = {dwell.end: dwell for dwell in dwells(self.scenario)}
-        for (_, end), values in zip(observed, self.run.windows, strict=True):
-            yield Window(by_end[end], values)
+        for (_, end), values in zip(observed_windows(self.scenario), self.run.windows, strict=True):
+            dwell = by_end[end]
+            if dwell.speed_rpm > self.scenario.motor.base_speed_rpm and lowest <= dwell.speed_rpm <= highest:
+                yield Window(self.scenario, dwell, values)
 
 
 def rated_torque(scenario: Scenario, speed: float) -> float:

@@ -33,6 +33,7 @@ def test_a_full_manifest_is_read_from_toml(tmp_path):
         sources = ["controller.py", "gains.py"]
         profile = "flowchart"
         estimates_power = true
+        power_window_s = 0.1
         speed_range_rpm = [0.0, 2000.0]
 
         [flowchart]
@@ -47,6 +48,7 @@ def test_a_full_manifest_is_read_from_toml(tmp_path):
     assert manifest.sources == ("controller.py", "gains.py")
     declaration = manifest.declaration()
     assert (declaration.estimates_power, declaration.speed_range_rpm) == (True, (0.0, 2000.0))
+    assert declaration.power_window_s == 0.1
     assert astuple(declaration.flowchart) == pytest.approx((pi, 0.0, 0.001, radians(1.0), 0.1))
 
 
@@ -75,6 +77,15 @@ def test_a_native_candidate_may_have_flags_and_headers():
         ({"profile": "flowchart", "flowchart": {"k1_rpm": 5.0}}, "'flowchart.step_deg' is missing"),
         ({"speed_range_rpm": [2000.0, 0.0]}, "'speed_range_rpm[1]'"),
         ({"speed_range_rpm": [2000.0, 500.0]}, "the lowest speed first"),
+        ({"estimates_power": True, "power_window_s": -0.1}, "'power_window_s'"),
+        ({"power_window_s": 0.1}, "the key 'power_window_s' needs 'estimates_power = true'"),
+        (
+            {
+                "profile": "flowchart",
+                "flowchart": {"k1_rpm": 5.0, "k2_percent": 100.0, "step_deg": 1.0, "period_s": 0.1},
+            },
+            "'flowchart.k2_percent'",
+        ),
         ({"flags": ["-O3"]}, "the key 'flags' is for the kind 'c', but the kind is 'python'"),
     ],
 )

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from drivegate.check import Check
-from drivegate.margin import Margin
+from drivegate.checks.declared_speeds import unless_speeds_from
+from drivegate.margin import Margin, normalised
 from drivegate.run_record import RunRecord
 from drivegate_models import observation
 
@@ -30,11 +31,12 @@ def angle_below_base(record: RunRecord) -> Margin | None:
     run = record.run.run
     if run[observation.RUN_STEPS_BELOW_BASE] == 0.0:
         return None
-    angle = math.degrees(float(run[observation.RUN_ANGLE_BELOW_BASE]))
+    angle = float(run[observation.RUN_ANGLE_BELOW_BASE])
     if angle == 0.0:
         return Margin("ADV-1", 1.0, "0° throughout")
-    first = float(run[observation.RUN_FIRST_BELOW_BASE])
-    return Margin("ADV-1", -angle, f"{angle:.3g}° at {first:.4g} s")
+    time = float(run[observation.RUN_FIRST_BELOW_BASE])
+    degrees = math.degrees(angle)
+    return Margin("ADV-1", normalised(-degrees, 1.0), f"{degrees:.3g}° at {time:.4g} s")
 
 
 def angle_range(record: RunRecord) -> Margin:
@@ -52,7 +54,7 @@ def angle_range(record: RunRecord) -> Margin:
     """
     lowest = float(record.run.run[observation.RUN_ANGLE_LOWEST])
     highest = float(record.run.run[observation.RUN_ANGLE_HIGHEST])
-    value = min(lowest, LARGEST_ANGLE - highest) / LARGEST_ANGLE
+    value = normalised(min(lowest, LARGEST_ANGLE - highest), LARGEST_ANGLE)
     return Margin("ADV-2", value, f"{math.degrees(lowest):.4g}° to {math.degrees(highest):.4g}°")
 
 
@@ -72,7 +74,8 @@ def reference_range(record: RunRecord) -> Margin:
     limit = record.scenario.motor.current_limit_a
     lowest = float(record.run.run[observation.RUN_REFERENCE_LOWEST])
     highest = float(record.run.run[observation.RUN_REFERENCE_HIGHEST])
-    return Margin("CMD-1", min(lowest, limit - highest) / limit, f"{lowest:.4g} A to {highest:.4g} A")
+    value = normalised(min(lowest, limit - highest), limit)
+    return Margin("CMD-1", value, f"{lowest:.4g} A to {highest:.4g} A")
 
 
 ADV_1 = Check(
@@ -83,7 +86,10 @@ ADV_1 = Check(
     "required",
     "exactly 0° below 500 rpm",
     "runs that come below base speed",
+    "1 when every such angle is exactly 0, else minus the largest of them in degrees",
+    "Below base speed the supply exceeds the EMF, and an advanced current only costs torque.",
     angle_below_base,
+    unless_speeds_from(0.0, math.nextafter(500.0, 0.0)),
 )
 ADV_2 = Check(
     "ADV-2",
@@ -93,6 +99,8 @@ ADV_2 = Check(
     "required",
     "0° to 90°",
     "every run",
+    "distance from the nearer end / 90°, before the plant clamps the angle",
+    "At 90° the greatest speed is reached; beyond it the torque falls again.",
     angle_range,
 )
 CMD_1 = Check(
@@ -103,5 +111,7 @@ CMD_1 = Check(
     "required",
     "0 to 26 A",
     "every run",
+    "distance from the nearer end / 26 A, before the plant clamps the reference",
+    "The phase current is limited by its reference alone, and there is no braking with a negative one.",
     reference_range,
 )

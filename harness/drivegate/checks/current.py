@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from drivegate.check import Check
-from drivegate.margin import Margin
+from drivegate.margin import Margin, at_most
 from drivegate.run_record import RunRecord
 from drivegate_models import ledger
+
+ROUNDING = 1e-12
+"""Relative rounding of a current that reaches the band's edge (1)."""
 
 
 def peak_current(record: RunRecord) -> Margin:
@@ -22,10 +25,10 @@ def peak_current(record: RunRecord) -> Margin:
         Distance from the limit plus the band, over that sum.
     """
     motor = record.scenario.motor
-    allowed = motor.current_limit_a + motor.hysteresis_band_a
-    peak = float(record.run.totals[ledger.PEAK])
     # The band's edge itself is met to rounding.
-    return Margin("CUR-1", 1.0 - peak / (allowed * (1.0 + 1e-12)), f"{peak:.5g} A")
+    allowed = (motor.current_limit_a + motor.hysteresis_band_a) * (1.0 + ROUNDING)
+    peak = float(record.run.totals[ledger.PEAK])
+    return Margin("CUR-1", at_most(peak, allowed), f"{peak:.5g} A")
 
 
 CUR_1 = Check(
@@ -36,5 +39,7 @@ CUR_1 = Check(
     "advisory",
     "26 A + band",
     "every run",
+    "1 - greatest phase current / (26 A + band)",
+    "Devices and magnets are chosen for that current; where EMF exceeds the supply, the diodes can drive more.",
     peak_current,
 )

@@ -36,5 +36,7 @@ DET_1 = Check(
     "required",
     "bit for bit",
     "repeated runs: after another scenario on the same instance, and on a new instance",
+    "1 when all commands of every repetition are the same, else -1",
+    "A verdict holds, and a counterexample can be replayed, only where the same inputs give the same outputs.",
     repeats_itself,
 )

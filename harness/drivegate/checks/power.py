@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from drivegate.check import Check
-from drivegate.margin import Margin
+from drivegate.margin import Margin, at_most
 from drivegate.run_record import RunRecord
-from drivegate_models import observation
+from drivegate.scenario_run import plant_sensors
+from drivegate_models import ledger, observation
 
 TOLERANCE = 1e-9
 """Greatest relative difference of powers that counts as equal (1)."""
@@ -29,10 +30,14 @@ def exchanged_power(record: RunRecord) -> Margin:
     Returns
     -------
     Margin
-        Of the worst control period.
+        Of the worst control period; it tells too how much the run's net input power is below the exchanged one.
     """
     error = float(record.run.run[observation.RUN_EXCHANGE_ERROR])
-    return Margin("PWR-1", 1.0 - error / TOLERANCE, _relative(error))
+    exchanged = float(record.run.totals[ledger.EXCHANGED])
+    returned = float(record.run.totals[ledger.RETURNED])
+    share = 2.0 * returned / exchanged if exchanged > 0.0 else 0.0
+    measured = f"{_relative(error)}; net power {100.0 * share:.3g} % below the exchanged one"
+    return Margin("PWR-1", at_most(error, TOLERANCE), measured)
 
 
 def estimated_power(record: RunRecord) -> Margin | None:
@@ -46,14 +51,22 @@ def estimated_power(record: RunRecord) -> Margin | None:
     Returns
     -------
     Margin or None
-        Of the worst step; None for a candidate that makes no estimate.
+        Of the worst step; None for a candidate that makes no estimate. Through a converter the estimate may be
+        off by one of its steps of current, times the lowest supply voltage of the run.
     """
     if record.run.run[observation.RUN_POWER_ESTIMATES] == 0.0:
         if record.declaration.estimates_power:
             return Margin("PWR-2", -1.0, "declared, but every estimate is NaN")
         return None
     error = float(record.run.run[observation.RUN_POWER_ERROR_RELATIVE])
-    return Margin("PWR-2", 1.0 - error / TOLERANCE, _relative(error))
+    margin = Margin("PWR-2", at_most(error, TOLERANCE), _relative(error))
+    step = plant_sensors(record.scenario).current_step
+    if step == 0.0:
+        return margin
+    lowest = min(voltage for _, voltage in record.scenario.supply_profile)
+    deviation = float(record.run.run[observation.RUN_POWER_ERROR])
+    by_step = Margin("PWR-2", at_most(deviation, step * lowest), f"{deviation:.3g} W at most")
+    return max(margin, by_step, key=lambda judged: judged.value)
 
 
 PWR_1 = Check(
@@ -65,15 +78,21 @@ PWR_1 = Check(
     "required",
     "1e-9 relative in every control period",
     "every run",
+    "1 - greatest |exchanged - 2 returned - spent| / throughput / 1e-9",
+    "Every comparison of currents and powers rests on it. It is drivegate's own obligation, not the candidate's.",
     exchanged_power,
 )
 PWR_2 = Check(
     "PWR-2",
-    "An estimate of the input power equals half supply voltage times current magnitude sum of the Sense given.",
+    "An estimate of the input power equals half supply voltage times current magnitude sum of the Sense given, "
+    "of that step alone or their mean over the time that the candidate declares.",
     "P4",
     "candidate",
     "required",
-    "1e-9 relative",
+    "1e-9 relative, or one step of the converter",
     "every run of a candidate that estimates its input power",
+    "1 - greatest |estimate - V Σ|i|| / (V Σ|i|) / 1e-9; through a converter also 1 - greatest difference / "
+    "(supply voltage × step of current)",
+    "The search of the paper takes this product for the input power; a wrong one leads it to a wrong angle.",
     estimated_power,
 )

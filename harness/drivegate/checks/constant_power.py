@@ -1,0 +1,103 @@
+"""Checks of the constant-power range: that rated power is held there, and beyond."""
+
+from __future__ import annotations
+
+import math
+
+from drivegate.check import Check
+from drivegate.checks.convergence import SPEED_TOLERANCE, described
+from drivegate.checks.declared_speeds import unless_speeds_from
+from drivegate.margin import Margin, at_most
+from drivegate.run_record import RunRecord, Window
+from drivegate.scenario_run import RADIANS_PER_RPM
+from drivegate_cases.circumstance import Circumstance
+from drivegate_models import observation
+
+LOWEST_RPM = 550.0
+"""Speed from which constant power is required (rpm)."""
+HIGHEST_RPM = 1500.0
+"""Speed up to which constant power is required, three times base speed (rpm)."""
+HIGHEST_ADVISED_RPM = 2000.0
+"""Speed up to which constant power is advised (rpm)."""
+
+
+def holds_constant_power(record: RunRecord) -> Margin | None:
+    """Judge whether rated power is held within k1 (paper, "Constant Power Operation", Fig. 3).
+
+    Parameters
+    ----------
+    record : RunRecord
+        The run.
+
+    Returns
+    -------
+    Margin or None
+        Speed error by k1 in the worst window; None where none asks for rated power at 550 to 1500 rpm.
+    """
+    return _held(
+        "CPW-1", record, [w for w in record.windows() if LOWEST_RPM <= w.dwell.speed_rpm <= HIGHEST_RPM]
+    )
+
+
+def holds_constant_power_beyond(record: RunRecord) -> Margin | None:
+    """Judge whether rated power is held within k1 beyond three times base speed (paper, Fig. 10).
+
+    Parameters
+    ----------
+    record : RunRecord
+        The run.
+
+    Returns
+    -------
+    Margin or None
+        Speed error by k1 in the worst window; None where none asks for rated power above 1500 and up to 2000 rpm.
+    """
+    return _held(
+        "CPW-2",
+        record,
+        [w for w in record.windows() if HIGHEST_RPM < w.dwell.speed_rpm <= HIGHEST_ADVISED_RPM],
+    )
+
+
+def _held(check: str, record: RunRecord, windows: list[Window]) -> Margin | None:
+    if record.circumstance is not Circumstance.NOMINAL:
+        return None
+    loaded = [window for window in windows if window.asks_for_rated_power]
+    if not loaded:
+        return None
+    worst = max(loaded, key=_speed_error)
+    error = _speed_error(worst)
+    told = f"speed error {error / RADIANS_PER_RPM:.4g} rpm{described(worst)}"
+    return Margin(check, at_most(error, SPEED_TOLERANCE), told)
+
+
+def _speed_error(window: Window) -> float:
+    return float(window.values[observation.WINDOW_SPEED_ERROR])
+
+
+CPW_1 = Check(
+    "CPW-1",
+    "Constant power: 1.5 kW is held within k1 at every speed from 550 to 1500 rpm.",
+    "P5, P10",
+    "candidate",
+    "required",
+    "k1 = 5 rpm",
+    "every steady stretch of 9 s or more that asks for 1.5 kW, on the nominal drive",
+    "1 - |speed error| / k1",
+    "Constant power over the whole high-speed range is what the advance angle is for.",
+    holds_constant_power,
+    unless_speeds_from(LOWEST_RPM, HIGHEST_RPM),
+)
+CPW_2 = Check(
+    "CPW-2",
+    "Constant power beyond three times base speed: 1.5 kW is held within k1 at speeds up to 2000 rpm.",
+    "P10",
+    "candidate",
+    "advisory",
+    "k1 = 5 rpm",
+    "every steady stretch of 9 s or more that asks for 1.5 kW above 1500 rpm, on the nominal drive",
+    "1 - |speed error| / k1",
+    "The paper puts the limit of its drive beyond three times base speed, without a number.",
+    holds_constant_power_beyond,
+    unless_speeds_from(math.nextafter(HIGHEST_RPM, HIGHEST_ADVISED_RPM), HIGHEST_ADVISED_RPM),
+)

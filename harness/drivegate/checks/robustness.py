@@ -1,0 +1,116 @@
+"""Checks that the search converges too where plant and sensors are not what they should be."""
+
+from __future__ import annotations
+
+from drivegate.check import Check, Evaluate
+from drivegate.checks.convergence import ABOVE_BASE_SPEED, worst_convergence
+from drivegate.margin import Margin
+from drivegate.run_record import RunRecord, Window
+from drivegate_cases.circumstance import Circumstance
+from drivegate_cases.scales import Scales
+
+CLAIMED = {
+    "resistance": (0.5, 2.0),
+    "inductance": (0.8, 1.2),
+    "emf_constant": (0.95, 1.05),
+    "friction_added_n_m": (0.0, 0.5),
+}
+"""Ranges of the plant's parameters in which convergence is required, by key of `Scales`."""
+_ROUNDING = 1e-9
+
+
+def is_claimed(scales: Scales) -> bool:
+    """Tell whether convergence is required of a plant with such parameters.
+
+    Parameters
+    ----------
+    scales : Scales
+        How the plant differs from the nominal motor.
+
+    Returns
+    -------
+    bool
+        Whether every parameter is within its range of `CLAIMED`.
+    """
+    values = scales.model_dump(include=set(CLAIMED))
+    return all(
+        lowest - _ROUNDING <= values[key] <= highest + _ROUNDING for key, (lowest, highest) in CLAIMED.items()
+    )
+
+
+def robust_convergence(check: str, judged: Circumstance) -> Evaluate:
+    """Make the function that judges convergence in runs of one circumstance.
+
+    Parameters
+    ----------
+    check : str
+        Identifier of the check.
+    judged : Circumstance
+        The circumstance.
+
+    Returns
+    -------
+    callable
+        From a run to the margin of its worst window, told with the requirement that this window comes under.
+    """
+
+    def evaluate(record: RunRecord) -> Margin | None:
+        if record.circumstance is not judged:
+            return None
+        margins = [
+            Margin(check, margin.value, f"{requirement}: {margin.measured}")
+            for window in record.windows()
+            if is_claimed(window.scales)
+            for requirement in [_requirement(window)]
+            if (margin := worst_convergence(check, [window])) is not None
+        ]
+        return min(margins, key=lambda margin: margin.value, default=None)
+
+    return evaluate
+
+
+def _requirement(window: Window) -> str:
+    return "CNV-3" if window.is_after_change else "CNV-1"
+
+
+ROB_1 = Check(
+    "ROB-1",
+    "CNV-1 and CNV-3 hold with half to twice the resistance, 20 % more or less inductance, 5 % more or less EMF, "
+    "and up to 0.5 N·m of friction added.",
+    "P11",
+    "candidate",
+    "required",
+    "k1 = 5 rpm, k2 = 0.5 % of Σ|i|, 1°",
+    "every loaded steady stretch of 9 s or more above base speed, on a plant that differs from its nameplate",
+    "as CNV-1",
+    "The search is to need no model of the losses and to be insensitive to the motor's parameters.",
+    robust_convergence("ROB-1", Circumstance.PARAMETERS),
+    ABOVE_BASE_SPEED,
+)
+ROB_2 = Check(
+    "ROB-2",
+    "CNV-1 and CNV-3 hold through the sensors of the published implementation: encoder, Hall sensors, converter.",
+    "P6, P11",
+    "candidate",
+    "required",
+    "k1 = 5 rpm, k2 = 0.5 % of Σ|i| and what two steps of the speed measurement are worth, 1°",
+    "every loaded steady stretch of 9 s or more above base speed, through sensors that are not ideal",
+    "as CNV-1, on the true speed and the true currents",
+    "A search compares small differences of Σ|i|, which offsets, noise and a converter's steps blur.",
+    robust_convergence("ROB-2", Circumstance.SENSORS),
+    ABOVE_BASE_SPEED,
+)
+ROB_3 = Check(
+    "ROB-3",
+    "CNV-1 and CNV-3 hold after sensor dropouts and encoder glitches, and with unequal halves of the supply and "
+    "drifting parameters.",
+    "P6, P11",
+    "candidate",
+    "required",
+    "k1 = 5 rpm, k2 = 0.5 % of Σ|i|, 1°",
+    "every loaded steady stretch of 9 s or more above base speed, in runs with such a disturbance",
+    "as CNV-1",
+    "What one bad measurement leaves in a controller's memory must not stay there for good.",
+    robust_convergence("ROB-3", Circumstance.FAULTS),
+    ABOVE_BASE_SPEED,
+)

@@ -1,0 +1,106 @@
+"""The job that times a controller's step on the Senses of a recorded run (TIM-1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from statistics import median
+from time import perf_counter
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.checks.timing import LARGEST_SHARE
+from drivegate.margin import Margin, below
+from drivegate.scenario_run import RADIANS_PER_RPM, run_scenario
+from drivegate.scripted_run import advance, prepared_steps
+from drivegate.search_shard import JudgedRun, ShardOutcome
+from drivegate.worker_messages import LoadedCandidate
+from drivegate_cases.scenario import Scenario
+from drivegate_models.observation import TRACE_COLUMNS
+
+CHECK: Final = "TIM-1"
+TIMED_STEPS: Final = 4000
+"""Number of steps that are timed."""
+BLOCK: Final = 100
+"""Number of steps whose mean time is taken; a decision of a search in 200 steps counts in every other one."""
+_COLUMNS: Final = ("speed_reference_rpm", "measured_speed_rpm", "current_sum_a", "half_supply_v")
+_NOT_NATIVE: Final = {"python": "Python", "exec": "a process of its own"}
+
+
+@dataclass(frozen=True)
+class TimedSteps:
+    """Steps to be timed.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        The run whose first Senses the controller is timed on.
+    """
+
+    scenario: Scenario
+
+
+def time_steps(loaded: LoadedCandidate, plan: TimedSteps) -> ShardOutcome:
+    """Record a run, then time the candidate's steps on what it was told there.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    plan : TimedSteps
+        The run.
+
+    Returns
+    -------
+    ShardOutcome
+        One run with the margin of TIM-1, which differs from time to time and from machine to machine.
+    """
+    controller = loaded.controller()
+    scenario = plan.scenario
+    period = scenario.control_period_s
+    steps = min(TIMED_STEPS, scenario.control_periods)
+    run = run_scenario(scenario, controller, progress=loaded.progress, trace_every=1)
+    signals = _signals(run.trace[:steps])
+    times = []
+    with loaded.progress.run():
+        prepared = prepared_steps(controller, scenario.nameplate(), signals, loaded.progress)
+        for begin in range(0, steps, BLOCK):
+            end = min(begin + BLOCK, steps)
+            started = perf_counter()
+            advance(prepared, controller, begin, end)
+            times.append((perf_counter() - started) / (end - begin))
+    # What the machine does besides, or compiles at first, is in few blocks.
+    return ShardOutcome((JudgedRun(scenario.to_mapping(), (timing_margin(loaded, median(times), period),)),))
+
+
+def timing_margin(loaded: LoadedCandidate, step_time: float, control_period: float) -> Margin:
+    """Judge the time of a step.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate, of which it is told how it runs.
+    step_time : float
+        Time that a step takes (s).
+    control_period : float
+        Control period (s).
+
+    Returns
+    -------
+    Margin
+        The margin of TIM-1.
+    """
+    how = _NOT_NATIVE.get(loaded.candidate.kind, "native")
+    share = step_time / control_period
+    told = f"{1e6 * step_time:.3g} µs a step ({how}), {100.0 * share:.3g} % of the control period"
+    return Margin(CHECK, below(step_time, LARGEST_SHARE * control_period), told)
+
+
+def _signals(trace: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the Senses of a trace as signals in SI units; the sum told is that of the step before."""
+    signals = trace[:, [TRACE_COLUMNS.index(name) for name in _COLUMNS]]
+    signals[:, :2] *= RADIANS_PER_RPM
+    signals[1:, 2] = signals[:-1, 2]
+    signals[0, 2] = 0.0
+    return np.ascontiguousarray(signals)

@@ -1,0 +1,97 @@
+"""The catalogue against the table of requirements, and when a check does not apply."""
+
+import pytest
+
+from drivegate.catalogue import CHECKS
+from drivegate.declaration import Declaration, FlowchartProfile
+
+LEVELS = {
+    "PWR-1": "required",
+    "PWR-2": "required",
+    "ADV-1": "required",
+    "ADV-2": "required",
+    "CMD-1": "required",
+    "RIP-1": "required",
+    "RIP-2": "advisory",
+    "RIP-3": "advisory",
+    "CNV-1": "required",
+    "CNV-2": "required",
+    "CNV-3": "required",
+    "CPW-1": "required",
+    "CPW-2": "advisory",
+    "CUR-1": "advisory",
+    "ROB-1": "required",
+    "ROB-2": "required",
+    "ROB-3": "required",
+    "DET-1": "required",
+    "TIM-1": "advisory",
+    "FLO-1": "required",
+}
+
+
+def test_every_check_is_listed_once_with_its_level():
+    assert {check.id: check.level for check in CHECKS} == LEVELS
+    assert len(CHECKS) == len(LEVELS)
+
+
+def test_only_the_plants_own_law_is_no_matter_of_the_candidate():
+    assert [check.id for check in CHECKS if check.subject == "plant"] == ["PWR-1"]
+
+
+def test_only_the_check_of_time_depends_on_the_machine():
+    assert [check.id for check in CHECKS if check.volatile] == ["TIM-1"]
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.id)
+def test_every_check_tells_what_it_is_about(check):
+    for attribute in ("requirement", "source", "limit", "scenarios", "formula", "why"):
+        assert getattr(check, attribute), f"{check.id} has no {attribute}"
+    assert check.requirement.endswith(".")
+    assert check.why.endswith(".")
+
+
+def test_a_candidate_that_declares_nothing_is_spared_the_flowchart_alone():
+    reasons = {check.id: check.reason_not_applicable(Declaration()) for check in CHECKS}
+    told = {identifier: reason for identifier, reason in reasons.items() if reason is not None}
+    assert told == {"FLO-1": "the candidate does not declare the profile 'flowchart'"}
+
+
+def test_the_profile_flowchart_asks_for_its_check():
+    declaration = Declaration(FlowchartProfile(0.5, 0.0, 0.001, 0.02, 0.1))
+    assert all(check.reason_not_applicable(declaration) is None for check in CHECKS)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "spared"),
+    [
+        ((0.0, 499.0), {"RIP-1", "RIP-2", "RIP-3", "CNV-1", "CNV-2", "CNV-3", "CPW-1", "CPW-2"}),
+        ((500.0, 1500.0), {"ADV-1", "CPW-2"}),
+        ((499.0, 549.0), {"RIP-1", "RIP-2", "CPW-1", "CPW-2"}),
+        ((600.0, 1499.0), {"ADV-1", "RIP-1", "CPW-2"}),
+        ((1501.0, 3000.0), {"ADV-1", "RIP-1", "RIP-2", "CPW-1"}),
+    ],
+)
+def test_a_candidate_is_spared_checks_at_speeds_that_it_is_not_made_for(speeds, spared):
+    declaration = Declaration(speed_range_rpm=speeds)
+    reasons = {check.id: check.reason_not_applicable(declaration) for check in CHECKS if check.id != "FLO-1"}
+    told = {identifier: reason for identifier, reason in reasons.items() if reason is not None}
+    robust = {"ROB-1", "ROB-2", "ROB-3"} if "CNV-1" in spared else set()
+    assert set(told) == spared | robust
+    for reason in told.values():
+        assert f"declares a speed range of {speeds[0]:g} to {speeds[1]:g} rpm" in reason, reason
+
+
+def test_the_reason_names_the_speeds_that_the_check_is_about():
+    reasons = {
+        check.id: check.reason_not_applicable(Declaration(speed_range_rpm=(0.0, 400.0))) for check in CHECKS
+    }
+    assert reasons["RIP-1"] == (
+        "the candidate declares a speed range of 0 to 400 rpm, which contains none of 1500 rpm"
+    )
+    assert reasons["CPW-1"] == (
+        "the candidate declares a speed range of 0 to 400 rpm, "
+        "which contains none of the speeds from 550 to 1500 rpm"
+    )
+    assert reasons["CNV-1"] == (
+        "the candidate declares a speed range of 0 to 400 rpm, which contains none of the speeds above 500 rpm"
+    )

@@ -1,0 +1,95 @@
+"""TIM-1: the limit of a step's compute time, and what is timed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivegate.candidate import resolve_candidate
+from drivegate.controller_loading import load_controller
+from drivegate.shared_progress import Activity, SharedProgress
+from drivegate.step_timing import TimedSteps, time_steps, timing_margin
+from drivegate.worker_messages import LoadedCandidate
+from drivegate_cases.scenario import load_scenario
+
+LIMIT = 0.1 * 0.0005
+
+SLOW = """
+from time import perf_counter
+
+from drivegate import Command
+
+
+class Slow:
+    def reset(self, nameplate):
+        self.steps = 0
+
+    def step(self, sense):
+        self.steps += 1
+        until = perf_counter() + 100e-6
+        while perf_counter() < until:
+            pass
+        return Command(5.0, 0.0)
+
+
+class Rarely(Slow):
+    def step(self, sense):
+        return super().step(sense) if self.steps % 1000 == 999 else self.quick()
+
+    def quick(self):
+        self.steps += 1
+        return Command(5.0, 0.0)
+"""
+
+
+def loaded(specification: str) -> LoadedCandidate:
+    return LoadedCandidate(resolve_candidate(specification), load_controller, SharedProgress.create())
+
+
+@pytest.fixture(scope="module")
+def short_run():
+    scenario = load_scenario("fig5-search")
+    load = scenario.load.model_copy(update={"factor": ((0.0, 0.0),)})
+    return scenario.replaced(duration_s=1.0, load=load)
+
+
+def test_the_limit_is_a_tenth_of_the_control_period():
+    candidate = loaded("reference")
+    assert timing_margin(candidate, float(np.nextafter(LIMIT, 0.0)), 0.0005).met
+    assert not timing_margin(candidate, LIMIT, 0.0005).met
+
+
+def test_how_a_step_runs_is_told():
+    native = timing_margin(loaded("reference"), 5e-6, 0.0005)
+    assert native.measured == "5 µs a step (native), 1 % of the control period"
+    candidate = loaded("reference")
+    python = replace(candidate, candidate=replace(candidate.candidate, kind="python"))
+    assert "(Python)" in timing_margin(python, 5e-6, 0.0005).measured
+
+
+@pytest.mark.parametrize("name", ["reference", "published", "initial"])
+def test_the_built_in_controllers_take_little_time(name, short_run):
+    candidate = loaded(name)
+    outcome = time_steps(candidate, TimedSteps(short_run))
+    (run,) = outcome.runs
+    (margin,) = run.margins
+    assert run.scenario == short_run.to_mapping()
+    assert margin.check == "TIM-1"
+    assert 0.9 < margin.value < 1.0, margin.measured
+    assert candidate.progress.activity is Activity.PREPARING
+
+
+def test_a_step_that_takes_a_fifth_of_the_period_fails(tmp_path, monkeypatch, short_run):
+    (tmp_path / "slow.py").write_text(SLOW)
+    monkeypatch.chdir(tmp_path)
+    short = short_run.replaced(duration_s=0.2)
+    (run,) = time_steps(loaded("slow.py:Slow"), TimedSteps(short)).runs
+    assert not run.margins[0].met, run.margins[0].measured
+    assert "(Python)" in run.margins[0].measured
+
+
+def test_a_rare_slow_step_does_not_decide(tmp_path, monkeypatch, short_run):
+    (tmp_path / "slow.py").write_text(SLOW)
+    monkeypatch.chdir(tmp_path)
+    (run,) = time_steps(loaded("slow.py:Rarely"), TimedSteps(short_run)).runs
+    assert run.margins[0].met, run.margins[0].measured
