@@ -2,122 +2,132 @@
 
 from __future__ import annotations
 
-from drivegate_cases.load import ConstantPowerLoad, ConstantTorqueLoad
+from drivegate.scenario_building import base_speed_scenario, steady_scenario, vehicle_scenario
+from drivegate.scenario_changes import (
+    CHANGE_S,
+    pulsed,
+    stepped,
+    with_drift,
+    with_dropout,
+    with_glitch,
+    with_imbalance,
+    with_load_shares,
+    with_mcs96,
+    with_scales,
+    with_speed,
+    with_supply,
+)
+from drivegate.speed_range import SpeedRange, loaded_range
 from drivegate_cases.motor import Motor, load_motor
 from drivegate_cases.scenario import Scenario, load_scenario
 
 REFERENCE_MOTOR = "paper-5-phase"
 """Name of the motor that candidates are checked on."""
-LOAD_RAMP_S = 0.2
-"""Time in which a drawn load comes on, so that a run starts in a true steady state, unloaded at speed (s)."""
-DWELL_S = 10.0
-"""Length of a steady stretch: 6 s to converge and 4 s to be judged (s)."""
 
 
-def steady_scenario(motor: Motor, speed_rpm: float, *, power_share: float, constant_power: bool) -> Scenario:
-    """Make a run at one speed under one load.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_rpm : float
-        Speed reference (rpm), above 0.
-    power_share : float
-        Load over the motor's rated power, at that speed (1).
-    constant_power : bool
-        Whether the load's power or its torque is constant.
-
-    Returns
-    -------
-    Scenario
-        The run.
-    """
-    power = motor.rated_power_w * power_share
-    factor = ((0.0, 0.0), (LOAD_RAMP_S, 1.0))
-    load: ConstantPowerLoad | ConstantTorqueLoad
-    if constant_power:
-        load = ConstantPowerLoad(kind="constant_power", power_w=power, factor=factor)
-    else:
-        torque = ConstantPowerLoad(kind="constant_power", power_w=power, factor=factor).torque_at(speed_rpm)
-        load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque, factor=factor)
-    kind = "power" if constant_power else "torque"
-    return Scenario(
-        name=f"steady-{speed_rpm:g}rpm-{100.0 * power_share:g}%-{kind}",
-        description=f"{speed_rpm:g} rpm under a constant {kind} load of {power:g} W.",
-        motor=motor,
-        duration_s=LOAD_RAMP_S + DWELL_S,
-        initial_speed_rpm=speed_rpm,
-        speed_rpm=((0.0, speed_rpm),),
-        load=load,
-    )
-
-
-def base_speed_scenario(motor: Motor, start_rpm: float, top_rpm: float, fall_rpm_per_s: float) -> Scenario:
-    """Make an unloaded run from below base speed to above it, and back no faster than the shaft coasts.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    start_rpm : float
-        Speed at the start, below base speed (rpm).
-    top_rpm : float
-        Speed above base speed (rpm).
-    fall_rpm_per_s : float
-        Rate at which the reference comes down to 10 rpm below base speed (rpm/s).
-
-    Returns
-    -------
-    Scenario
-        The run.
-    """
-    end_rpm = motor.base_speed_rpm - 10.0
-    rise_until = 0.2 + (top_rpm - start_rpm) / 1000.0
-    rise_until = round(rise_until / 0.1 + 0.5) * 0.1
-    fall_from = rise_until + 0.5
-    fall_until = fall_from + (top_rpm - end_rpm) / fall_rpm_per_s
-    duration = round(fall_until + 1.0, 1)
-    return Scenario(
-        name=f"base-speed-{start_rpm:g}-{top_rpm:g}rpm-{fall_rpm_per_s:g}rpm/s",
-        description="Unloaded, up through base speed and slowly down through it again.",
-        motor=motor,
-        duration_s=duration,
-        initial_speed_rpm=start_rpm,
-        speed_rpm=(
-            (0.0, start_rpm),
-            (0.2, start_rpm),
-            (rise_until, top_rpm),
-            (fall_from, top_rpm),
-            (round(fall_until, 3), end_rpm),
-        ),
-        load=ConstantTorqueLoad(kind="constant_torque", torque_nm=0.0, factor=((0.0, 0.0),)),
-    )
-
-
-def fixed_scenarios() -> tuple[Scenario, ...]:
+def fixed_scenarios(speed_range_rpm: SpeedRange | None = None) -> tuple[Scenario, ...]:
     """List the scenarios that every check runs first.
+
+    Parameters
+    ----------
+    speed_range_rpm : tuple of float, optional
+        Lowest and highest speed that the candidate is made for (rpm); all by default.
 
     Returns
     -------
     tuple of Scenario
-        The published trajectory and the lock-up, constant power over the required speed range, half load, and
-        base speed in both directions.
+        The lock-up, the published trajectory, constant power over the required speed range and beyond, half
+        load, base speed in both directions, steps of load, speed and supply, other plants, other sensors,
+        faults and a vehicle: those within the speed range, and at least one.
+
+    Raises
+    ------
+    InputError
+        When the speed range has no speed at which a candidate is checked under load.
     """
     motor = load_motor(REFERENCE_MOTOR)
-    rated = [
-        steady_scenario(motor, speed, power_share=1.0, constant_power=True)
-        for speed in (550.0, 700.0, 900.0, 1150.0, 1350.0, 1500.0)
-    ]
-    half = [
-        steady_scenario(motor, speed, power_share=0.5, constant_power=False)
-        for speed in (600.0, 1000.0, 1500.0)
-    ]
-    return (
+    every = (
         load_scenario("lock-up"),
         load_scenario("fig5-search"),
-        *rated,
-        *half,
+        *_steady(motor),
         base_speed_scenario(motor, 300.0, 520.0, 5.0),
         base_speed_scenario(motor, 480.0, 520.0, 8.0),
+        *_changing(motor),
+        *_other_plants(motor),
+        *_other_sensors(motor),
+        *_faults(motor),
     )
+    if speed_range_rpm is None:
+        return every
+    lowest, highest = loaded_range(motor, speed_range_rpm)
+    inside = tuple(
+        scenario
+        for scenario in every
+        if all(speed_range_rpm[0] <= speed <= speed_range_rpm[1] for _, speed in scenario.speed_rpm)
+    )
+    middle = steady_scenario(motor, round(0.5 * (lowest + highest)), power_share=0.5, constant_power=False)
+    return inside or (middle,)
+
+
+def _steady(motor: Motor) -> list[Scenario]:
+    rated = [_rated(motor, speed) for speed in (550.0, 700.0, 900.0, 1150.0, 1350.0, 1500.0)]
+    beyond = [_rated(motor, speed) for speed in (1750.0, 2000.0)]
+    half = [_torque(motor, speed, 0.5) for speed in (600.0, 1000.0, 1500.0)]
+    return [*rated, *half, *beyond]
+
+
+def _rated(motor: Motor, speed_rpm: float) -> Scenario:
+    return steady_scenario(motor, speed_rpm, power_share=1.0, constant_power=True)
+
+
+def _torque(motor: Motor, speed_rpm: float, share: float) -> Scenario:
+    return steady_scenario(motor, speed_rpm, power_share=share, constant_power=False)
+
+
+def _changing(motor: Motor) -> list[Scenario]:
+    steps = ((0.5, 1.0), (1.0, 0.5))
+    return [
+        *(with_load_shares(_torque(motor, 1500.0, 1.0), (0.0, a), (CHANGE_S, b)) for a, b in steps),
+        *(with_load_shares(_rated(motor, 900.0), (0.0, a), (CHANGE_S, b)) for a, b in steps),
+        with_speed(_torque(motor, 1400.0, 0.6), stepped(900.0, 1400.0, CHANGE_S)),
+        with_speed(_torque(motor, 1400.0, 0.6), stepped(1400.0, 900.0, CHANGE_S, over_s=2.0)),
+        with_supply(_torque(motor, 1500.0, 0.8), pulsed(1.0, 0.9, CHANGE_S, 0.5)),
+        with_supply(_rated(motor, 1150.0), stepped(1.0, 0.92, CHANGE_S)),
+        vehicle_scenario(
+            motor,
+            1000.0,
+            mass_kg=200.0,
+            gear_ratio=4.0,
+            grade_percent=((0.0, 0.0), (CHANGE_S, 0.0), (CHANGE_S, 3.0)),
+        ),
+    ]
+
+
+def _other_plants(motor: Motor) -> list[Scenario]:
+    return [
+        with_scales(_rated(motor, 700.0), resistance=2.0),
+        with_scales(_rated(motor, 700.0), inductance=1.2),
+        with_scales(_rated(motor, 700.0), emf_constant=0.95),
+        with_scales(_torque(motor, 1500.0, 0.8), friction_added_n_m=0.5),
+    ]
+
+
+def _other_sensors(motor: Motor) -> list[Scenario]:
+    return [
+        with_mcs96(_rated(motor, 700.0), seed=1),
+        with_mcs96(_torque(motor, 1100.0, 0.5), seed=2),
+        with_mcs96(_torque(motor, 1500.0, 1.0), seed=3),
+    ]
+
+
+def _faults(motor: Motor) -> list[Scenario]:
+    return [
+        with_dropout(_torque(motor, 1500.0, 0.8), "speed", CHANGE_S, 0.01),
+        with_glitch(with_mcs96(_torque(motor, 1000.0, 0.8), seed=4), 20, CHANGE_S),
+        with_imbalance(_torque(motor, 1200.0, 0.8), stepped(0.0, 0.03, CHANGE_S)),
+        with_drift(
+            _torque(motor, 1300.0, 0.9),
+            resistance=stepped(1.0, 1.4, 2.0, over_s=8.0),
+            emf_constant=stepped(1.0, 0.95, 2.0, over_s=8.0),
+        ),
+    ]

@@ -2,29 +2,40 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, Final
 
-from hypothesis import HealthCheck, Phase, given, seed, settings, target
+from hypothesis import HealthCheck, Phase, assume, given, seed, settings, target
+from hypothesis import strategies as st
 from hypothesis.configuration import set_hypothesis_home_dir
+from hypothesis.errors import Unsatisfiable
 
 from drivegate.catalogue import CHECKS
 from drivegate.controller import Controller
 from drivegate.drawn_scenarios import drawn_scenarios
+from drivegate.fault import CandidateFault
+from drivegate.feasibility import is_fair
+from drivegate.fixed_scenarios import fixed_scenarios
 from drivegate.margin import Margin
 from drivegate.run_record import RunRecord
-from drivegate.scenario_run import RADIANS_PER_RPM, run_scenario
+from drivegate.scenario_run import run_scenario
 from drivegate.shared_progress import SharedProgress
 from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.motor import load_motor
-from drivegate_cases.profile import dwells
 from drivegate_cases.scenario import Scenario
-from drivegate_models.oracle import feasible_edge
 
-_REQUIRED = frozenset(
-    check.id for check in CHECKS if check.level == "required" and check.subject == "candidate"
+_SEARCHED: Final = frozenset(
+    check.id
+    for check in CHECKS
+    if check.level == "required" and check.subject == "candidate" and not check.volatile
 )
+_GREATEST_SCORE: Final = 1e6
+_SAFE: Final = 0.95
+_TICKETS: Final = 2**48
 
 
 @dataclass(frozen=True)
@@ -52,14 +63,17 @@ class DrawnRuns:
     motor : str
         Name of the motor.
     seed : int
-        Seed of this shard.
+        Seed of this shard; shards of consecutive seeds take turns at the families of scenarios.
     examples : int
-        Number of scenarios to draw.
+        Number of scenarios to run at most.
+    search : bool
+        Whether to climb toward small margins; if not, scenarios are drawn at random throughout.
     """
 
     motor: str
     seed: int
     examples: int
+    search: bool = True
 
 
 @dataclass(frozen=True)
@@ -87,7 +101,7 @@ class ShardOutcome:
     runs : tuple of JudgedRun
         In the order in which they were made.
     set_aside : int
-        Scenarios that no angle can satisfy, which were not run.
+        Drawn scenarios that no angle can satisfy, which were not run.
     """
 
     runs: tuple[JudgedRun, ...]
@@ -111,28 +125,21 @@ def judged(record: RunRecord) -> JudgedRun:
     return JudgedRun(record.scenario.to_mapping(), tuple(margin for margin in margins if margin is not None))
 
 
-def is_feasible(scenario: Scenario) -> bool:
-    """Tell whether the plant can give what every steady stretch asks for, at some angle.
+def content_key(scenario: Mapping[str, Any]) -> str:
+    """Write what a scenario does, so that equal runs give the same text, whatever they are called.
 
     Parameters
     ----------
-    scenario : Scenario
-        The scenario.
+    scenario : mapping
+        A scenario as plain data.
 
     Returns
     -------
-    bool
-        Whether the oracle finds a robustly feasible angle for each.
+    str
+        The text.
     """
-    drive = scenario.motor.drive(scenario.scales)
-    for dwell in dwells(scenario):
-        if dwell.load_factor == 0.0 or scenario.load.kind == "locked":
-            continue
-        torque = dwell.load_factor * scenario.load.torque_at(dwell.speed_rpm) + drive.friction
-        edge = feasible_edge(drive, dwell.speed_rpm * RADIANS_PER_RPM, torque, dwell.supply_v)
-        if edge != edge:
-            return False
-    return True
+    content = {key: value for key, value in scenario.items() if key not in ("name", "description")}
+    return json.dumps(content, sort_keys=True)
 
 
 def run_fixed(loaded: LoadedCandidate, plan: FixedRuns) -> ShardOutcome:
@@ -167,37 +174,55 @@ def run_fixed(loaded: LoadedCandidate, plan: FixedRuns) -> ShardOutcome:
 
 
 class _Collector:
-    """Runs what Hypothesis draws, and keeps what comes of it."""
+    """Runs what Hypothesis draws, and keeps what comes of it.
 
-    def __init__(self, loaded: LoadedCandidate) -> None:
+    Each draw has a ticket. Hypothesis likes to vary what it has drawn, and a variation keeps the ticket: so the
+    first runs can be held to unrelated draws.
+    """
+
+    def __init__(self, loaded: LoadedCandidate, unrelated: int) -> None:
         self._controller: Controller = loaded.controller()
         self._progress: SharedProgress = loaded.progress
         self._declaration = loaded.candidate.declaration
-        self._seen: dict[str, float] = {}
+        self._unrelated = unrelated
+        self._known = {content_key(scenario.to_mapping()) for scenario in fixed_scenarios()}
+        self._tickets: set[int] = set()
+        self._answers: dict[tuple[int, str], tuple[Margin, ...] | None] = {}
+        self.fault: CandidateFault | None = None
+        self._examples = 0
         self.runs: list[JudgedRun] = []
         self.set_aside = 0
 
-    def worst(self, scenario: Scenario) -> float:
-        """Run a scenario, unless it was run before, and return the least required margin."""
-        if scenario.name not in self._seen:
-            self._seen[scenario.name] = self._run(scenario)
-        return self._seen[scenario.name]
+    def margins(self, ticket: int, scenario: Scenario) -> tuple[Margin, ...] | None:
+        """Run a scenario; None where that would tell nothing new, the same for the same draw."""
+        key = content_key(scenario.to_mapping())
+        if (ticket, key) not in self._answers:
+            self._answers[ticket, key] = self._new(ticket, key, scenario)
+        answer = self._answers[ticket, key]
+        self._examples += answer is not None
+        return answer
 
-    def _run(self, scenario: Scenario) -> float:
-        if not is_feasible(scenario):
+    def _new(self, ticket: int, key: str, scenario: Scenario) -> tuple[Margin, ...] | None:
+        varied = ticket in self._tickets
+        self._tickets.add(ticket)
+        if key in self._known or (varied and self._examples < self._unrelated):
+            return None
+        self._known.add(key)
+        if not is_fair(scenario):
             self.set_aside += 1
-            return 1.0
-        run = run_scenario(scenario, self._controller, progress=self._progress)
+            return None
+        try:
+            run = run_scenario(scenario, self._controller, progress=self._progress)
+        except CandidateFault as fault:
+            self.fault = fault
+            return None
         outcome = judged(RunRecord(scenario, run, self._declaration))
         self.runs.append(outcome)
-        return min(
-            (margin.value for margin in outcome.margins if margin.check in _REQUIRED and not margin.advisory),
-            default=1.0,
-        )
+        return outcome.margins
 
 
 def run_drawn(loaded: LoadedCandidate, plan: DrawnRuns) -> ShardOutcome:
-    """Draw scenarios and climb toward the smallest margin.
+    """Draw scenarios, and climb toward the smallest margin.
 
     Parameters
     ----------
@@ -211,8 +236,10 @@ def run_drawn(loaded: LoadedCandidate, plan: DrawnRuns) -> ShardOutcome:
     ShardOutcome
         Margins of every distinct scenario drawn.
     """
-    collector = _Collector(loaded)
-    motor = load_motor(plan.motor)
+    collector = _Collector(loaded, plan.examples // 2 if plan.search else plan.examples)
+    drawn = drawn_scenarios(
+        load_motor(plan.motor), loaded.candidate.declaration.speed_range_rpm, group=plan.seed
+    )
 
     @seed(plan.seed)
     @settings(
@@ -220,15 +247,37 @@ def run_drawn(loaded: LoadedCandidate, plan: DrawnRuns) -> ShardOutcome:
         database=None,
         deadline=None,
         derandomize=False,
-        phases=(Phase.generate, Phase.target),
+        phases=(Phase.generate, Phase.target) if plan.search else (Phase.generate,),
         suppress_health_check=list(HealthCheck),
     )
-    @given(drawn_scenarios(motor))
-    def explore(scenario: Scenario) -> None:
-        target(-max(min(collector.worst(scenario), 1e6), -1e6), label="least margin")
+    @given(st.integers(0, _TICKETS), drawn)
+    def explore(ticket: int, scenario: Scenario) -> None:
+        # Hypothesis would run again what raises; a fault ends the search behind its back.
+        margins = collector.margins(ticket, scenario) if collector.fault is None else ()
+        # What tells nothing new does not count as an example.
+        assume(margins is not None)
+        for label, score in _scores(margins or ()).items():
+            target(score, label=label)
 
     with TemporaryDirectory(prefix="drivegate") as folder:
         # Hypothesis keeps notes of its own; they belong to nobody's working folder.
         set_hypothesis_home_dir(folder)
-        explore()
+        with suppress(Unsatisfiable):
+            explore()
+    if collector.fault is not None:
+        raise collector.fault
     return ShardOutcome(tuple(collector.runs), collector.set_aside)
+
+
+def _scores(margins: Iterable[Margin]) -> dict[str, float]:
+    """Give what the search climbs: by family of checks, such as CNV, the least required margin, upside down.
+
+    What is nowhere near its limit is left out, or its small changes would be climbed as well.
+    """
+    scores: dict[str, float] = {}
+    for margin in margins:
+        if margin.check in _SEARCHED and not margin.advisory and margin.value < _SAFE:
+            family = margin.check.partition("-")[0]
+            score = -max(min(margin.value, _GREATEST_SCORE), -_GREATEST_SCORE)
+            scores[family] = max(scores.get(family, score), score)
+    return scores
