@@ -12,7 +12,7 @@ author = "drivegate contributors"
 copyright = f"2026, {author}"
 version = release = __version__
 
-extensions = ["check_table", "myst_parser", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
+extensions = ["check_catalogue", "myst_parser", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
 exclude_patterns = ["_build"]
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]

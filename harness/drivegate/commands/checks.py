@@ -1,4 +1,4 @@
-"""``drivegate checks``: what is required of a candidate."""
+"""``drivegate checks``: what is required of a candidate, why, and what exercises it."""
 
 from __future__ import annotations
 
@@ -14,25 +14,35 @@ if TYPE_CHECKING:
 
 SCHEMA = 1
 
+_COLUMNS = ("id", "level", "subject", "source", "requirement", "limit")
+
 
 @click.command("checks")
 @json_option
 def command() -> Outcome:
-    """List the checks with their requirements, sources and limits."""
-    from drivegate.catalogue import CHECKS
+    """List the checks with their requirements, sources and limits, and what covers each fact of the paper."""
+    from drivegate.traceability import traced_checks, traced_facts
 
-    keys = ("id", "requirement", "source", "subject", "level", "limit", "scenarios")
-    rows = [{key: getattr(check, key) for key in keys} for check in CHECKS]
-    return Outcome({"schema": SCHEMA, "checks": rows}, lambda console: _show(console, rows))
+    document = {"schema": SCHEMA, "checks": traced_checks(), "facts": traced_facts()}
+    return Outcome(document, lambda console: _show(console, document))
 
 
-def _show(console: Console, rows: list[dict[str, Any]]) -> None:
+def _show(console: Console, document: dict[str, Any]) -> None:
     from drivegate.console import plain, table
 
-    listed = table("id", "level", "subject", "source", "requirement", "limit")
-    for row in rows:
-        listed.add_row(
-            *(plain(row[key]) for key in ("id", "level", "subject", "source", "requirement", "limit"))
-        )
+    listed = table(*_COLUMNS)
+    for row in document["checks"]:
+        listed.add_row(*(plain(row[key]) for key in _COLUMNS))
     console.print(listed)
-    console.print(plain("next: drivegate check CANDIDATE applies them", "dim"))
+    covered = table("fact", "stated", "checks", "tests", "figures")
+    for fact in document["facts"]:
+        by = fact["covered_by"]
+        covered.add_row(
+            plain(fact["id"]),
+            plain(fact["title"]),
+            plain(", ".join(by["checks"])),
+            plain(str(len(by["properties"]) or "")),
+            plain(", ".join(name.replace("_", " ") for name in by["figures"])),
+        )
+    console.print(covered)
+    console.print(plain("next: drivegate check CANDIDATE applies them; --json tells more", "dim"))
