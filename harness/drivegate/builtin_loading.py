@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidate import Candidate
+from drivegate.candidate import FAULTY_PREFIX, Candidate
+from drivegate.controller import Controller
 from drivegate.fault import Fault
 from drivegate_models.builtin_controllers import SEARCHES, reset_function, step_function
 from drivegate_models.contract import nameplate_record
@@ -13,7 +14,7 @@ from drivegate_models.controller_state import CONTROLLER_STATE
 from drivegate_models.signals import Nameplate
 
 
-def load_builtin_controller(candidate: Candidate) -> "BuiltinController":
+def load_builtin_controller(candidate: Candidate) -> Controller:
     """Make a new instance of a built-in controller.
 
     Parameters
@@ -23,9 +24,13 @@ def load_builtin_controller(candidate: Candidate) -> "BuiltinController":
 
     Returns
     -------
-    BuiltinController
+    Controller
         The instance, not yet reset.
     """
+    if candidate.entry.startswith(FAULTY_PREFIX):
+        from drivegate.selftest.faulty_controller import load_faulty_controller
+
+        return load_faulty_controller(candidate.entry.removeprefix(FAULTY_PREFIX))
     return BuiltinController(SEARCHES[candidate.entry])
 
 

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 ENTRY_POINT_GROUP = "drivegate.controllers"
 
+FAULTY_PREFIX = "faulty:"
+"""What a faulty controller's name begins with; such controllers check the checks."""
+
 _LATER_SUFFIXES = {".c": "c", ".so": "so", ".fmu": "fmu"}
 _WAYS = "module:Class, file.py:Class, candidate.toml or the name of a built-in or installed controller"
 
@@ -67,7 +70,8 @@ def resolve_candidate(text: str) -> Candidate:
     ----------
     text : str
         ``module:Class``, ``file.py:Class``, the name of a built-in candidate or of an installed entry point
-        of the group ``drivegate.controllers``, or the path of a manifest ``candidate.toml``.
+        of the group ``drivegate.controllers``, ``faulty:`` and the name of a faulty controller, or the path of
+        a manifest ``candidate.toml``.
 
     Returns
     -------
@@ -88,6 +92,8 @@ def resolve_candidate(text: str) -> Candidate:
         )
     if specification.startswith("exec:"):
         raise _later(specification, "exec")
+    if specification.startswith(FAULTY_PREFIX):
+        return _faulty_candidate(specification)
     suffix = Path(specification).suffix.lower()
     if suffix in _LATER_SUFFIXES:
         raise _later(specification, _LATER_SUFFIXES[suffix])
@@ -128,6 +134,15 @@ def _from_bare_name(name: str) -> Candidate:
         f"the candidate '{one_line(name)}' is unknown, the nearest known one is "
         f"'{nearest(name, known)}'; known are {', '.join(known)}, or write {_WAYS}"
     )
+
+
+def _faulty_candidate(specification: str) -> Candidate:
+    # Their registry is only read where one of them is named.
+    from drivegate.selftest.mutations import find_mutation
+
+    mutation = find_mutation(specification.removeprefix(FAULTY_PREFIX))
+    declaration = BUILTIN_CANDIDATES[mutation.base]
+    return _builtin_candidate(specification, specification, specification, declaration)
 
 
 def _builtin_candidate(name: str, specification: str, entry: str, declaration: Declaration) -> Candidate:

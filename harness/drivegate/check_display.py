@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from drivegate.console import plain, table, verdict_text
 from drivegate.handlers.distinct_faults import distinct_faults, in_runs
 from drivegate.handlers.result_file import counterexample_name
+from drivegate.result_wording import printed_margin, runs_in_short
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -32,10 +33,11 @@ def show_checked(console: Console, checked: Checked) -> None:
     assert folder is not None, "a result has its folder"
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
     for check in document["checks"]:
-        margin = "–" if check["margin"] is None else f"{check['margin']:+.3g}"
-        verdict = verdict_text(check["verdict"])
+        verdict, margin = verdict_text(check["verdict"]), printed_margin(document, check)
         listed.add_row(plain(check["id"]), plain(check["level"]), verdict, margin, plain(check["message"]))
     console.print(listed)
+    if document["baseline"]:
+        _show_comparisons(console, document["baseline"])
     for fault, count in distinct_faults(document["faults"]):
         _show_fault(console, fault, count)
     failed = [check for check in document["checks"] if check["counterexample"] is not None]
@@ -43,11 +45,19 @@ def show_checked(console: Console, checked: Checked) -> None:
         _show_counterexample(console, check, folder)
     heading = plain(f"{document['candidate']['name']}: ")
     heading.append_text(verdict_text(document["verdict"]))
-    heading.append(f", {document['runs']} runs, {document['set_aside']} set aside as infeasible")
+    heading.append(f", {runs_in_short(document)}")
     console.print(heading)
     for page in checked.pages or (folder,):
         console.print(plain(f"report: {page}"))
     console.print(plain(f"next: {_next_step(checked.specification, failed, folder)}", "dim"))
+
+
+def _show_comparisons(console: Console, entries: list[dict[str, Any]]) -> None:
+    listed = table("against the baseline", "level", "verdict", "message")
+    for entry in entries:
+        verdict = verdict_text(entry["verdict"])
+        listed.add_row(plain(entry["check"]), plain(entry["level"]), verdict, plain(entry["message"]))
+    console.print(listed)
 
 
 def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
@@ -59,19 +69,21 @@ def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
 
 
 def _show_counterexample(console: Console, check: dict[str, Any], folder: Path) -> None:
-    console.print(plain(f"{check['id']} fails ({check['level']}): {check['requirement']}", "bold"))
-    console.print(plain(f"  measured {check['measured']}; limit {check['limit']}"))
+    outcome = "fails" if check["verdict"] == "fail" else f"fails, {check['verdict']}"
+    console.print(plain(f"{check['id']} {outcome} ({check['level']}): {check['requirement']}", "bold"))
+    measured = check["measured"] if check["found"] is None else check["found"]["measured"]
+    console.print(plain(f"  measured {measured}; limit {check['limit']}"))
     console.print(plain(f"  in {scenario_in_short(check['counterexample'])}"))
     console.print(plain(f"  file {folder / counterexample_name(check['id'])}"))
 
 
 def _next_step(specification: str, failed: list[dict[str, Any]], folder: Path) -> str:
-    required = [check for check in failed if check["level"] == "required"]
+    required = [check for check in failed if check["level"] == "required" and check["verdict"] in _TO_BE_MET]
     if not required:
         return "open the report; drivegate checks lists what was required"
     check = required[0]["id"]
     file = str(folder / counterexample_name(check))
-    return f"drivegate simulate {quote(specification)} --case {quote(file)} --plot {check}.png"
+    return f"drivegate replay {quote(file)} --candidate {quote(specification)} --plot {check}.svg"
 
 
 def scenario_in_short(scenario: dict[str, Any]) -> str:
@@ -85,8 +97,10 @@ def scenario_in_short(scenario: dict[str, Any]) -> str:
     Returns
     -------
     str
-        Its name, duration, speeds, load and what differs from nominal.
+        Its name, duration, speeds, load and what differs from nominal; of a script its name and length.
     """
+    if scenario.get("kind") == "script":
+        return f"{scenario['name']}: a script of {len(scenario['rows'])} rows"
     load = scenario["load"]
     parts = [f"{scenario['duration_s']:g} s", f"{_values(scenario['speed_rpm'])} rpm", _load(load)]
     if "supply_v" in scenario:
@@ -102,6 +116,7 @@ def scenario_in_short(scenario: dict[str, Any]) -> str:
     return f"{scenario['name']}: {', '.join(parts)}"
 
 
+_TO_BE_MET = ("fail", "waiver expired")
 _FACTORS = ("resistance", "inductance", "emf_constant")
 
 

@@ -17,7 +17,9 @@ COMMANDS: Final = MappingProxyType(
     {
         "check": "Check candidates: a verdict, and a report in a folder.",
         "simulate": "Run a candidate once through a scenario: summary, trace and plot.",
+        "replay": "Run a counterexample again: does its check still fail?",
         "point": "Compute the steady state at one operating point.",
+        "selftest": "Check the checks: faulty controllers must be caught, correct ones must pass.",
         "calibrate": "Derive the motor anew from the published facts.",
         "checks": "List the checks with their requirements and limits.",
         "cases": "List the scenarios, operating points, sweeps and motors that come along.",

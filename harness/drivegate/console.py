@@ -18,6 +18,10 @@ WIDTH_OF_A_FILE: Final = 160
 STYLES: Final = {
     "pass": "green",
     "fail": "bold red",
+    "waived": "yellow",
+    "unexpectedly passes": "bold yellow",
+    "no difference": "dim",
+    "too few pairs": "dim",
     "not applicable": "dim",
     "inconclusive": "yellow",
 }

@@ -4,53 +4,63 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any, Final
 
+from drivegate.baseline import Baseline, Comparison, compared
 from drivegate.candidate import Candidate
+from drivegate.catalogue import CHECKS
 from drivegate.controller_loading import load_controller
-from drivegate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone
+from drivegate.counterexample import Counterexample
+from drivegate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
 from drivegate.fault import Fault, FaultKind
-from drivegate.fixed_scenarios import REFERENCE_MOTOR, fixed_scenarios
 from drivegate.margin import Margin
 from drivegate.provenance import provenance
-from drivegate.result import CheckResult
-from drivegate.search_shard import DrawnRuns, FixedRuns, JudgedRun, ShardOutcome, run_drawn, run_fixed
-from drivegate.verdict import candidate_verdict, check_outcomes
+from drivegate.result import CheckOutcome, CheckResult, FixedMargins
+from drivegate.search_shard import JudgedRun, ShardOutcome
+from drivegate.shrinking import Shrunk
+from drivegate.simplest_failures import simplest_failures, with_simplest
+from drivegate.verdict import candidate_verdict, check_outcomes, machine_dependent
+from drivegate.waivers import Waiver, present_day, under_waivers
 from drivegate.warm_up import compile_kernels, missing_marker
-from drivegate.worker_messages import Job
+from drivegate.work_plan import EXAMPLES, REPEATED, Origin, Work, planned_work
 from drivegate.worker_pool import WorkerPool
 from drivegate_models.errors import InputError
 
-EXAMPLES: Final = {"quick": 2, "default": 12, "nightly": 150}
-"""Scenarios drawn in each shard, by effort."""
-SHARDS: Final = 8
-"""Number of seeded shards, whatever the number of workers."""
+_REQUIRED: Final = frozenset(check.id for check in CHECKS if check.level == "required")
+_VOLATILE: Final = frozenset(check.id for check in CHECKS if check.volatile)
 
 
-@dataclass(frozen=True)
-class _Work:
-    job: Job[ShardOutcome]
-    runs: int
-    label: str
+@dataclass
+class _Progress:
+    """What the runs have come to so far."""
 
+    deadline: float | None
+    runs: dict[Origin, list[JudgedRun]] = field(default_factory=lambda: {origin: [] for origin in Origin})
+    faults: list[Fault] = field(default_factory=list)
+    set_aside: int = 0
+    complete: bool = True
 
-def _planned(effort: str, seed: int) -> list[_Work]:
-    fixed = fixed_scenarios()
-    work = [_Work(Job(run_fixed, FixedRuns(fixed[:2], repeat=True)), 2, fixed[1].name)]
-    work += [_Work(Job(run_fixed, FixedRuns((scenario,))), 1, scenario.name) for scenario in fixed[2:]]
-    examples = EXAMPLES[effort]
-    work += [
-        _Work(
-            Job(run_drawn, DrawnRuns(REFERENCE_MOTOR, seed * SHARDS + shard, examples)),
-            examples,
-            f"shard {shard + 1}",
-        )
-        for shard in range(SHARDS)
-    ]
-    return work
+    def add(self, work: Work, outcome: ShardOutcome | Fault) -> None:
+        if isinstance(outcome, Fault):
+            self.add_fault(outcome)
+        else:
+            self.runs[work.origin].extend(outcome.runs)
+            self.set_aside += outcome.set_aside
+
+    def add_fault(self, fault: Fault) -> None:
+        if (fault.kind, fault.message) not in [(known.kind, known.message) for known in self.faults]:
+            self.faults.append(fault)
+
+    @property
+    def all_runs(self) -> list[JudgedRun]:
+        return [run for origin in Origin for run in self.runs[origin]]
+
+    @property
+    def time_is_up(self) -> bool:
+        return self.deadline is not None and time.monotonic() > self.deadline
 
 
 def check_candidate(
@@ -60,6 +70,10 @@ def check_candidate(
     seed: int = 0,
     workers: int | None = None,
     max_time: float | None = None,
+    search: bool = True,
+    corpus: Sequence[Counterexample] = (),
+    baseline: Baseline | None = None,
+    waivers: Sequence[Waiver] = (),
 ) -> Iterator[Event]:
     """Check a candidate, and tell what is done as events.
 
@@ -75,6 +89,14 @@ def check_candidate(
         Number of worker processes; by default as many as there are processors. The result does not depend on it.
     max_time : float, optional
         Time after which no more work is begun (s); what is left makes the checks inconclusive.
+    search : bool
+        Whether the search climbs toward small margins; if not, scenarios are drawn at random throughout.
+    corpus : sequence of Counterexample
+        Counterexamples whose scenarios are run after the fixed ones.
+    baseline : Baseline, optional
+        An earlier result that margins are compared with.
+    waivers : sequence of Waiver
+        Failures that are accepted; those for other candidates are left alone.
 
     Yields
     ------
@@ -92,65 +114,116 @@ def check_candidate(
         raise InputError(f"the effort is '{effort}', but must be one of {', '.join(EXAMPLES)}")
     if seed < 0:
         raise InputError(f"the seed is {seed}, but must be 0 or more")
+    today = present_day() if waivers else None
     started = datetime.now(UTC)
     began = time.monotonic()
     count = workers or os.cpu_count() or 1
-    work = _planned(effort, seed)
-    planned = sum(item.runs for item in work)
-    yield CheckStarted(candidate.name, planned)
+    work = planned_work(
+        effort, seed, declaration=candidate.declaration, search=search, corpus=corpus, baseline=baseline
+    )
+    yield CheckStarted(candidate.name, sum(item.runs for item in work))
     marker = missing_marker()
     if marker is not None:
         yield Compiling()
         compile_kernels(marker)
 
-    runs: list[JudgedRun] = []
-    faults: list[Fault] = []
-    set_aside = 0
-    done = 0
-    complete = True
+    progress = _Progress(None if max_time is None else began + max_time)
     with WorkerPool(candidate, load_controller, workers=count) as pool:
-        outcomes = pool.map([item.job for item in work])
-        for item, outcome in zip(work, outcomes, strict=True):
-            done += item.runs
-            if isinstance(outcome, Fault):
-                if (outcome.kind, outcome.message) not in [(fault.kind, fault.message) for fault in faults]:
-                    faults.append(outcome)
-            else:
-                runs.extend(outcome.runs)
-                set_aside += outcome.set_aside
-            yield RunDone(done, planned, item.label, _worst(runs))
-            if max_time is not None and time.monotonic() - began > max_time and done < planned:
-                complete = False
-                break
-    outcomes_by_check = check_outcomes(runs, complete=complete and not faults)
-    if any(outcome.id == "DET-1" and outcome.verdict == "fail" for outcome in outcomes_by_check):
+        yield from _run_all(pool, work, progress)
+        runs = progress.all_runs
+        outcomes = check_outcomes(
+            runs, candidate.declaration, complete=progress.complete and not progress.faults
+        )
+        outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)
+    if any(outcome.id == REPEATED and outcome.verdict == "fail" for outcome in outcomes):
         message = "the same scenario was answered differently when it was repeated"
-        faults.append(Fault(FaultKind.NON_DETERMINISTIC, message, "step"))
-    verdict, exit_code = candidate_verdict(outcomes_by_check, faults)
+        progress.add_fault(Fault(FaultKind.NON_DETERMINISTIC, message, "step"))
+    if today is not None:
+        outcomes = under_waivers(outcomes, candidate.name, waivers, today)
+    comparisons = None if baseline is None else compared(baseline, runs)
     timing: dict[str, Any] = {
         "started_utc": started.isoformat(timespec="seconds"),
         "seconds": round(time.monotonic() - began, 3),
         "workers": count,
+        "checks": machine_dependent(runs),
     }
-    yield CheckFinished(
-        CheckResult(
-            candidate=candidate,
-            verdict=verdict,
-            exit_code=exit_code,
-            seed=seed,
-            effort=effort,
-            checks=outcomes_by_check,
-            faults=tuple(faults),
-            runs=len(runs),
-            set_aside=set_aside,
-            provenance=provenance(),
-            timing=timing,
-        )
+    yield CheckFinished(_result(candidate, effort, seed, outcomes, comparisons, progress, timing))
+
+
+def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Iterator[Event]:
+    planned = sum(item.runs for item in work)
+    outcomes = pool.map([item.job for item in work])
+    done = 0
+    for item, outcome in zip(work, outcomes, strict=True):
+        done += item.runs
+        progress.add(item, outcome)
+        yield RunDone(done, planned, item.label, _worst(progress.all_runs))
+        if progress.time_is_up and done < planned:
+            progress.complete = False
+            break
+
+
+def _shrink(
+    pool: WorkerPool,
+    outcomes: tuple[CheckOutcome, ...],
+    runs: Sequence[JudgedRun],
+    effort: str,
+    progress: _Progress,
+) -> Generator[Event, None, tuple[CheckOutcome, ...]]:
+    """Make the failures simpler, and return the outcomes with their counterexamples."""
+    failures = simplest_failures(outcomes, runs)
+    shrinking = [failure for failure in failures if failure.shrinks() and not progress.time_is_up]
+    shrunk: dict[str, Shrunk | Fault | None] = {}
+    if shrinking:
+        yield Shrinking("", 0, len(shrinking))
+        endings = pool.map([failure.job(effort) for failure in shrinking])
+        for failure, ending in zip(shrinking, endings, strict=True):
+            shrunk[failure.check] = ending
+            if isinstance(ending, Fault):
+                progress.add_fault(ending)
+            yield Shrinking(failure.check, len(shrunk), len(shrinking))
+            if progress.time_is_up:
+                break
+    return tuple(with_simplest(outcome, failures, shrunk) for outcome in outcomes)
+
+
+def _result(
+    candidate: Candidate,
+    effort: str,
+    seed: int,
+    outcomes: tuple[CheckOutcome, ...],
+    comparisons: tuple[Comparison, ...] | None,
+    progress: _Progress,
+    timing: dict[str, Any],
+) -> CheckResult:
+    verdict, exit_code = candidate_verdict(outcomes, progress.faults, comparisons or ())
+    return CheckResult(
+        candidate=candidate,
+        verdict=verdict,
+        exit_code=exit_code,
+        seed=seed,
+        effort=effort,
+        checks=outcomes,
+        faults=tuple(progress.faults),
+        runs=len(progress.all_runs),
+        set_aside=progress.set_aside,
+        provenance=provenance(),
+        timing=timing,
+        corpus_runs=len(progress.runs[Origin.CORPUS]),
+        fixed=tuple(map(_fixed_margins, progress.runs[Origin.FIXED])),
+        baseline=comparisons,
     )
 
 
-def _worst(runs: list[JudgedRun]) -> str:
-    margins: list[Margin] = [margin for run in runs for margin in run.margins if not margin.advisory]
+def _fixed_margins(run: JudgedRun) -> FixedMargins:
+    margins = {margin.check: margin.value for margin in run.margins if margin.check not in _VOLATILE}
+    return FixedMargins(str(run.scenario["name"]), run.scenario, margins)
+
+
+def _worst(runs: Sequence[JudgedRun]) -> str:
+    margins: list[Margin] = [
+        margin for run in runs for margin in run.margins if margin.check in _REQUIRED and not margin.advisory
+    ]
     if not margins:
         return ""
     least = min(margins, key=lambda margin: margin.value)

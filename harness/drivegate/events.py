@@ -52,6 +52,25 @@ class RunDone:
 
 
 @dataclass(frozen=True)
+class Shrinking:
+    """A failure has been made as simple as it could be had.
+
+    Attributes
+    ----------
+    check : str
+        Identifier of the check that fails; empty before the first one is done.
+    done : int
+        Failures that are done with.
+    planned : int
+        Number of failures.
+    """
+
+    check: str
+    done: int
+    planned: int
+
+
+@dataclass(frozen=True)
 class CheckFinished:
     """A candidate's check has ended.
 
@@ -64,4 +83,4 @@ class CheckFinished:
     result: CheckResult
 
 
-Event: TypeAlias = CheckStarted | Compiling | RunDone | CheckFinished
+Event: TypeAlias = CheckStarted | Compiling | RunDone | Shrinking | CheckFinished

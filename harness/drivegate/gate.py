@@ -38,12 +38,34 @@ class Effort:
         Number of processes; None for as many as there are processors.
     max_time : float or None
         Time after which no more work is begun (s).
+    search : bool
+        Whether the search climbs toward small margins.
     """
 
     name: str = "default"
     seed: int = 0
     workers: int | None = None
     max_time: float | None = None
+    search: bool = True
+
+
+@dataclass(frozen=True)
+class Records:
+    """Files of earlier checks, and of people, that a check takes into account.
+
+    Attributes
+    ----------
+    corpus : Path or None
+        Folder of counterexamples that are run again.
+    waivers : Path or None
+        File of failures that are accepted.
+    baseline : Path or None
+        Earlier result that margins are compared with.
+    """
+
+    corpus: Path | None = None
+    waivers: Path | None = None
+    baseline: Path | None = None
 
 
 @dataclass
@@ -79,6 +101,7 @@ def check_all(
     output: Path,
     effort: Effort,
     summary: Callable[[Sequence[Checked]], dict[str, Any]],
+    records: Records = Records(),
 ) -> list[Checked]:
     """Check candidates and write their reports; nothing is written where there is no result.
 
@@ -92,6 +115,8 @@ def check_all(
         How much is searched.
     summary : callable
         Makes the document about all candidates, of several.
+    records : Records
+        Files that are read before anything runs.
 
     Returns
     -------
@@ -101,17 +126,18 @@ def check_all(
     Raises
     ------
     InputError
-        When the output cannot be written.
+        When the output cannot be written, or one of the records is not valid.
     """
     all_checked = [_resolved(specification) for specification in specifications]
     if all(checked.candidate is None for checked in all_checked):
         return all_checked
+    options = _options(effort, records, [_name(checked) for checked in all_checked])
     taken: set[str] = set()
     with ReportFolder(output) as folder:
         for checked in all_checked:
             if checked.candidate is not None:
                 inside = "" if len(all_checked) == 1 else _folder_name(checked.candidate.name, taken)
-                _check(checked, checked.candidate, folder.staging / inside, output / inside, effort)
+                _check(checked, checked.candidate, folder.staging / inside, output / inside, options)
         if any(checked.document is not None for checked in all_checked):
             if len(all_checked) > 1:
                 (folder.staging / RESULT_FILE).write_text(as_json(summary(all_checked)), encoding="utf-8")
@@ -133,20 +159,45 @@ def _attempted(checked: Checked, work: Callable[[], _Result]) -> _Result | None:
         return None
 
 
-def _check(checked: Checked, candidate: Candidate, staging: Path, place: Path, effort: Effort) -> None:
+def _name(checked: Checked) -> str:
+    """Name a candidate as waivers do, also one that is refused."""
+    return checked.specification if checked.candidate is None else checked.candidate.name
+
+
+def _options(effort: Effort, records: Records, names: Sequence[str]) -> dict[str, Any]:
+    """Read the records, and give what the engine is told."""
+    options: dict[str, Any] = {
+        "effort": effort.name,
+        "seed": effort.seed,
+        "workers": effort.workers,
+        "max_time": effort.max_time,
+        "search": effort.search,
+    }
+    if records.corpus is not None:
+        from drivegate.corpus import read_corpus
+
+        options["corpus"] = read_corpus(records.corpus)
+    if records.waivers is not None:
+        from drivegate.waivers import read_waivers
+
+        options["waivers"] = read_waivers(records.waivers, names)
+    if records.baseline is not None:
+        from drivegate.baseline import read_baseline
+
+        options["baseline"] = read_baseline(records.baseline)
+    return options
+
+
+def _check(
+    checked: Checked, candidate: Candidate, staging: Path, place: Path, options: dict[str, Any]
+) -> None:
     # The engine brings the compiled plant, which a candidate that is refused does not need.
     from drivegate.engine import check_candidate
 
     pages = ReportPages(staging)
 
     def work() -> dict[str, Any]:
-        events = check_candidate(
-            candidate,
-            effort=effort.name,
-            seed=effort.seed,
-            workers=effort.workers,
-            max_time=effort.max_time,
-        )
+        events = check_candidate(candidate, **options)
         with progress_on(sys.stderr) as progress:
             staging.mkdir(exist_ok=True)
             files = (

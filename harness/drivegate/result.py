@@ -6,13 +6,59 @@ import hashlib
 import json
 import math
 from dataclasses import asdict, dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidate import Candidate
 from drivegate.fault import Fault
 
-RESULT_SCHEMA: Final = 1
+if TYPE_CHECKING:
+    from drivegate.baseline import Comparison
+
+RESULT_SCHEMA: Final = 2
 """Version of the result document."""
+STALE_WAIVERS: Final = ("waiver expired", "unexpectedly passes")
+"""Verdicts of checks whose waiver has to be renewed or removed."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a counterexample gave.
+
+    Attributes
+    ----------
+    margin : float
+        Its margin.
+    measured : str
+        What the margin was measured as.
+    size : int
+        How much the scenario differs from the plainest one.
+    runs : int
+        Number of runs that it took to make it simpler.
+    """
+
+    margin: float
+    measured: str
+    size: int
+    runs: int
+
+
+@dataclass(frozen=True)
+class FixedMargins:
+    """A fixed scenario and its margins, with which a later result can be compared.
+
+    Attributes
+    ----------
+    name : str
+        Name of the scenario.
+    scenario : dict
+        The scenario as plain data.
+    margins : dict
+        Margins by check.
+    """
+
+    name: str
+    scenario: dict[str, Any]
+    margins: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -24,11 +70,12 @@ class CheckOutcome:
     id, requirement, source, subject, level, limit : str
         As in `drivegate.check.Check`.
     verdict : str
-        ``pass``, ``fail``, ``not applicable`` or ``inconclusive``.
+        ``pass``, ``fail``, ``waived``, ``waiver expired``, ``unexpectedly passes``, ``not applicable`` or
+        ``inconclusive``.
     margin : float or None
-        Least margin; None where the check did not apply.
+        Least margin; None where the check did not apply, or depends on the machine.
     measured : str
-        What the least margin was measured as.
+        What the least margin was measured as; empty where there is none.
     runs : int
         Number of runs that the check applied to.
     message : str
@@ -36,7 +83,11 @@ class CheckOutcome:
     scenario : dict or None
         Worst scenario, as plain data.
     counterexample : dict or None
-        The scenario again when the check failed.
+        When the check failed, the simplest scenario found that breaks it, as plain data.
+    found : Found or None
+        What the counterexample gave.
+    waiver : dict or None
+        Reason, owner, last day and margin of the waiver for the check.
     """
 
     id: str
@@ -52,6 +103,8 @@ class CheckOutcome:
     message: str
     scenario: dict[str, Any] | None
     counterexample: dict[str, Any] | None
+    found: Found | None = None
+    waiver: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -63,7 +116,8 @@ class CheckResult:
     candidate : Candidate
         The candidate.
     verdict : str
-        ``pass``, ``fail``, ``inconclusive``, or the kind of the candidate's fault.
+        ``pass``, ``waived``, ``fail``, ``waiver expired``, ``unexpectedly passes``, ``inconclusive``,
+        ``harness fault``, or the kind of the candidate's fault.
     exit_code : int
         0, 1 or 3.
     seed : int
@@ -81,7 +135,13 @@ class CheckResult:
     provenance : dict
         Versions and machine-independent origin.
     timing : dict
-        Times, outside the content hash.
+        Times, outside the content hash, and under ``checks`` the numbers of checks that depend on the machine.
+    corpus_runs : int
+        Number of scenarios of the corpus that were run.
+    fixed : tuple of FixedMargins
+        The fixed scenarios and their margins.
+    baseline : tuple of Comparison or None
+        How margins have changed since an earlier result; None where it was not compared with one.
     """
 
     candidate: Candidate
@@ -95,6 +155,9 @@ class CheckResult:
     set_aside: int
     provenance: dict[str, Any]
     timing: dict[str, Any]
+    corpus_runs: int = 0
+    fixed: tuple[FixedMargins, ...] = ()
+    baseline: tuple[Comparison, ...] | None = None
 
     def document(self) -> dict[str, Any]:
         """Write the result as plain data.
@@ -123,6 +186,9 @@ class CheckResult:
             "faults": [_fault_document(fault) for fault in self.faults],
             "runs": self.runs,
             "set_aside": self.set_aside,
+            "corpus_runs": self.corpus_runs,
+            "fixed": [asdict(run) for run in self.fixed],
+            "baseline": None if self.baseline is None else [asdict(entry) for entry in self.baseline],
             "provenance": self.provenance,
         }
         content = _finite_table(content)
@@ -130,7 +196,7 @@ class CheckResult:
         hashed = {**content, "faults": [{**fault, "traceback": ""} for fault in content["faults"]]}
         digest = hashlib.sha256(json.dumps(hashed, sort_keys=True).encode()).hexdigest()
         content["provenance"] = {**self.provenance, "content_hash": digest}
-        content["timing"] = self.timing
+        content["timing"] = _finite_table(self.timing)
         return content
 
 

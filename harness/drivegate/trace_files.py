@@ -107,7 +107,9 @@ def write_trace(frame: pandas.DataFrame, csv: Path | None, parquet: Path | None)
         write_atomically(parquet, buffer.getvalue())
 
 
-def write_plot(frame: pandas.DataFrame, plot: Path, title: str) -> None:
+def write_plot(
+    frame: pandas.DataFrame, plot: Path, title: str, *, shaded: tuple[float, float] | None = None
+) -> None:
     """Draw a trace: speed, angle, currents and torque over time.
 
     Parameters
@@ -118,6 +120,8 @@ def write_plot(frame: pandas.DataFrame, plot: Path, title: str) -> None:
         A file whose name ends in ``.png`` or ``.svg``.
     title : str
         Title of the figure.
+    shaded : tuple of float, optional
+        Start and end of a stretch that is set off (s).
     """
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -132,6 +136,8 @@ def write_plot(frame: pandas.DataFrame, plot: Path, title: str) -> None:
         for axes, (first, second, label) in zip(all_axes, _PANELS, strict=True):
             for column, name in (line for line in (first, second) if line is not None):
                 axes.plot(thinned["time_s"], thinned[column], label=name, linewidth=1.0)
+            if shaded is not None:
+                axes.axvspan(*shaded, color="tab:orange", alpha=0.15, label="judged here")
             axes.set_ylabel(label)
             axes.grid(visible=True, alpha=0.3)
             axes.legend(loc="best", fontsize="small")

@@ -9,10 +9,11 @@ from drivegate.builtin_candidates import BUILTIN_CANDIDATES
 from drivegate.candidate import resolve_candidate
 from drivegate.controller_loading import load_controller
 from drivegate.fault import Fault
+from drivegate.feasibility import is_feasible
 from drivegate.fixed_scenarios import fixed_scenarios
 from drivegate.run_record import RunRecord
 from drivegate.scenario_run import run_scenario
-from drivegate.search_shard import is_feasible, judged
+from drivegate.search_shard import judged
 from drivegate.stall_watch import WorkerLimits
 from drivegate.worker import CandidateWorker
 from drivegate.worker_messages import Job, LoadedCandidate

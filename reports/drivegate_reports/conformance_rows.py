@@ -18,6 +18,8 @@ TONES: Final = {
     "unexpectedly passes": "caution",
     "inconclusive": "caution",
     "not applicable": "quiet",
+    "no difference": "quiet",
+    "too few pairs": "quiet",
 }
 """Tone of each verdict; of any other it is ``fail``."""
 
@@ -55,9 +57,9 @@ class CheckRow:
     runs : int
         Number of runs.
     worst : str
-        The worst scenario in one line; empty where there is none.
+        The counterexample, or the worst scenario, in one line; empty where there is neither.
     scenario : str
-        The worst scenario as plain data.
+        The same as plain data.
     file : str
         The counterexample's file beside the page; empty where the check did not fail.
     """
@@ -78,6 +80,25 @@ class CheckRow:
     worst: str
     scenario: str
     file: str
+
+
+@dataclass(frozen=True)
+class ComparisonRow:
+    """A check against the baseline as the page shows it; texts are bounded and printable.
+
+    Attributes
+    ----------
+    check, level, verdict, message : str
+        As in the result document.
+    tone : str
+        ``pass``, ``fail``, ``caution`` or ``quiet``.
+    """
+
+    check: str
+    level: str
+    verdict: str
+    tone: str
+    message: str
 
 
 @dataclass(frozen=True)
@@ -134,7 +155,8 @@ def check_row(check: Mapping[str, Any]) -> CheckRow:
         The row.
     """
     verdict, level = clean(check["verdict"]), clean(check["level"])
-    margin, scenario = check["margin"], check["scenario"]
+    margin = check["margin"]
+    scenario = check["scenario"] if check["counterexample"] is None else check["counterexample"]
     known = isinstance(margin, int | float) and math.isfinite(margin)
     tone = TONES.get(verdict, "caution" if level == "advisory" else "fail")
     return CheckRow(
@@ -155,6 +177,24 @@ def check_row(check: Mapping[str, Any]) -> CheckRow:
         scenario=clean(plain_data(scenario), LONGEST_BLOCK) if scenario is not None else "",
         file=clean(counterexample_name(str(check["id"]))) if check["counterexample"] is not None else "",
     )
+
+
+def comparison_row(entry: Mapping[str, Any]) -> ComparisonRow:
+    """Prepare the comparison of a check with the baseline.
+
+    Parameters
+    ----------
+    entry : mapping
+        As in the result document.
+
+    Returns
+    -------
+    ComparisonRow
+        The row.
+    """
+    verdict, level = clean(entry["verdict"]), clean(entry["level"])
+    tone = TONES.get(verdict, "caution" if level == "advisory" else "fail")
+    return ComparisonRow(clean(entry["check"]), level, verdict, tone, clean(entry["message"]))
 
 
 def _in_short(scenario: Mapping[str, Any]) -> str:

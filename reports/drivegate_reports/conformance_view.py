@@ -11,7 +11,15 @@ from typing import Any, Final
 from drivegate.handlers.result_file import counterexample_name
 from drivegate.result import RESULT_SCHEMA
 from drivegate_models.errors import InputError
-from drivegate_reports.conformance_rows import TONES, CheckRow, FaultRow, check_row, fault_row
+from drivegate_reports.conformance_rows import (
+    TONES,
+    CheckRow,
+    ComparisonRow,
+    FaultRow,
+    check_row,
+    comparison_row,
+    fault_row,
+)
 from drivegate_reports.printable import clean
 
 MOST_FAULTS: Final = 20
@@ -38,6 +46,8 @@ class ResultView:
         A command to go on with.
     checks : tuple of CheckRow
         In the order of the document.
+    comparisons : tuple of ComparisonRow
+        Of each check with the baseline; empty where there was none.
     faults : tuple of FaultRow
         The first `MOST_FAULTS` of them.
     more_faults : int
@@ -61,6 +71,7 @@ class ResultView:
     failing: tuple[str, ...]
     next_step: str
     checks: tuple[CheckRow, ...]
+    comparisons: tuple[ComparisonRow, ...]
     faults: tuple[FaultRow, ...]
     more_faults: int
     provenance: tuple[tuple[str, str], ...]
@@ -109,7 +120,7 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
             f"the result has the schema {schema!r}, but this version reads up to {RESULT_SCHEMA}"
         )
     candidate = document["candidate"]
-    checks = tuple(check_row(check) for check in document["checks"])
+    checks = tuple(check_row(_with_timed_numbers(check, document)) for check in document["checks"])
     faults = tuple(fault_row(fault) for fault in document["faults"][:MOST_FAULTS])
     failing = tuple(row.id for row in checks if row.verdict == "fail" and row.level == "required")
     verdict = clean(document["verdict"])
@@ -129,15 +140,25 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
         failing=failing,
         next_step=clean(_next_step(document, failing)),
         checks=checks,
+        comparisons=tuple(comparison_row(entry) for entry in document.get("baseline") or ()),
         faults=faults,
         more_faults=len(document["faults"]) - len(faults),
         provenance=_provenance(document),
     )
 
 
+def _with_timed_numbers(check: Mapping[str, Any], document: Mapping[str, Any]) -> dict[str, Any]:
+    """Take the numbers of a check that depends on the machine from the times."""
+    timed = document.get("timing", {}).get("checks", {}).get(check["id"], {})
+    return {**check, **timed} if check["margin"] is None else dict(check)
+
+
 def _meaning(verdict: str, failing: Sequence[str]) -> str:
     meanings = {
         "pass": "Every required check is met in every run that it applies to.",
+        "waived": "Every required check is met, but for failures that somebody answers for by a waiver.",
+        "waiver expired": "A check fails whose waiver has expired.",
+        "unexpectedly passes": "A check passes that has a waiver, which is to be removed.",
         "inconclusive": "Not all planned runs were made, so that the required checks could not all be judged.",
         "harness fault": "A check of the plant itself failed: the result says nothing about the candidate.",
         "exception": "The candidate raised an exception.",
@@ -146,6 +167,8 @@ def _meaning(verdict: str, failing: Sequence[str]) -> str:
         "invalid output": "The candidate answered with what is no command.",
         "non-deterministic": "The candidate answered the same scenario in two ways.",
     }
+    if verdict == "fail" and not failing:
+        return "The margin of a required check has fallen against the baseline."
     if verdict == "fail":
         return f"{'A required check fails' if len(failing) == 1 else 'Required checks fail'}: {', '.join(failing)}."
     return meanings.get(verdict, "")
@@ -155,7 +178,8 @@ def _next_step(document: Mapping[str, Any], failing: Sequence[str]) -> str:
     specification = quote(str(document["candidate"]["specification"]))
     if failing:
         first = failing[0]
-        return f"drivegate simulate {specification} --case {counterexample_name(first)} --plot {first}.png"
+        file = counterexample_name(first)
+        return f"drivegate replay {file} --candidate {specification} --plot {first}.svg"
     if document["verdict"] == "pass" and document["effort"] != "nightly":
         return f"drivegate check {specification} --effort nightly"
     return f"drivegate check {specification} --effort {document['effort']} --seed {document['seed']}"
@@ -175,6 +199,8 @@ def _provenance(document: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     ]
     for section in ("provenance", "timing"):
         for key, value in document.get(section, {}).items():
+            if (section, key) == ("timing", "checks"):
+                continue
             items = value.items() if isinstance(value, Mapping) else [("", value)]
             entries += [(f"{key} {name}".strip().replace("_", " "), item) for name, item in items]
     return tuple((clean(name), clean(value)) for name, value in entries)

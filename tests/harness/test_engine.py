@@ -8,8 +8,10 @@ import pytest
 
 from drivegate.candidate import resolve_candidate
 from drivegate.engine import check_candidate
-from drivegate.events import CheckFinished, CheckStarted, RunDone
+from drivegate.events import CheckFinished, CheckStarted, RunDone, Shrinking
+from drivegate.fixed_scenarios import fixed_scenarios
 from drivegate.result import CheckResult
+from drivegate.shrinking import size_of
 from drivegate_models.errors import InputError
 
 
@@ -18,6 +20,8 @@ def check(text: str, **options: object) -> CheckResult:
     assert isinstance(events[0], CheckStarted)
     done = [event.done for event in events if isinstance(event, RunDone)]
     assert done == sorted(done), f"progress goes back: {done}"
+    shrinking = [(event.done, event.planned) for event in events if isinstance(event, Shrinking)]
+    assert shrinking == [(index, len(shrinking) - 1) for index in range(len(shrinking))]
     final = events[-1]
     assert isinstance(final, CheckFinished)
     return final.result
@@ -30,7 +34,9 @@ def verdicts(result: CheckResult) -> dict[str, str]:
 def test_the_reference_passes_every_required_check() -> None:
     result = check("reference")
     assert (result.verdict, result.exit_code) == ("pass", 0), verdicts(result)
-    assert set(verdicts(result).values()) == {"pass"}
+    assert verdicts(result)["FLO-1"] == "not applicable", "the reference does not follow the flowchart"
+    assert "TIM-1" in result.timing["checks"], "a time depends on the machine and belongs to the times"
+    assert [run.name for run in result.fixed] == [scenario.name for scenario in fixed_scenarios()]
 
 
 def test_the_published_search_fails_and_shows_the_lock_up() -> None:
@@ -43,11 +49,17 @@ def test_the_published_search_fails_and_shows_the_lock_up() -> None:
     assert "lock-up" in convergence.message
     assert convergence.counterexample is not None
     assert convergence.counterexample["motor"]["inductance_h"] > 0.0, "the scenario is not fully resolved"
+    assert convergence.scenario is not None
+    assert convergence.found is not None
+    assert convergence.found.margin < 0.0, "a counterexample has to break its check"
+    assert convergence.found.size <= size_of(convergence.scenario), "a counterexample is the simpler scenario"
+    assert found["FLO-1"] == "pass", "the published search follows its own flowchart"
 
 
-def test_the_initial_angle_alone_misses_the_optimum_only() -> None:
+def test_the_initial_angle_alone_converges_but_misses_the_optimum() -> None:
     found = verdicts(check("initial"))
-    assert {check for check, verdict in found.items() if verdict == "fail"} == {"CNV-2"}, found
+    assert found["CNV-2"] == "fail", found
+    assert found["CNV-1"] == found["CNV-3"] == found["CPW-1"] == "pass", found
 
 
 def test_the_result_does_not_depend_on_the_number_of_workers() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from drivegate_models.errors import InputError
+from drivegate_reports.conformance import page
 from drivegate_reports.conformance_rows import margin_bar
 from drivegate_reports.conformance_view import view_of
 from drivegate_reports.printable import LONGEST_BLOCK, LONGEST_TEXT, clean, plain_data
@@ -33,7 +34,7 @@ def test_a_failure_names_its_counterexample_and_what_to_do(failing: dict[str, An
     assert view.checks[1].tone == "caution", "an advisory failure is no alarm"
     assert view.checks[2].file == "", "a check that is met has no counterexample"
     assert view.next_step == (
-        "drivegate simulate 'golden.py:Golden Section' --case counterexamples/CNV-1.json --plot CNV-1.png"
+        "drivegate replay counterexamples/CNV-1.json --candidate 'golden.py:Golden Section' --plot CNV-1.svg"
     )
 
 
@@ -93,7 +94,7 @@ def test_a_scenario_that_cannot_be_told_in_short_is_named(
 
 @pytest.mark.parametrize(
     ("changes", "named"),
-    [({"schema": 2}, "schema 2"), ({"schema": None}, "schema None"), ({"kind": "other"}, "other")],
+    [({"schema": 3}, "schema 3"), ({"schema": None}, "schema None"), ({"kind": "other"}, "other")],
 )
 def test_a_document_of_another_kind_or_newer_schema_is_refused(
     make_document: Factory, changes: dict[str, Any], named: str
@@ -101,3 +102,29 @@ def test_a_document_of_another_kind_or_newer_schema_is_refused(
     with pytest.raises(InputError) as refused:
         view_of(make_document(**changes))
     assert named in str(refused.value)
+
+
+def test_waivers_and_a_baseline_are_shown(make_document: Factory, make_check: Factory) -> None:
+    message = "Σ|i| 3 % too high; waived by Ada until 2030-12-31: known"
+    waived = make_check("CNV-2", verdict="waived", margin=-0.5, message=message)
+    entry = {"check": "CNV-1", "level": "required", "pairs": 9, "median_change": -0.2, "p_value": 0.01}
+    lost = entry | {"verdict": "fail", "message": "the margin <b>fell</b>"}
+    document = make_document(verdict="fail", exit_code=1, checks=[waived], baseline=[lost])
+    view = view_of(document)
+    assert (view.checks[0].tone, view.comparisons[0].tone) == ("caution", "fail")
+    assert view.meaning == "The margin of a required check has fallen against the baseline."
+    text = page(document)
+    assert "waived by Ada until 2030-12-31: known" in text
+    assert 'id="baseline"' in text
+    assert "the margin &lt;b&gt;fell&lt;/b&gt;" in text, "nothing in a result may act on the page"
+
+
+def test_numbers_that_depend_on_the_machine_are_shown_with_their_check(
+    make_document: Factory, make_check: Factory
+) -> None:
+    timed = make_check("TIM-1", level="advisory", margin=None, measured="", scenario=None)
+    timing = {"seconds": 1.0, "checks": {"TIM-1": {"margin": 0.5, "measured": "12 µs a step"}}}
+    view = view_of(make_document(checks=[timed], timing=timing))
+    assert (view.checks[0].margin, view.checks[0].measured) == ("+0.5", "12 µs a step")
+    assert "timing checks" not in dict(view.provenance)
+    assert not any("TIM-1" in name for name, _ in view.provenance)

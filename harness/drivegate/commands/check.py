@@ -51,6 +51,30 @@ DEFAULT_OUTPUT = "drivegate-report"
     metavar="SECONDS",
     help="Begin no more work after this time; what is left is inconclusive.",
 )
+@click.option(
+    "--search/--no-search",
+    default=True,
+    show_default=True,
+    help="Climb toward small margins, or draw at random throughout.",
+)
+@click.option(
+    "--corpus",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder of counterexamples, JSON files, that are run again after the fixed scenarios.",
+)
+@click.option(
+    "--waivers",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="TOML file of failures that are accepted until a day.",
+)
+@click.option(
+    "--baseline",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="An earlier result.json that margins are compared with.",
+)
 @json_option
 def command(
     candidates: tuple[str, ...],
@@ -59,15 +83,22 @@ def command(
     seed: int,
     workers: int | None,
     max_time: float | None,
+    search: bool,
+    corpus: Path | None,
+    waivers: Path | None,
+    baseline: Path | None,
 ) -> Outcome:
     """Check every CANDIDATE: apply all checks, search for a scenario that breaks one, and write a report.
 
     A CANDIDATE is a built-in or installed controller's name, module:Class, file.py:Class or a manifest.
-    The exit code is 0 when all pass, 1 when one fails, 2 when one is refused, 3 after a fault of drivegate.
+    The exit code is 0 when all pass or are waived, 1 when one fails, 2 when one is refused, 3 after a fault of
+    drivegate.
     """
-    from drivegate.gate import Effort, check_all
+    from drivegate.gate import Effort, Records, check_all
 
-    all_checked = check_all(candidates, output, Effort(effort, seed, workers, max_time), _summary)
+    how_much = Effort(effort, seed, workers, max_time, search)
+    records = Records(corpus, waivers, baseline)
+    all_checked = check_all(candidates, output, how_much, _summary, records)
     if len(all_checked) == 1 and all_checked[0].error is not None and all_checked[0].document is None:
         raise all_checked[0].error
     for checked in all_checked:

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from drivegate.events import CheckFinished, Event
 from drivegate.handlers.distinct_faults import distinct_faults, in_runs
+from drivegate.result import STALE_WAIVERS
 from drivegate_cases.wording import one_line
 
 JUNIT_FILE: Final = "junit.xml"
@@ -40,7 +41,8 @@ class JUnitFile:
 def junit_xml(result: dict[str, Any]) -> bytes:
     """Make JUnit XML of a result document.
 
-    An advisory check that fails is told in the output of its case, which passes.
+    An advisory check that fails is told in the output of its case, which passes; so does one that is waived. A
+    comparison with a baseline has cases of its own.
 
     Parameters
     ----------
@@ -57,6 +59,8 @@ def junit_xml(result: dict[str, Any]) -> bytes:
     for check in result["checks"]:
         case = _case(suite, name, check["id"])
         _judge(case, check)
+    for entry in result["baseline"] or ():
+        _compare(_case(suite, name, f"{entry['check']} against the baseline"), entry)
     for number, (fault, count) in enumerate(distinct_faults(result["faults"]), start=1):
         case = _case(suite, name, f"fault {number}")
         error = ElementTree.SubElement(
@@ -84,15 +88,23 @@ def _case(suite: ElementTree.Element, candidate: str, name: str) -> ElementTree.
 
 def _judge(case: ElementTree.Element, check: dict[str, Any]) -> None:
     verdict, message = check["verdict"], one_line(check["message"])
+    required = check["level"] == "required"
     if verdict == "not applicable":
         ElementTree.SubElement(case, "skipped", message=message)
-    elif check["level"] == "required" and verdict == "fail":
-        failure = ElementTree.SubElement(case, "failure", type="fail", message=message)
-        failure.text = one_line(
-            f"{check['requirement']} Limit: {check['limit']}. Margin: {check['margin']:.4g}."
-        )
-    elif check["level"] == "required" and verdict != "pass":
+    elif verdict in STALE_WAIVERS or (required and verdict == "fail"):
+        failure = ElementTree.SubElement(case, "failure", type=verdict, message=message)
+        margin = "–" if check["margin"] is None else f"{check['margin']:.4g}"
+        failure.text = one_line(f"{check['requirement']} Limit: {check['limit']}. Margin: {margin}.")
+    elif required and verdict not in ("pass", "waived"):
         ElementTree.SubElement(case, "error", type=one_line(verdict), message=message)
     else:
         output = ElementTree.SubElement(case, "system-out")
         output.text = one_line(f"{check['level']}, {verdict}: {check['message']}")
+
+
+def _compare(case: ElementTree.Element, entry: dict[str, Any]) -> None:
+    message = one_line(entry["message"])
+    if entry["level"] == "required" and entry["verdict"] == "fail":
+        ElementTree.SubElement(case, "failure", type="fail", message=message)
+    else:
+        ElementTree.SubElement(case, "system-out").text = one_line(f"{entry['verdict']}: {message}")

@@ -9,6 +9,7 @@ from typing import Any, Final
 from drivegate.events import CheckFinished, Event
 from drivegate.handlers.distinct_faults import distinct_faults, in_runs
 from drivegate.handlers.result_file import counterexample_name
+from drivegate.result_wording import printed_margin, runs_in_short
 from drivegate_cases.wording import one_line
 
 SUMMARY_FILE: Final = "summary.md"
@@ -74,17 +75,18 @@ def markdown(result: dict[str, Any]) -> str:
     lines = [
         f"# {escaped(candidate['name'])}: {escaped(result['verdict'])}",
         "",
-        f"{result['runs']} runs, {result['set_aside']} set aside as infeasible, effort {escaped(result['effort'])}, "
+        f"{runs_in_short(result)}, effort {escaped(result['effort'])}, "
         f"seed {result['seed']}, drivegate {escaped(result['provenance']['drivegate'])}.",
         "",
         "| check | level | verdict | margin | message |",
         "|---|---|---|---:|---|",
     ]
     for check in result["checks"]:
-        margin = "–" if check["margin"] is None else f"{check['margin']:+.3g}"
+        margin = printed_margin(result, check)
         cells = (check["id"], check["level"], check["verdict"], margin, check["message"])
         lines.append(f"| {' | '.join(map(escaped, cells))} |")
     lines += _faults(result["faults"])
+    lines += _comparisons(result["baseline"] or [])
     failed = [check for check in result["checks"] if check["counterexample"] is not None]
     if failed:
         lines += ["", "## Counterexamples", ""]
@@ -94,6 +96,16 @@ def markdown(result: dict[str, Any]) -> str:
             f"- {escaped(check['id'])}: {escaped(check['counterexample']['name'])}, in [{file}]({file})"
         )
     return "\n".join(lines) + "\n"
+
+
+def _comparisons(entries: list[dict[str, Any]]) -> list[str]:
+    if not entries:
+        return []
+    lines = ["", "## Against the baseline", "", "| check | level | verdict | message |", "|---|---|---|---|"]
+    for entry in entries:
+        cells = (entry["check"], entry["level"], entry["verdict"], entry["message"])
+        lines.append(f"| {' | '.join(map(escaped, cells))} |")
+    return lines
 
 
 def _faults(faults: list[dict[str, Any]]) -> list[str]:

@@ -10,7 +10,7 @@ from typing import TextIO
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from drivegate.console import console_for
-from drivegate.events import CheckFinished, CheckStarted, Event, RunDone
+from drivegate.events import CheckFinished, CheckStarted, Event, RunDone, Shrinking
 from drivegate.handlers.subscription import Handler
 from drivegate_cases.wording import one_line
 
@@ -61,6 +61,8 @@ class _Bar:
             self._bars.update(
                 self._task, completed=event.done, total=event.planned, worst=one_line(_worst(event))
             )
+        elif isinstance(event, Shrinking):
+            self._bars.update(self._task, worst=_simplified(event))
 
 
 class _Lines:
@@ -78,6 +80,10 @@ class _Lines:
             if now >= self._next:
                 self._next = now + SECONDS_BETWEEN_LINES
                 self._tell(one_line(f"{event.done} of {event.planned} runs, {_worst(event)}".rstrip(", ")))
+        elif isinstance(event, Shrinking):
+            if now >= self._next:
+                self._next = now + SECONDS_BETWEEN_LINES
+                self._tell(_simplified(event))
         elif isinstance(event, CheckFinished):
             self._tell(f"{event.result.runs} runs made, {event.result.verdict}")
 
@@ -93,3 +99,7 @@ class _Lines:
 
 def _worst(event: RunDone) -> str:
     return f"least margin so far {event.worst}" if event.worst else ""
+
+
+def _simplified(event: Shrinking) -> str:
+    return f"{event.done} of {event.planned} counterexamples made simpler"

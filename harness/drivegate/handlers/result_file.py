@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.events import CheckFinished, Event
+from drivegate.fault import bounded_line
 
 RESULT_FILE: Final = "result.json"
 COUNTEREXAMPLES: Final = "counterexamples"
-COUNTEREXAMPLE_SCHEMA: Final = 1
 
 
 def as_json(document: dict[str, Any]) -> str:
@@ -111,21 +111,33 @@ def counterexamples(result: dict[str, Any]) -> list[dict[str, Any]]:
     list of dict
         For each check that failed, the fully resolved scenario with what it is about.
     """
+    # Typed documents take a while to import, and most checks end without a counterexample.
+    from drivegate.counterexample import KIND, Counterexample
+    from drivegate_cases.document import parse_document
+
     versions = {key: value for key, value in result["provenance"].items() if key != "content_hash"}
-    return [
-        {
-            "schema": COUNTEREXAMPLE_SCHEMA,
-            "kind": "counterexample",
+    documents = []
+    for check in result["checks"]:
+        if check["counterexample"] is None:
+            continue
+        found = check["found"] or {"margin": check["margin"], "measured": check["measured"]}
+        content = {
+            "schema": Counterexample.schema_current,
+            "kind": KIND,
             "check": check["id"],
-            "requirement": check["requirement"],
-            "limit": check["limit"],
-            "margin": check["margin"],
-            "measured": check["measured"],
+            "requirement": bounded_line(check["requirement"]),
+            "limit": bounded_line(check["limit"]),
+            "margin": found["margin"],
+            "measured": bounded_line(found["measured"]),
             "seed": result["seed"],
-            "candidate": {"name": result["candidate"]["name"], "hash": result["candidate"]["hash"]},
+            "size": found.get("size"),
+            "candidate": {
+                "name": bounded_line(result["candidate"]["name"]),
+                "hash": result["candidate"]["hash"],
+            },
             "versions": versions,
             "scenario": check["counterexample"],
         }
-        for check in result["checks"]
-        if check["counterexample"] is not None
-    ]
+        where = f"the counterexample to {check['id']}"
+        documents.append(parse_document(content, Counterexample, where).to_mapping())
+    return documents

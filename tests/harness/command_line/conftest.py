@@ -3,11 +3,12 @@
 import json
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
 
+from drivegate.baseline import Comparison
 from drivegate.candidate import Candidate
 from drivegate.command_line import main
 from drivegate.events import CheckFinished, CheckStarted, RunDone
@@ -122,6 +123,9 @@ class FakeEngine:
     exit_code: int = 0
     error: BaseException | None = None
     options: dict[str, Any] | None = None
+    baseline: tuple[Comparison, ...] | None = None
+    corpus_runs: int = 0
+    timing: dict[str, Any] = field(default_factory=lambda: {"seconds": 1.0})
 
     def __call__(self, candidate: Candidate, **options: Any) -> Any:
         self.options = options
@@ -140,7 +144,9 @@ class FakeEngine:
             runs=2,
             set_aside=0,
             provenance={"drivegate": "0.1.0"},
-            timing={"seconds": 1.0},
+            timing=self.timing,
+            corpus_runs=self.corpus_runs,
+            baseline=self.baseline,
         )
         yield CheckFinished(result)
 

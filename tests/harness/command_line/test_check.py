@@ -20,7 +20,7 @@ def test_a_pass_is_told_and_reported(command, engine, tmp_path):
         "check", "reference", "--effort", "quick", "--seed", "7", "--workers", "1", "--max-time", "9"
     )
     assert ended.code == 0
-    assert engine.options == {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0}
+    assert engine.options == {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0, "search": True}
     assert "reference: pass" in ended.out
     assert "report: drivegate-report/report.html" in ended.out
     assert "a report that prints" not in ended.out
@@ -45,10 +45,13 @@ def test_a_failure_names_the_counterexample_its_file_and_the_next_step(command, 
     assert ended.code == 1
     assert "CNV-1 fails (required)" in ended.out
     assert "lock-up: 20 s, 1500 rpm, load constant torque 9.8 N·m × 0 → 1" in ended.out
-    assert "next: drivegate simulate reference --case out/counterexamples/CNV-1.json" in ended.out
+    assert (
+        "next: drivegate replay out/counterexamples/CNV-1.json --candidate reference --plot CNV-1.svg"
+        in ended.out
+    )
     assert "exception in 2 runs" in ended.out
     file = json.loads((tmp_path / "out" / "counterexamples" / "CNV-1.json").read_text(encoding="utf-8"))
-    assert (file["schema"], file["check"], file["margin"], file["seed"]) == (1, "CNV-1", -1.5, 0)
+    assert (file["schema"], file["check"], file["margin"], file["seed"]) == (2, "CNV-1", -1.5, 0)
     assert set(file["candidate"]) == {"name", "hash"}
     assert file["versions"]["drivegate"]
     assert file["scenario"]["motor"]["pole_pairs"] == 11, "the scenario must be fully resolved"
@@ -59,7 +62,7 @@ def test_a_narrow_terminal_breaks_no_command_that_is_to_be_copied(command, faili
     lines = command("check", "reference", "--output", "a-folder-with-a-rather-long-name").out.splitlines()
     following = next(line for line in lines if line.startswith("next: "))
     assert following.endswith(
-        "--case a-folder-with-a-rather-long-name/counterexamples/CNV-1.json --plot CNV-1.png"
+        "a-folder-with-a-rather-long-name/counterexamples/CNV-1.json --candidate reference --plot CNV-1.svg"
     )
     assert max(len(line) for line in lines if line.startswith(" CNV-1")) <= 60, "tables must fit"
 
