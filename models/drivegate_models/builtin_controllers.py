@@ -141,7 +141,8 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
                 sense.speed,
                 sense.speed_reference,
                 sense.half_supply_voltage,
-                saturated,
+                sense.current_magnitude_sum,
+                reference,
                 state.control_period,
             )
         if state.count >= state.decision_steps:

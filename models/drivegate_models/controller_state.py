@@ -64,6 +64,7 @@ CONTROLLER_STATE: Final = np.dtype(
         ("last_power", np.float64),
         ("last_integral", np.float64),
         ("winding", np.int64),
+        ("starved_run", np.int64),
         ("climb", np.float64),
         ("regained", np.float64),
     ],

@@ -38,6 +38,9 @@ _LIGHTER = 0.85
 _WINDING = 0.005
 _IDLE = 0.002
 _WOUND = 3
+_STARVED = 3.0
+_SLACK = 0.04
+_STARVED_DWELL = 0.03
 _DWELL = 0.02
 _REGAIN = 0.25
 _SLOWEST_REGAIN = 20.0 * pi / 30.0
@@ -86,6 +89,7 @@ def begin_settling(state: Any) -> None:
     state.worst_error = 0.0
     state.saturated = 0
     state.saturated_run = 0
+    state.starved_run = 0
 
 
 @unfused
@@ -168,7 +172,13 @@ def seek_torque(state: Any, gained: float) -> None:
 
 @unfused
 def guard_regulation(
-    state: Any, speed: float, speed_reference: float, voltage: float, saturated: bool, period: float
+    state: Any,
+    speed: float,
+    speed_reference: float,
+    voltage: float,
+    current_sum: float,
+    reference: float,
+    period: float,
 ) -> None:
     """Watch the regulator at every step and give the angle back when it costs regulation.
 
@@ -180,8 +190,10 @@ def guard_regulation(
         (rad/s).
     voltage : float
         Measured voltage of a half-source (V).
-    saturated : bool
-        Whether the current reference is at its limit.
+    current_sum : float
+        Measured sum of the phase currents' magnitudes (A).
+    reference : float
+        Current reference (A).
     period : float
         Control period (s).
     """
@@ -197,13 +209,20 @@ def guard_regulation(
         forbidden = state.forbidden
         rearm(state)
         state.forbidden = forbidden
-    state.saturated_run = state.saturated_run + 1 if saturated else 0
+    state.saturated_run = state.saturated_run + 1 if reference >= state.current_limit else 0
     if state.saturated_run == 1:
         state.speed_mark = speed
-    if state.moved < 0.0 and speed_reference - speed > _ALARM * state.speed_tolerance:
+    flowing = current_sum / state.conducting_phases
+    starved = reference > _STARVED * flowing + _SLACK * state.current_limit
+    state.starved_run = state.starved_run + 1 if starved else 0
+    is_starved = state.starved_run * period >= _STARVED_DWELL
+    if state.moved < 0.0 and (is_starved or speed_reference - speed > _ALARM * state.speed_tolerance):
         # The integral has wound up in vain; with the old angle goes the old current.
         state.integral = state.good_integral
         walk_back(state, -state.moved + _RECOVERY, True)
+    elif is_starved and state.offset < 0.0:
+        state.integral = min(state.integral, _STARVED * flowing)
+        walk_back(state, state.first_step, True)
     elif state.saturated_run * period >= _DWELL:
         state.saturated_run = 0
         gained = speed - state.speed_mark
