@@ -34,7 +34,8 @@ _CREEP = 1.15
 _CREEP_LEAST = 0.15
 _IMPROVEMENTS = 3
 _RESTLESS = 0.003
-_LIGHTER = 0.85
+_LIGHTER = 0.88
+_HEAVIER = 1.35
 _WINDING = 0.005
 _IDLE = 0.002
 _WOUND = 3
@@ -42,6 +43,7 @@ _STARVED = 3.0
 _SLACK = 0.04
 _STARVED_DWELL = 0.03
 _DWELL = 0.02
+_CLIMB_DWELL = 0.01
 _REGAIN = 0.25
 _SLOWEST_REGAIN = 20.0 * pi / 30.0
 _LONGEST_CLIMB = radians(8.0)
@@ -205,10 +207,10 @@ def guard_regulation(
     sag = speed_reference - speed
     if state.offset < 0.0 and sag > (1.0 if state.mode == HOLDING else 3.0) * state.speed_tolerance:
         # The load has grown, or the angle was below what it needs from the start; neither is to be tried again.
-        forbid(state)
-        forbidden = state.forbidden
+        forbidden = max(state.forbidden, state.offset)
         rearm(state)
         state.forbidden = forbidden
+        state.forbidden_power = state.last_power
     state.saturated_run = state.saturated_run + 1 if reference >= state.current_limit else 0
     if state.saturated_run == 1:
         state.speed_mark = speed
@@ -223,14 +225,14 @@ def guard_regulation(
     elif is_starved and state.offset < 0.0:
         state.integral = min(state.integral, _STARVED * flowing)
         walk_back(state, state.first_step, True)
-    elif state.saturated_run * period >= _DWELL:
+    elif state.saturated_run * period >= (_DWELL if state.offset < 0.0 else _CLIMB_DWELL):
         state.saturated_run = 0
         gained = speed - state.speed_mark
         missing = speed_reference - speed
         # Below the initial angle torque must return soon; at it, a heavy load may take its time to accelerate.
         wanted = missing * _DWELL / _REGAIN
         if state.offset >= 0.0:
-            wanted = min(wanted, _SLOWEST_REGAIN * _DWELL)
+            wanted = min(missing / _REGAIN, _SLOWEST_REGAIN) * _CLIMB_DWELL
         if gained <= wanted and missing > 0.0:
             if state.offset < 0.0:
                 walk_back(state, state.first_step, gained <= 0.0)
@@ -382,8 +384,8 @@ def move(state: Any, power: float, change: float) -> None:
     power, change : float
         Mean current sum of the decision interval, and its change from the one before (A).
     """
-    if power < _LIGHTER * state.forbidden_power:
-        # The edge lies lower for a lighter load.
+    if power < _LIGHTER * state.forbidden_power or power > _HEAVIER * state.forbidden_power:
+        # A lighter load has a lower edge; and a load that has become much heavier costs speed at any angle.
         state.forbidden = -inf
     while (
         state.step >= _SMALLEST_STEP
@@ -438,11 +440,12 @@ def decide_guarded(state: Any) -> None:
     if not regulated or power < _SMALLEST_POWER:
         begin_settling(state)
         return
-    if load_has_changed(state, power):
+    settled = abs(change) <= _SETTLED * power
+    if (settled or state.mode != SETTLING) and load_has_changed(state, power):
         rearm(state)
         return
     if state.mode == SETTLING:
-        if abs(change) > _SETTLED * power or is_uneasy(state):
+        if not settled or is_uneasy(state):
             return
         state.mode = SEARCHING
         state.climb = 0.5 * state.first_step
