@@ -1,8 +1,9 @@
 """What a drive can do at all: the rules for scenarios that a candidate may fairly be judged on.
 
 There is no braking, since a current reference is never negative: a reference may fall no faster than the
-shaft coasts. Below base speed there is no advance, so that a load could not be driven from there. And at every
-operating point some advance angle must give the torque.
+shaft coasts. Below base speed there is no advance, so that a load could not be driven from there, nor may a step
+of the load throw the shaft there before any controller can answer. And at every operating point some advance angle
+must give the torque; of a load of constant power, whose torque grows as the speed sags, also a little below it.
 """
 
 from __future__ import annotations
@@ -16,17 +17,21 @@ from typing import NamedTuple
 import numpy as np
 
 from drivegate.scenario_run import RADIANS_PER_RPM
-from drivegate_cases.load import LockedLoad
+from drivegate_cases.load import ConstantPowerLoad, LockedLoad
 from drivegate_cases.motor import Motor
 from drivegate_cases.piecewise import Profile, breakpoints, value_from, value_until
 from drivegate_cases.profile import Dwell, dwell_scales, dwell_torque
-from drivegate_cases.scales import Scales
+from drivegate_cases.scales import NOMINAL, Scales
 from drivegate_cases.scenario import Scenario
 from drivegate_models.drive import Drive
 from drivegate_models.oracle import feasible_edge
 
 STEP_ACCELERATION_S = 2.0
 """Time in which a step up of the speed reference must be possible, which leaves 4 s to converge (s)."""
+REACTION_S = 0.02
+"""Time after a step of the load in which no controller can be asked to have the torque (s)."""
+SPEED_RESERVE = 0.1
+"""Sag of the speed from which a plant that is not nominal must be able to recover under constant power (1)."""
 _ROUNDING = 1e-6
 _KEPT_DRIVES = 1_000
 _KEPT_POINTS = 20_000
@@ -109,6 +114,30 @@ def is_fast_while_loaded(scenario: Scenario) -> bool:
     return all(end.speed_rpm >= base or dwell_torque(scenario, end) <= 0.0 for end in ends)
 
 
+def withstands_steps(scenario: Scenario) -> bool:
+    """Tell whether no step of the load takes the shaft below base speed before a controller can answer.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    bool
+        Whether the speed that each step costs within `REACTION_S` leaves the shaft above base speed.
+    """
+    inertia = scenario.nameplate().inertia
+    base = scenario.motor.base_speed_rpm * RADIANS_PER_RPM
+    for stretch in _stretches(scenario):
+        if stretch.duration > 0.0 or stretch.first.speed_rpm <= scenario.motor.base_speed_rpm:
+            continue
+        added = dwell_torque(scenario, stretch.last) - dwell_torque(scenario, stretch.first)
+        if stretch.first.speed_rpm * RADIANS_PER_RPM - added * REACTION_S / inertia <= base:
+            return False
+    return True
+
+
 def is_fair(scenario: Scenario) -> bool:
     """Tell whether a candidate may be judged on a scenario.
 
@@ -123,7 +152,8 @@ def is_fair(scenario: Scenario) -> bool:
         Whether it starts at its reference, keeps to the rules of this module and is feasible.
     """
     starts = scenario.initial_speed_rpm == scenario.speed_rpm[0][1]
-    return starts and is_fast_while_loaded(scenario) and coasts(scenario) and is_feasible(scenario)
+    keeps_speed = is_fast_while_loaded(scenario) and withstands_steps(scenario)
+    return starts and keeps_speed and coasts(scenario) and is_feasible(scenario)
 
 
 def _stretches(scenario: Scenario) -> Iterator[_Stretch]:
@@ -176,7 +206,13 @@ def _reaches(scenario: Scenario, conditions: Dwell, accelerating: float) -> bool
         # A vehicle that runs downhill by itself would have to be braked.
         return False
     voltage = conditions.supply_v * (1.0 - abs(conditions.imbalance))
-    return _has_angle(scenario.motor, scales, speed, held + accelerating, voltage)
+    if not _has_angle(scenario.motor, scales, speed, held + accelerating, voltage):
+        return False
+    is_nominal = scales == NOMINAL and voltage >= scenario.motor.supply_voltage_v
+    if is_nominal or not isinstance(scenario.load, ConstantPowerLoad):
+        return True
+    sagged = 1.0 - SPEED_RESERVE
+    return _has_angle(scenario.motor, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
 
 
 def _drag(scenario: Scenario, conditions: Dwell) -> float:

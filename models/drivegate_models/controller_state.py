@@ -65,6 +65,7 @@ CONTROLLER_STATE: Final = np.dtype(
         ("last_integral", np.float64),
         ("winding", np.int64),
         ("starved_run", np.int64),
+        ("starved_mark", np.float64),
         ("climb", np.float64),
         ("regained", np.float64),
     ],

@@ -126,7 +126,8 @@ def forbid(state: Any) -> None:
         Updated.
     """
     state.forbidden = max(state.forbidden, state.offset)
-    state.forbidden_power = state.last_power
+    # What has been held is known better than the interval in which it was lost.
+    state.forbidden_power = state.held_power if state.mode == HOLDING else state.last_power
 
 
 @unfused
@@ -207,24 +208,31 @@ def guard_regulation(
     sag = speed_reference - speed
     if state.offset < 0.0 and sag > (1.0 if state.mode == HOLDING else 3.0) * state.speed_tolerance:
         # The load has grown, or the angle was below what it needs from the start; neither is to be tried again.
-        forbidden = max(state.forbidden, state.offset)
+        forbid(state)
+        forbidden = state.forbidden
+        forbidden_power = state.forbidden_power
         rearm(state)
         state.forbidden = forbidden
-        state.forbidden_power = state.last_power
+        state.forbidden_power = forbidden_power
     state.saturated_run = state.saturated_run + 1 if reference >= state.current_limit else 0
     if state.saturated_run == 1:
         state.speed_mark = speed
     flowing = current_sum / state.conducting_phases
     starved = reference > _STARVED * flowing + _SLACK * state.current_limit
     state.starved_run = state.starved_run + 1 if starved else 0
+    if state.starved_run == 1:
+        state.starved_mark = speed
     is_starved = state.starved_run * period >= _STARVED_DWELL
     if state.moved < 0.0 and (is_starved or speed_reference - speed > _ALARM * state.speed_tolerance):
         # The integral has wound up in vain; with the old angle goes the old current.
         state.integral = state.good_integral
         walk_back(state, -state.moved + _RECOVERY, True)
     elif is_starved and state.offset < 0.0:
-        state.integral = min(state.integral, _STARVED * flowing)
-        walk_back(state, state.first_step, True)
+        state.starved_run = 0
+        gained = speed - state.starved_mark
+        if gained <= sag * _STARVED_DWELL / _REGAIN:
+            state.integral = min(state.integral, _STARVED * flowing)
+            walk_back(state, state.first_step, gained <= 0.0)
     elif state.saturated_run * period >= (_DWELL if state.offset < 0.0 else _CLIMB_DWELL):
         state.saturated_run = 0
         gained = speed - state.speed_mark
@@ -445,7 +453,8 @@ def decide_guarded(state: Any) -> None:
         rearm(state)
         return
     if state.mode == SETTLING:
-        if not settled or is_uneasy(state):
+        wound = state.integral > _STARVED * power / state.conducting_phases + _SLACK * state.current_limit
+        if not settled or wound or is_uneasy(state):
             return
         state.mode = SEARCHING
         state.climb = 0.5 * state.first_step
