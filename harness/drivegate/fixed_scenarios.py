@@ -91,6 +91,8 @@ def _changing(motor: Motor) -> list[Scenario]:
         *(with_load_shares(_rated(motor, 900.0), (0.0, a), (CHANGE_S, b)) for a, b in steps),
         with_speed(_torque(motor, 1400.0, 0.6), stepped(900.0, 1400.0, CHANGE_S)),
         with_speed(_torque(motor, 1400.0, 0.6), stepped(1400.0, 900.0, CHANGE_S, over_s=2.0)),
+        # Long at the current limit, which a regulator without anti-windup does not survive.
+        with_speed(_torque(motor, 1500.0, 0.8), stepped(600.0, 1500.0, CHANGE_S)),
         with_supply(_torque(motor, 1500.0, 0.8), pulsed(1.0, 0.9, CHANGE_S, 0.5)),
         with_supply(_rated(motor, 1150.0), stepped(1.0, 0.92, CHANGE_S)),
         vehicle_scenario(
