@@ -212,7 +212,9 @@ def _reaches(scenario: Scenario, conditions: Dwell, accelerating: float) -> bool
     if is_nominal or not isinstance(scenario.load, ConstantPowerLoad):
         return True
     sagged = 1.0 - SPEED_RESERVE
-    return _has_angle(scenario.motor, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
+    return _has_angle(
+        scenario.motor, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage
+    )
 
 
 def _drag(scenario: Scenario, conditions: Dwell) -> float:

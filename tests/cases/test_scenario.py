@@ -97,7 +97,10 @@ RAMP = [[0, 0], [0.2, 1]]
         ({"seed": -1}, "the key 'seed' is -1"),
         ({"seed": 2**63}, "the key 'seed'"),
         ({"seed": 1.0}, "the key 'seed' is 1.0, but must be a whole number"),
-        ({"sensors": "perfect"}, "the key 'sensors.kind' is \"perfect\", but must be one of 'ideal', 'mcs96'"),
+        (
+            {"sensors": "perfect"},
+            "the key 'sensors.kind' is \"perfect\", but must be one of 'ideal', 'mcs96'",
+        ),
         ({"initial_speed_rpm": -1}, "the key 'initial_speed_rpm' is -1"),
         ({"speed_rpm": 1500}, "the key 'speed_rpm' is 1500, but must be a list"),
         ({"speed_rpm": []}, "must have its first point at time 0"),
