@@ -107,7 +107,7 @@ ROB_3 = Check(
     "P6, P11",
     "candidate",
     "required",
-    "k1 = 5 rpm, k2 = 0.5 % of Σ|i|, 1°",
+    "k1 = 5 rpm, k2 = 0.5 % of Σ|i| (through an encoder as ROB-2), 1°",
     "every loaded steady stretch of 9 s or more above base speed, in runs with such a disturbance",
     "as CNV-1",
     "What one bad measurement leaves in a controller's memory must not stay there for good.",
