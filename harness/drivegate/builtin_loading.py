@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidate import FAULTY_PREFIX, Candidate
 from drivegate.controller import Controller
+from drivegate.design_candidates import DESIGN_PREFIX
 from drivegate.fault import Fault
 from drivegate_models.builtin_controllers import SEARCHES, reset_function, step_function
 from drivegate_models.contract import nameplate_record
@@ -31,6 +32,10 @@ def load_builtin_controller(candidate: Candidate) -> Controller:
         from drivegate.selftest.faulty_controller import load_faulty_controller
 
         return load_faulty_controller(candidate.entry.removeprefix(FAULTY_PREFIX))
+    if candidate.entry.startswith(DESIGN_PREFIX):
+        from drivegate.design_controller import DesignController
+
+        return DesignController(candidate.entry)
     return BuiltinController(SEARCHES[candidate.entry])
 
 

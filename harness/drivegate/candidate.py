@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Literal
 from drivegate import __version__
 from drivegate.builtin_candidates import BUILTIN_CANDIDATES
 from drivegate.declaration import Declaration
+from drivegate.design_candidates import DESIGN_PREFIX, design_declaration
 from drivegate.module_search import module_sources
 from drivegate_cases.wording import nearest, one_line, shown_path
 from drivegate_models.errors import InputError
@@ -70,8 +71,8 @@ def resolve_candidate(text: str) -> Candidate:
     ----------
     text : str
         ``module:Class``, ``file.py:Class``, the name of a built-in candidate or of an installed entry point
-        of the group ``drivegate.controllers``, ``faulty:`` and the name of a faulty controller, or the path of
-        a manifest ``candidate.toml``.
+        of the group ``drivegate.controllers``, ``faulty:`` and the name of a faulty controller, ``design:`` and
+        the name of a correct one of another design, or the path of a manifest ``candidate.toml``.
 
     Returns
     -------
@@ -94,6 +95,9 @@ def resolve_candidate(text: str) -> Candidate:
         raise _later(specification, "exec")
     if specification.startswith(FAULTY_PREFIX):
         return _faulty_candidate(specification)
+    if specification.startswith(DESIGN_PREFIX):
+        declaration = design_declaration(specification)
+        return _builtin_candidate(specification, specification, specification, declaration)
     suffix = Path(specification).suffix.lower()
     if suffix in _LATER_SUFFIXES:
         raise _later(specification, _LATER_SUFFIXES[suffix])

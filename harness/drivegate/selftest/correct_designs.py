@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+PROVEN = ("design:quadratic-interpolation", "design:slope-bisection")
+"""Designs of another kind that pass every required check with the default seed; the others do not do so yet."""
+
 
 @dataclass(frozen=True)
 class CorrectDesign:
@@ -33,5 +36,6 @@ def correct_designs() -> tuple[CorrectDesign, ...]:
     """
     return (
         CorrectDesign("reference"),
+        *(CorrectDesign(name) for name in PROVEN),
         CorrectDesign("published", frozenset({"FLO-1"})),
     )

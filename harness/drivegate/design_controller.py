@@ -1,0 +1,52 @@
+"""Loading a correct controller of another design than the reference."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.design_candidates import DESIGN_PREFIX
+from drivegate.fault import Fault
+from drivegate_models.contract import nameplate_record
+from drivegate_models.design_controllers import DESIGNS, design_reset_function, design_step_function
+from drivegate_models.design_state import DESIGN_STATE
+from drivegate_models.signals import Nameplate
+
+
+class DesignController:
+    """One instance of a design: its state, and the compiled functions that it shares.
+
+    Parameters
+    ----------
+    name : str
+        Its name in `drivegate.design_candidates.DESIGN_CANDIDATES`.
+
+    Attributes
+    ----------
+    step_address : int
+        Address of the compiled `drivegate_step`.
+    state_address : int
+        Address of the state; valid as long as this object lives.
+    fault : None
+        Always None: a design answers every step.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._design = DESIGNS[name.removeprefix(DESIGN_PREFIX)]
+        self._step = design_step_function()
+        self._state: NDArray[Any] = np.zeros(1, DESIGN_STATE)
+        self.step_address: int = self._step.address
+        self.state_address: int = self._state.ctypes.data
+        self.fault: Fault | None = None
+
+    def reset(self, nameplate: Nameplate) -> None:
+        """Write the constants and forget everything else.
+
+        Parameters
+        ----------
+        nameplate : Nameplate
+            The drive's nominal data.
+        """
+        design_reset_function()(self._state, nameplate_record(nameplate), self._design)
