@@ -2,7 +2,12 @@
 
 numba's own cache does not notice an edit in a function of another file, and finds no place to write in a
 read-only installation without a home folder. So the cache folder carries a key made of the sources of this
-package and of the versions that compile them, and falls back to a temporary folder.
+package, of the place where they lie, and of the versions that compile them, and falls back to a temporary
+folder.
+
+It also counts the files of one function up: two processes that compile two functions made by one factory at the
+same time (the polynomials of `winding_current`, say) write both to file 1, and each later loads the other's code.
+So a file is named here after what it holds.
 """
 
 from __future__ import annotations
@@ -24,14 +29,14 @@ CACHE_VARIABLE = "DRIVEGATE_CACHE"
 
 
 def cache_key() -> str:
-    """Return a key of the kernel sources and of everything that compiles them.
+    """Return a key of the kernel sources, of their folder, and of everything that compiles them.
 
     Returns
     -------
     str
         Sixteen hexadecimal digits.
     """
-    digest = hashlib.sha256()
+    digest = hashlib.sha256(str(Path(__file__).resolve().parent).encode())
     for source in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(source.name.encode())
         digest.update(source.read_bytes())
@@ -98,8 +103,32 @@ KEEPS_CACHE = _configure()
 """Whether compiled kernels are kept between processes."""
 
 import numba  # noqa: E402  (the cache folder must be known before numba is imported)
+from numba.core import caching  # noqa: E402
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
+
+
+class _FilesNamedByContent(caching.IndexDataCacheFile):
+    """The files of one function, each named after the signature, the processor and the closure that it holds."""
+
+    def save(self, key: Any, data: Any) -> None:
+        """Save compiled code, and tell the index where it is."""
+        digest = hashlib.sha256(repr(key).encode()).digest()
+        name = self._data_name(int.from_bytes(digest[:8]))
+        self._save_data(name, data)
+        self._save_index({**self._load_index(), key: name})
+
+
+class _KernelCache(caching.FunctionCache):
+    """numba's cache of a function's compiled code, safe with several processes that compile at once."""
+
+    def __init__(self, function: Callable[..., object]) -> None:
+        super().__init__(function)
+        self._cache_file = _FilesNamedByContent(
+            cache_path=self._cache_path,
+            filename_base=self._impl.filename_base,
+            source_stamp=self._impl.locator.get_source_stamp(),
+        )
 
 
 _FUSED = {"contract"}
@@ -107,7 +136,10 @@ _FUSED = {"contract"}
 
 def _compiled(function: _Function, **options: Any) -> _Function:
     njit: Any = numba.njit
-    return cast(_Function, njit(cache=KEEPS_CACHE, error_model="numpy", **options)(function))
+    dispatcher = njit(error_model="numpy", **options)(function)
+    if KEEPS_CACHE and not vars(numba.config)["DISABLE_JIT"]:
+        dispatcher._cache = _KernelCache(function)
+    return cast(_Function, dispatcher)
 
 
 def kernel(function: _Function) -> _Function:
