@@ -29,6 +29,8 @@ class DesignController:
         Address of the compiled `drivegate_step`.
     state_address : int
         Address of the state; valid as long as this object lives.
+    state_size : int
+        Size of that state (bytes).
     fault : None
         Always None: a design answers every step.
     """
@@ -39,6 +41,7 @@ class DesignController:
         self._state: NDArray[Any] = np.zeros(1, DESIGN_STATE)
         self.step_address: int = self._step.address
         self.state_address: int = self._state.ctypes.data
+        self.state_size: int = self._state.nbytes
         self.fault: Fault | None = None
 
     def reset(self, nameplate: Nameplate) -> None:

@@ -91,16 +91,17 @@ def look_up(state: Any, power: float) -> float:
     float
         Next offset (rad electrical).
     """
+    controller = state.controller
     state.probes += 1
     if power < inf:
-        state.best_offset = state.offset
+        state.best_offset = controller.offset
         state.best_power = power
-        speed = state.speed * state.nominal_voltage / state.voltage
+        speed = state.speed * controller.nominal_voltage / controller.supply_voltage
         state.left = table_angle(speed, power) - state.line
     else:
         # The plant is not the table's: stay above what has lost the torque.
-        state.left = min(max(state.left, state.forbidden) + _AWAY, state.home)
-    if abs(state.left - state.offset) < _CLOSE or state.probes >= MOST_LOOKUPS:
+        state.left = min(max(state.left, controller.forbidden) + _AWAY, state.home)
+    if abs(state.left - controller.offset) < _CLOSE or state.probes >= MOST_LOOKUPS:
         state.finished = 1
     offset: float = state.left
     return offset

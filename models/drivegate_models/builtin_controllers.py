@@ -18,7 +18,8 @@ from drivegate_models.angle_model import initial_angle
 from drivegate_models.compilation import KEEPS_CACHE, unfused
 from drivegate_models.contract import COMMAND, SENSE
 from drivegate_models.controller_state import CONTROLLER_STATE, FLOWCHART, GUARDED, NO_SEARCH
-from drivegate_models.optimal_search import decide_by_flowchart, decide_guarded, guard_regulation, rearm
+from drivegate_models.optimal_search import decide_by_flowchart, decide_guarded
+from drivegate_models.search_protection import guard_regulation, rearm
 from drivegate_models.speed_regulator import regulate_speed
 
 SEARCH_PERIOD: Final = 0.1
@@ -79,6 +80,29 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
 
 
 @unfused
+def line_angle(state: Any, speed: float) -> float:
+    """Return the initial angle, which the search's offset is added to.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    speed : float
+        Measured speed (rad/s), above base speed.
+
+    Returns
+    -------
+    float
+        Angle (rad electrical).
+    """
+    line_speed = speed
+    if state.search == GUARDED and state.supply_voltage > 0.0:
+        # The same EMF over supply: the line follows the measured supply, but not its noise.
+        line_speed = max(speed * state.nominal_voltage / state.supply_voltage, state.base_speed)
+    return initial_angle(line_speed, state.base_speed, state.angle_at_base, state.angle_slope)
+
+
+@unfused
 def advance_angle(state: Any, speed: float) -> float:
     """Return the advance angle: the initial one plus the search's offset, zero below base speed.
 
@@ -101,13 +125,107 @@ def advance_angle(state: Any, speed: float) -> float:
         if speed < state.advance_begins:
             return 0.0
         state.advancing = 1
-    line_speed = speed
-    if state.search == GUARDED and state.supply_voltage > 0.0:
-        # The same EMF over supply: the line follows the measured supply, but not its noise.
-        line_speed = max(speed * state.nominal_voltage / state.supply_voltage, state.base_speed)
-    angle = initial_angle(line_speed, state.base_speed, state.angle_at_base, state.angle_slope)
-    applied: float = min(max(angle + state.offset, 0.0), 0.5 * pi)
+    applied: float = min(max(line_angle(state, speed) + state.offset, 0.0), 0.5 * pi)
     return applied
+
+
+@unfused
+def current_reference(state: Any, sense: Any) -> float:
+    """Regulate the speed.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+
+    Returns
+    -------
+    float
+        Current reference (A).
+    """
+    reference, integral = regulate_speed(
+        sense.speed_reference - sense.speed,
+        state.integral,
+        state.proportional,
+        state.integral_step,
+        state.current_limit,
+    )
+    state.integral = integral
+    return reference
+
+
+@unfused
+def observe(state: Any, sense: Any, reference: float) -> bool:
+    """Add a step to the running decision interval.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    reference : float
+        Current reference (A).
+
+    Returns
+    -------
+    bool
+        Whether the interval is complete and a decision is due.
+    """
+    state.count += 1
+    state.power_sum += sense.current_magnitude_sum
+    state.worst_error = max(state.worst_error, abs(sense.speed_reference - sense.speed))
+    if reference >= state.current_limit:
+        state.saturated += 1
+    if state.search == GUARDED:
+        guard_regulation(
+            state,
+            sense.speed,
+            sense.speed_reference,
+            sense.half_supply_voltage,
+            sense.current_magnitude_sum,
+            reference,
+            state.control_period,
+        )
+    due: bool = state.count >= state.decision_steps
+    return due
+
+
+@unfused
+def begin_interval(state: Any) -> None:
+    """Begin a new decision interval.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.count = 0
+    state.power_sum = 0.0
+    state.worst_error = 0.0
+    state.saturated = 0
+
+
+@unfused
+def answer(state: Any, sense: Any, reference: float, command: Any) -> None:
+    """Write the command.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    reference : float
+        Current reference (A).
+    command : record of COMMAND
+        Receives the answer.
+    """
+    command.current_reference = reference
+    command.advance_angle = advance_angle(state, sense.speed)
+    command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum
 
 
 @unfused
@@ -123,40 +241,14 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     command : record of COMMAND
         Receives the answer.
     """
-    error = sense.speed_reference - sense.speed
-    reference, integral = regulate_speed(
-        error, state.integral, state.proportional, state.integral_step, state.current_limit
-    )
-    state.integral = integral
-    saturated = reference >= state.current_limit
-    if state.search != NO_SEARCH and state.advancing == 1:
-        state.count += 1
-        state.power_sum += sense.current_magnitude_sum
-        state.worst_error = max(state.worst_error, abs(error))
-        if saturated:
-            state.saturated += 1
-        if state.search == GUARDED:
-            guard_regulation(
-                state,
-                sense.speed,
-                sense.speed_reference,
-                sense.half_supply_voltage,
-                sense.current_magnitude_sum,
-                reference,
-                state.control_period,
-            )
-        if state.count >= state.decision_steps:
-            if state.search == FLOWCHART:
-                decide_by_flowchart(state, error)
-            else:
-                decide_guarded(state)
-            state.count = 0
-            state.power_sum = 0.0
-            state.worst_error = 0.0
-            state.saturated = 0
-    command.current_reference = reference
-    command.advance_angle = advance_angle(state, sense.speed)
-    command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum
+    reference = current_reference(state, sense)
+    if state.search != NO_SEARCH and state.advancing == 1 and observe(state, sense, reference):
+        if state.search == FLOWCHART:
+            decide_by_flowchart(state, sense.speed_reference - sense.speed)
+        else:
+            decide_guarded(state)
+        begin_interval(state)
+    answer(state, sense, reference, command)
 
 
 def _record_pointer(layout: Any) -> Any:

@@ -126,6 +126,22 @@ def _mean_product(products: NDArray[np.float64], step: int, product: float) -> f
     return total / known
 
 
+_WORD = 0xFFFFFFFF
+_FNV_PRIME = 16777619
+
+
+@inlined
+def _digested(digest: int, bits: int) -> int:
+    """Add a 64-bit word to a digest: two rounds of FNV-1a over its halves, each mixed downward, in 63 bits."""
+    low = digest & _WORD
+    high = digest >> 32
+    low = ((low ^ (bits & _WORD)) * _FNV_PRIME) & _WORD
+    low ^= low >> 15
+    high = ((high ^ low ^ ((bits >> 32) & _WORD)) * _FNV_PRIME) & _WORD
+    high = (high ^ (high >> 15)) & 0x7FFFFFFF
+    return (high << 32) | low
+
+
 @unallocating
 def _run(
     drive: Drive,
@@ -191,8 +207,8 @@ def _run(
         command[0].current_reference = nan
         command[0].advance_angle = nan
         command[0].input_power = nan
-        call_step(step_address, state_address, exchange.sense_address, exchange.command_address)
         exchange.progress[0] = k + 1
+        call_step(step_address, state_address, exchange.sense_address, exchange.command_address)
         if command[0].struct_size < 0:
             run[observation.RUN_STEPS] = k
             return STOPPED, digest
@@ -203,7 +219,7 @@ def _run(
             run[observation.RUN_STEPS] = k
             return NOT_FINITE, digest
         for word in range(1, 4):
-            digest = ((digest << 7) | ((digest >> 57) & 127)) ^ exchange.command_bits[word]
+            digest = _digested(digest, exchange.command_bits[word])
 
         if reference < run[observation.RUN_REFERENCE_LOWEST]:
             run[observation.RUN_REFERENCE_LOWEST] = reference

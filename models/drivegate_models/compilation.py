@@ -105,6 +105,10 @@ KEEPS_CACHE = _configure()
 import numba  # noqa: E402  (the cache folder must be known before numba is imported)
 from numba.core import caching  # noqa: E402
 
+if KEEPS_CACHE:
+    # numba has read the variable already where something else imported it first.
+    vars(numba.config)["CACHE_DIR"] = os.environ["NUMBA_CACHE_DIR"]
+
 _Function = TypeVar("_Function", bound=Callable[..., object])
 
 

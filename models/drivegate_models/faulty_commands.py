@@ -8,7 +8,7 @@ from typing import Any, Final
 from drivegate_models import faulty_state as faults
 from drivegate_models.compilation import unfused
 from drivegate_models.faulty_searches import MIRROR
-from drivegate_models.optimal_search import HOLDING
+from drivegate_models.search_protection import HOLDING
 
 _RIPPLE_STEPS: Final = 4
 _BLIND_FROM_RPM: Final = 1230.0

@@ -9,7 +9,7 @@ from drivegate_models import faulty_state as faults
 from drivegate_models.angle_model import initial_angle
 from drivegate_models.compilation import unfused
 from drivegate_models.native_memory import double_at
-from drivegate_models.optimal_search import HOLDING, SEARCHING
+from drivegate_models.search_protection import HOLDING, SEARCHING
 
 MIRROR: Final = 200.0
 """The mirrored current sum is this less the true one (A)."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from math import radians
+from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation import unfused
 from drivegate_models.design_state import LOWEST_ANGLE
 
 _RATIO: Final = 0.6180339887498949
-_TOLERANCE = radians(0.6)
+_TOLERANCE = radians(1.5)
 
 
 @unfused
@@ -28,16 +28,34 @@ def begin_golden_section(state: Any) -> float:
     """
     state.low = LOWEST_ANGLE - state.line
     state.high = state.home
+    return divide(state)
+
+
+@unfused
+def divide(state: Any) -> float:
+    """Place both inner points anew; the right one is the first to be probed.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+
+    Returns
+    -------
+    float
+        Offset to probe (rad electrical).
+    """
     width = state.high - state.low
     state.left = state.high - _RATIO * width
     state.right = state.low + _RATIO * width
+    state.stage = 0
     probe: float = state.right
     return probe
 
 
 @unfused
 def continue_golden_section(state: Any, power: float) -> float:
-    """Drop the part of the bracket beyond the dearer of its two inner points.
+    """Drop the part of the bracket beyond the dearer of its two inner points, or that without torque.
 
     Parameters
     ----------
@@ -51,6 +69,13 @@ def continue_golden_section(state: Any, power: float) -> float:
     float
         Next offset to probe (rad electrical).
     """
+    if power == inf:
+        state.low = max(state.low, state.controller.forbidden)
+        if state.stage == 1 and state.controller.last_power < state.right_power:
+            # On the way to the left point it became cheaper than at the right one, until the torque was lost.
+            state.high = state.right
+        state.finished = 1 if state.high - state.low < _TOLERANCE else 0
+        return divide(state)
     if state.stage == 0:
         state.right_power = power
         state.stage = 1
@@ -72,7 +97,7 @@ def continue_golden_section(state: Any, power: float) -> float:
         state.left_power = state.right_power
         state.right = state.low + _RATIO * (state.high - state.low)
         state.stage = 2
-    if state.high - state.low < _TOLERANCE * state.grain:
+    if state.high - state.low < _TOLERANCE:
         state.finished = 1
     probe: float = state.left if state.stage == 1 else state.right
     return probe

@@ -100,11 +100,11 @@ def narrow(state: Any) -> float:
     float
         Offset to probe (rad electrical).
     """
-    state.low = max(state.low, state.forbidden)
+    state.low = max(state.low, state.controller.forbidden)
     below = state.left - state.low
     above = state.high - state.left
-    done_below = below < state.grain * (_NARROW if state.low_power == inf else _CLOSE)
-    done_above = above < state.grain * _CLOSE
+    done_below = below < (_NARROW if state.low_power == inf else _CLOSE)
+    done_above = above < _CLOSE
     if done_below and done_above:
         state.finished = 1
     if done_above and state.low_power == inf:

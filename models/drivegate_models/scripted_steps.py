@@ -51,8 +51,8 @@ def _make_steps(
         command[0].current_reference = nan
         command[0].advance_angle = nan
         command[0].input_power = nan
-        call_step(addresses[0], addresses[1], addresses[2], addresses[3])
         progress[0] = k + 1
+        call_step(addresses[0], addresses[1], addresses[2], addresses[3])
         if command[0].struct_size < 0:
             return STOPPED, k
         angle = command[0].advance_angle

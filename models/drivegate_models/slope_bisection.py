@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from math import radians
+from math import inf, radians
 from typing import Any
 
 from drivegate_models.compilation import unfused
 from drivegate_models.design_state import LOWEST_ANGLE
 
-_TOLERANCE = radians(1.0)
+_TOLERANCE = radians(0.7)
 _BASE = radians(1.2)
 
 
@@ -49,7 +49,7 @@ def continue_slope_bisection(state: Any, power: float) -> float:
     float
         Next offset to probe (rad electrical).
     """
-    if state.stage == 0 and power < state.home_power * 10.0:
+    if state.stage == 0 and power < inf:
         state.left_power = power
         state.stage = 1
         beside: float = state.left + _BASE
@@ -60,7 +60,7 @@ def continue_slope_bisection(state: Any, power: float) -> float:
         # The slope leads upward, or there is no torque below.
         state.low = state.left
     state.stage = 0
-    if state.high - state.low < _TOLERANCE * state.grain:
+    if state.high - state.low < _TOLERANCE:
         state.finished = 1
     state.left = 0.5 * (state.low + state.high)
     probe: float = state.left

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from drivegate.candidate import resolve_candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.result import CheckOutcome, CheckResult
 from drivegate.selftest.correct_designs import CorrectDesign, correct_designs
 from drivegate.selftest.matrix import DesignRow, FaultRow, Matrix

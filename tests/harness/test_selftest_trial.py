@@ -5,12 +5,15 @@ from typing import Any
 
 import pytest
 
-from drivegate.candidate import Candidate, resolve_candidate
+from drivegate.candidate import Candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.fault import CandidateFault, Fault, FaultKind
 from drivegate.fixed_scenarios import fixed_scenarios
 from drivegate.margin import Margin
 from drivegate.search_shard import JudgedRun, ShardOutcome
 from drivegate.selftest import trial as trial_module
+from drivegate.selftest.mutations import find_mutation
+from drivegate.selftest.selftest_run import SelftestEffort, planned_trial
 from drivegate.selftest.trial import Trial, run_trial
 from drivegate.shared_progress import SharedProgress
 from drivegate.worker_messages import Job, LoadedCandidate
@@ -104,3 +107,13 @@ def test_the_counterexample_is_made_simpler(monkeypatch: pytest.MonkeyPatch, siz
     assert catch is not None
     assert catch.size == (trial_module.size_of({**SCENARIO, "duration_s": 1.0}) if size is None else size)
     assert catch.scenario == SCENARIO["name"]
+
+
+@pytest.mark.parametrize("fault", ["slope-doubled", "flowchart-inverted"])
+def test_drawing_alone_has_to_do_without_the_fixed_scenarios(fault: str) -> None:
+    mutation = find_mutation(fault)
+    whole = planned_trial(mutation, SelftestEffort("quick", seeds=2))
+    drawn = planned_trial(mutation, SelftestEffort("quick", seeds=2, drawn_only=True))
+    assert drawn.fixed == ()
+    assert [len(jobs) for jobs in drawn.seeded.values()] == [len(jobs) for jobs in whole.seeded.values()]
+    assert all(drawn.seeded.values()), "something has to be left that can catch the fault"

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivegate_models import ledger, observation
+from drivegate_models import closed_loop, ledger, observation
 from drivegate_models.builtin_controllers import SEARCHES, reset_function, step_function
 from drivegate_models.closed_loop import FINISHED, ClosedLoopRun, run_closed_loop
 from drivegate_models.contract import nameplate_record
@@ -160,3 +160,18 @@ def test_the_trace_keeps_every_nth_period(motor: Any) -> None:
     run = simulate(motor(inertia=0.05), Load(CONSTANT_TORQUE, 5.0, 1.0), duration=0.5, trace_every=7)
     assert run.trace.shape == (math.ceil(1000 / 7), len(observation.TRACE_COLUMNS))
     assert np.allclose(np.diff(run.trace[:, 0]), 7 * 5e-4)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 64, 128, 192])
+def test_constant_commands_that_differ_are_told_apart(steps):
+    def digest(value):
+        bits = int(np.float64(value).view(np.int64))
+        total = 0
+        for _ in range(steps):
+            total = closed_loop._digested(total, bits)
+        return total
+
+    values = [0.0, -0.0, 1.0, -1.0, 1.0 + 2**-52, 12.0, 0.5]
+    digests = [digest(value) for value in values]
+    assert len(set(digests)) == len(values), f"commands of {steps} equal steps share a digest: {digests}"
+    assert all(0 <= found < 2**63 for found in digests)

@@ -51,3 +51,15 @@ def test_two_installations_keep_their_kernels_apart(tmp_path: Path) -> None:
     assert len(keys) == 2, (
         "numba looks kernels up by source path, so each place needs its own folder and marker"
     )
+
+
+def test_the_cache_folder_holds_where_numba_was_imported_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setenv(compilation.CACHE_VARIABLE, str(tmp_path))
+    command = "import numba; from drivegate_models.winding_current import phi4; print(phi4._cache.cache_path)"
+    done = subprocess.run(
+        [sys.executable, "-c", command], capture_output=True, text=True, check=True, timeout=120
+    )
+    assert Path(done.stdout.strip()).is_relative_to(tmp_path), done.stdout

@@ -48,10 +48,17 @@ ALL_SEEDS = 1000
     help="Climb toward small margins, or draw scenarios at random.",
 )
 @click.option(
+    "--drawn-only",
+    is_flag=True,
+    help="Leave the fixed scenarios out, and the correct designs: what would drawing alone have caught?",
+)
+@click.option(
     "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
 )
 @json_option
-def command(faults: tuple[str, ...], seeds: int, effort: str, search: bool, workers: int | None) -> Outcome:
+def command(
+    faults: tuple[str, ...], seeds: int, effort: str, search: bool, drawn_only: bool, workers: int | None
+) -> Outcome:
     """Check the checks: faulty controllers must be caught, correct designs must pass.
 
     Each faulty controller has one known fault, and one check that is named for it; any of them is also a
@@ -65,16 +72,16 @@ def command(faults: tuple[str, ...], seeds: int, effort: str, search: bool, work
     from drivegate.selftest.matrix_display import show_matrix
     from drivegate.selftest.selftest_run import SelftestEffort
 
-    amount = SelftestEffort(effort, seeds, workers, search)
+    amount = SelftestEffort(effort, seeds, workers, search, drawn_only)
     rows = _tried(mutations, amount)
-    designs = () if faults else _judged(amount)
+    designs = () if faults or drawn_only else _judged(amount)
     matrix = Matrix(tuple(check.id for check in CHECKS), rows, designs)
     code = ExitCode.PASSED if matrix.passed else ExitCode.FAILED
     return Outcome(matrix.document(), lambda console: show_matrix(console, matrix), code)
 
 
 def _chosen(names: Sequence[str]) -> tuple[Mutation, ...]:
-    from drivegate.candidate import FAULTY_PREFIX
+    from drivegate.candidate_resolution import FAULTY_PREFIX
     from drivegate.selftest.mutations import MUTATIONS, find_mutation
 
     if not names:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from drivegate.candidate import FAULTY_PREFIX, resolve_candidate
+from drivegate.candidate_resolution import FAULTY_PREFIX, resolve_candidate
 from drivegate.controller_loading import load_controller
 from drivegate.engine import check_candidate
 from drivegate.events import Event
@@ -48,12 +48,15 @@ class SelftestEffort:
         Number of processes; None for as many as there are processors.
     search : bool
         Whether to climb toward small margins.
+    drawn_only : bool
+        Whether to leave the fixed scenarios out, so that the drawn ones have to catch the faults.
     """
 
     name: str = "default"
     seeds: int = 1
     workers: int | None = None
     search: bool = True
+    drawn_only: bool = False
 
 
 def try_faults(mutations: Sequence[Mutation], effort: SelftestEffort) -> Iterator[FaultRow]:
@@ -79,7 +82,7 @@ def try_faults(mutations: Sequence[Mutation], effort: SelftestEffort) -> Iterato
     marker = missing_marker()
     if marker is not None:
         compile_kernels(marker)
-    jobs = [Job(run_trial, _trial(mutation, effort)) for mutation in mutations]
+    jobs = [Job(run_trial, planned_trial(mutation, effort)) for mutation in mutations]
     count = effort.workers or os.cpu_count() or 1
     with WorkerPool(resolve_candidate(HOST), load_controller, workers=min(count, len(jobs))) as pool:
         outcomes = pool.map(jobs)
@@ -87,9 +90,25 @@ def try_faults(mutations: Sequence[Mutation], effort: SelftestEffort) -> Iterato
             yield _row(mutation, outcome, effort)
 
 
-def _trial(mutation: Mutation, effort: SelftestEffort) -> Trial:
+def planned_trial(mutation: Mutation, effort: SelftestEffort) -> Trial:
+    """Plan what a faulty controller is put through.
+
+    Parameters
+    ----------
+    mutation : Mutation
+        The faulty controller.
+    effort : SelftestEffort
+        How much is searched.
+
+    Returns
+    -------
+    Trial
+        Its jobs, with and without a seed.
+    """
     candidate = resolve_candidate(FAULTY_PREFIX + mutation.name)
-    origins = _JUDGED_BY.get(mutation.check, (Origin.FIXED, Origin.DRAWN))
+    origins = _JUDGED_BY.get(
+        mutation.check, (Origin.DRAWN,) if effort.drawn_only else (Origin.FIXED, Origin.DRAWN)
+    )
     plans = {
         seed: planned_work(effort.name, seed, declaration=candidate.declaration, search=effort.search)
         for seed in range(effort.seeds)

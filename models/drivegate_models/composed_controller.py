@@ -1,0 +1,159 @@
+"""A built-in controller of which some blocks of Fig. 2 are replaced by functions that are called by address.
+
+What is not replaced is the built-in controllers' own code, and so is the state.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, Final
+
+import numpy as np
+
+from drivegate_models.builtin_controllers import advance_angle
+from drivegate_models.compilation import KEEPS_CACHE, unfused
+from drivegate_models.contract import COMMAND, SENSE
+from drivegate_models.controller_state import CONTROLLER_STATE, FLOWCHART, GUARDED, NO_SEARCH
+from drivegate_models.native_call import call_step
+from drivegate_models.optimal_search import decide_by_flowchart, decide_guarded
+from drivegate_models.search_protection import guard_regulation
+from drivegate_models.speed_regulator import regulate_speed
+
+COMPOSED_STATE: Final = np.dtype(
+    [
+        ("controller", CONTROLLER_STATE),
+        # Addresses of the blocks that are replaced, 0 for those that are not.
+        ("angle_model", np.int64),
+        ("speed_regulator", np.int64),
+        ("search", np.int64),
+        # What a block is told besides the Sense.
+        ("line_speed", np.float64),
+        ("current_reference", np.float64),
+        ("integral", np.float64),
+    ],
+    align=True,
+)
+"""State of a composed controller; `integral` is what a regulator keeps and the guarded search may set back (A).
+
+A block is called like a step and answers in a field of the command: the angle model and the search in
+`advance_angle` (rad), the regulator in `current_reference` (A).
+"""
+
+
+@unfused
+def initial_line_speed(state: Any, speed: float) -> float:
+    """Return the speed that the angle model is asked about, as `advance_angle` has it.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    speed : float
+        Measured speed (rad/s).
+
+    Returns
+    -------
+    float
+        For the guarded search, the speed at which the nominal supply would leave as much; else `speed` (rad/s).
+    """
+    if state.search == GUARDED and state.supply_voltage > 0.0:
+        line_speed: float = max(speed * state.nominal_voltage / state.supply_voltage, state.base_speed)
+        return line_speed
+    return speed
+
+
+@unfused
+def search_by_itself(state: Any, sense: Any, error: float, reference: float) -> None:
+    """Make one step of the built-in search.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    error : float
+        Speed reference minus speed (rad/s).
+    reference : float
+        Current reference (A).
+    """
+    state.count += 1
+    state.power_sum += sense.current_magnitude_sum
+    state.worst_error = max(state.worst_error, abs(error))
+    if reference >= state.current_limit:
+        state.saturated += 1
+    if state.search == GUARDED:
+        guard_regulation(
+            state,
+            sense.speed,
+            sense.speed_reference,
+            sense.half_supply_voltage,
+            sense.current_magnitude_sum,
+            reference,
+            state.control_period,
+        )
+    if state.count >= state.decision_steps:
+        if state.search == FLOWCHART:
+            decide_by_flowchart(state, error)
+        else:
+            decide_guarded(state)
+        state.count = 0
+        state.power_sum = 0.0
+        state.worst_error = 0.0
+        state.saturated = 0
+
+
+@cache
+def composed_step_function() -> Any:
+    """Return the composed controllers' `drivegate_step`, compiled.
+
+    Returns
+    -------
+    CFunc
+        Its `address` is that of a C function whose state is a COMPOSED_STATE; keep the object.
+    """
+    # numba has to be imported after the cache folder is known.
+    import numba
+    from numba.np.numpy_support import carray
+
+    pointer: Any = numba.types.CPointer
+    records = (pointer(numba.from_dtype(layout)) for layout in (COMPOSED_STATE, SENSE, COMMAND))
+
+    def drivegate_step(composed_pointer: Any, sense_pointer: Any, command_pointer: Any) -> None:
+        senses, commands = carray(sense_pointer, 1), carray(command_pointer, 1)
+        composed, sense, command = carray(composed_pointer, 1)[0], senses[0], commands[0]
+        sense_address, command_address = senses.ctypes.data, commands.ctypes.data
+        state = composed.controller
+        error = sense.speed_reference - sense.speed
+        if composed.speed_regulator != 0:
+            composed.integral = state.integral
+            call_step(composed.speed_regulator, 0, sense_address, command_address)
+            if command.struct_size < 0:
+                return
+            reference = command.current_reference
+            state.integral = composed.integral
+        else:
+            reference, state.integral = regulate_speed(
+                error, state.integral, state.proportional, state.integral_step, state.current_limit
+            )
+        if state.advancing == 1 and composed.search != 0:
+            composed.current_reference = reference
+            call_step(composed.search, 0, sense_address, command_address)
+            if command.struct_size < 0:
+                return
+            state.offset = command.advance_angle
+        elif state.advancing == 1 and state.search != NO_SEARCH:
+            search_by_itself(state, sense, error, reference)
+        if composed.angle_model != 0 and sense.speed >= state.base_speed:
+            composed.line_speed = initial_line_speed(state, sense.speed)
+            call_step(composed.angle_model, 0, sense_address, command_address)
+            if command.struct_size < 0:
+                return
+            # A line without slope is the angle itself.
+            state.angle_at_base = command.advance_angle
+            state.angle_slope = 0.0
+        command.current_reference = reference
+        command.advance_angle = advance_angle(state, sense.speed)
+        command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum
+
+    return numba.cfunc(numba.types.void(*records), cache=KEEPS_CACHE)(drivegate_step)
