@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 RESULT_SCHEMA: Final = 2
 """Version of the result document."""
+MOST_MARGINS: Final = 1000
+"""Most margins of a check that a result keeps."""
 STALE_WAIVERS: Final = ("waiver expired", "unexpectedly passes")
 """Verdicts of checks whose waiver has to be renewed or removed."""
 
@@ -40,6 +42,23 @@ class Found:
     measured: str
     size: int
     runs: int
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Where the signals of the run that a report shows for a check are.
+
+    Attributes
+    ----------
+    trace : int
+        Place among the recorded signals of the result.
+    start_s, end_s : float
+        The stretch that the check was judged on (s).
+    """
+
+    trace: int
+    start_s: float
+    end_s: float
 
 
 @dataclass(frozen=True)
@@ -88,6 +107,11 @@ class CheckOutcome:
         What the counterexample gave.
     waiver : dict or None
         Reason, owner, last day and margin of the waiver for the check.
+    margins : tuple of float
+        Margins of all runs that decide, from the least to the greatest; of more than `MOST_MARGINS` a part that is
+        spread evenly over their order. None of a check whose numbers depend on the machine.
+    recording : Recording or None
+        Signals of the counterexample, or of the worst scenario.
     """
 
     id: str
@@ -105,6 +129,8 @@ class CheckOutcome:
     counterexample: dict[str, Any] | None
     found: Found | None = None
     waiver: dict[str, Any] | None = None
+    margins: tuple[float, ...] = ()
+    recording: Recording | None = None
 
 
 @dataclass(frozen=True)
@@ -142,6 +168,10 @@ class CheckResult:
         The fixed scenarios and their margins.
     baseline : tuple of Comparison or None
         How margins have changed since an earlier result; None where it was not compared with one.
+    fail_on : str
+        ``required``, or ``advisory`` where advisory checks count like required ones.
+    traces : tuple of dict
+        Recorded signals: lists of equal length by column.
     """
 
     candidate: Candidate
@@ -158,6 +188,8 @@ class CheckResult:
     corpus_runs: int = 0
     fixed: tuple[FixedMargins, ...] = ()
     baseline: tuple[Comparison, ...] | None = None
+    fail_on: str = "required"
+    traces: tuple[dict[str, list[float]], ...] = ()
 
     def document(self) -> dict[str, Any]:
         """Write the result as plain data.
@@ -182,6 +214,7 @@ class CheckResult:
             "exit_code": self.exit_code,
             "seed": self.seed,
             "effort": self.effort,
+            "fail_on": self.fail_on,
             "checks": [asdict(outcome) for outcome in self.checks],
             "faults": [_fault_document(fault) for fault in self.faults],
             "runs": self.runs,
@@ -189,6 +222,7 @@ class CheckResult:
             "corpus_runs": self.corpus_runs,
             "fixed": [asdict(run) for run in self.fixed],
             "baseline": None if self.baseline is None else [asdict(entry) for entry in self.baseline],
+            "traces": list(self.traces),
             "provenance": self.provenance,
         }
         content = _finite_table(content)

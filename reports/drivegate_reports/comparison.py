@@ -1,57 +1,63 @@
-"""A published statement beside ours, and the verdict on it."""
+"""The comparison report: one page that decides between candidates, from the comparison document alone."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal, TypeAlias, get_args
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
 
-Verdict: TypeAlias = Literal["reproduced", "not reproduced", "open in the paper", "taken as given"]
+from drivegate_cases.atomic_write import write_atomically
 
-
-@dataclass(frozen=True)
-class Comparison:
-    """A published statement beside ours.
-
-    Attributes
-    ----------
-    fact : str
-        Number of the fact, such as ``P8``.
-    quantity : str
-        What is compared.
-    published, ours : str
-        Both with their units.
-    residual, tolerance : str
-        Ours minus the published value, and what is allowed; empty where they have no number.
-    verdict : str
-        ``reproduced``, ``not reproduced``, ``open in the paper``, or ``taken as given`` for a value that the
-        model has as an input, so that agreement proves nothing.
-    note : str
-        How ours was had.
-    """
-
-    fact: str
-    quantity: str
-    published: str
-    ours: str
-    residual: str
-    tolerance: str
-    verdict: Verdict
-    note: str
+REPORT_FILE: Final = "comparison.html"
+"""Name of the page in the report's folder."""
 
 
-def verdict_counts(rows: Sequence[Comparison]) -> tuple[tuple[Verdict, int], ...]:
-    """Count the verdicts.
+def write(document: Mapping[str, Any], folder: Path) -> Path:
+    """Write the comparison report.
 
     Parameters
     ----------
-    rows : sequence of Comparison
-        The comparisons.
+    document : mapping
+        The document of a comparison.
+    folder : Path
+        An existing folder.
 
     Returns
     -------
-    tuple of tuple
-        Each verdict with its number of comparisons.
+    Path
+        The page, complete in one file.
+
+    Raises
+    ------
+    InputError
+        When the document is no comparison, or the page cannot be written.
     """
-    verdicts = [row.verdict for row in rows]
-    return tuple((verdict, verdicts.count(verdict)) for verdict in get_args(Verdict))
+    path = folder / REPORT_FILE
+    write_atomically(path, page(document))
+    return path
+
+
+def page(document: Mapping[str, Any]) -> str:
+    """Make the page.
+
+    Parameters
+    ----------
+    document : mapping
+        The document of a comparison.
+
+    Returns
+    -------
+    str
+        HTML; the same text for the same document and versions.
+
+    Raises
+    ------
+    InputError
+        When the document is no comparison.
+    """
+    from drivegate_reports.comparison_figures import comparison_figures
+    from drivegate_reports.comparison_view import view_of
+    from drivegate_reports.pages import page_text
+
+    view = view_of(document)
+    return page_text("comparison.html.j2", view=view, figures=comparison_figures(document))

@@ -25,7 +25,7 @@ def write(document: Mapping[str, Any], folder: Path) -> Path:
     Returns
     -------
     Path
-        The page, complete in one file: no script, and nothing that a browser would fetch.
+        The page, complete in one file: its only script sorts and filters tables, and a browser fetches nothing.
 
     Raises
     ------
@@ -55,30 +55,27 @@ def page(document: Mapping[str, Any]) -> str:
     InputError
         When the document is no result of a check.
     """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
     from drivegate_cases.facts import facts, open_assumptions
-    from drivegate_reports.comparison import verdict_counts
     from drivegate_reports.conformance_view import view_of
-    from drivegate_reports.page_figures import page_figures
+    from drivegate_reports.coverage_rows import coverage_gaps, evidence_of, fact_rows
+    from drivegate_reports.pages import page_text
+    from drivegate_reports.paper_comparison import verdict_counts
     from drivegate_reports.published_facts import comparisons
     from drivegate_reports.recomputed_findings import recomputed_findings
+    from drivegate_reports.run_figures import margin_figure, shown_runs
 
     view = view_of(document)
-    environment = Environment(
-        loader=PackageLoader("drivegate_reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
     compared = comparisons()
-    return environment.get_template("conformance.html.j2").render(
+    return page_text(
+        "conformance.html.j2",
         result=view,
+        runs=shown_runs(document),
+        margins=margin_figure(document),
+        evidence={row.id: evidence_of(row.id) for row in view.checks},
+        gaps=coverage_gaps(document),
+        fact_rows=fact_rows(),
         counts=verdict_counts(compared),
         facts=[(fact, [row for row in compared if row.fact == fact.id]) for fact in facts()],
         findings=recomputed_findings(),
         assumptions=open_assumptions(),
-        figures=page_figures(),
     )

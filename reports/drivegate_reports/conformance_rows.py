@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from statistics import median
 from typing import Any, Final
 
 from drivegate.check_display import scenario_in_short
@@ -62,6 +63,12 @@ class CheckRow:
         The same as plain data.
     file : str
         The counterexample's file beside the page; empty where the check did not fail.
+    found : str
+        What the counterexample gave; empty where there is none.
+    spread : str
+        Least, median and greatest margin of all runs; empty where they are not kept.
+    waiver : tuple of tuple of str
+        Names and values of the waiver; empty where there is none.
     """
 
     id: str
@@ -80,6 +87,9 @@ class CheckRow:
     worst: str
     scenario: str
     file: str
+    found: str
+    spread: str
+    waiver: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
@@ -176,7 +186,32 @@ def check_row(check: Mapping[str, Any]) -> CheckRow:
         worst=clean(_in_short(scenario)) if scenario is not None else "",
         scenario=clean(plain_data(scenario), LONGEST_BLOCK) if scenario is not None else "",
         file=clean(counterexample_name(str(check["id"]))) if check["counterexample"] is not None else "",
+        found=_found(check),
+        spread=_spread(check.get("margins")),
+        waiver=tuple(
+            (clean(key).replace("_", " "), clean(value)) for key, value in (check.get("waiver") or {}).items()
+        ),
     )
+
+
+def _found(check: Mapping[str, Any]) -> str:
+    found = check.get("found")
+    if not isinstance(found, Mapping):
+        return ""
+    runs = found.get("runs")
+    told = f", made simpler in {runs} runs" if isinstance(runs, int) and runs > 0 else ""
+    return f"{clean(found.get('measured', ''))}{told}"
+
+
+def _spread(margins: object) -> str:
+    if not isinstance(margins, list) or not margins:
+        return ""
+    known = [value for value in margins if isinstance(value, int | float)]
+    if len(known) < len(margins) or not known:
+        return ""
+    listed = (min(known), median(known), max(known))
+    least, middle, greatest = (f"{value:+.3g}".replace("-", "−") for value in listed)
+    return f"least {least}, median {middle}, greatest {greatest}"
 
 
 def comparison_row(entry: Mapping[str, Any]) -> ComparisonRow:

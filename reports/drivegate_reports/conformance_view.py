@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from shlex import quote
@@ -10,6 +11,7 @@ from typing import Any, Final
 
 from drivegate.handlers.result_file import counterexample_name
 from drivegate.result import RESULT_SCHEMA
+from drivegate.waivers import DAY_VARIABLE, present_day
 from drivegate_models.errors import InputError
 from drivegate_reports.conformance_rows import (
     TONES,
@@ -42,6 +44,8 @@ class ResultView:
         As in the result document.
     failing : tuple of str
         Identifiers of the required checks that fail.
+    rests_on : tuple of str
+        What the verdict rests on, in sentences.
     next_step : str
         A command to go on with.
     checks : tuple of CheckRow
@@ -69,12 +73,38 @@ class ResultView:
     set_aside: int
     effort: str
     failing: tuple[str, ...]
+    rests_on: tuple[str, ...]
     next_step: str
     checks: tuple[CheckRow, ...]
     comparisons: tuple[ComparisonRow, ...]
     faults: tuple[FaultRow, ...]
     more_faults: int
     provenance: tuple[tuple[str, str], ...]
+
+    @property
+    def broken(self) -> tuple[CheckRow, ...]:
+        """Checks with a counterexample."""
+        return tuple(row for row in self.checks if row.file)
+
+    @property
+    def met(self) -> tuple[CheckRow, ...]:
+        """Checks without one that have a worst run."""
+        return tuple(row for row in self.checks if row.scenario and not row.file)
+
+    def replay(self, row: CheckRow) -> str:
+        """Write the command that runs a counterexample again.
+
+        Parameters
+        ----------
+        row : CheckRow
+            A check with a counterexample.
+
+        Returns
+        -------
+        str
+            The command, for the folder of the page.
+        """
+        return f"drivegate replay {quote(row.file)} --candidate {quote(self.specification)} --plot {quote(row.id)}.svg"
 
     def verdict_of(self, check: str) -> CheckRow | None:
         """Find a check.
@@ -120,9 +150,11 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
             f"the result has the schema {schema!r}, but this version reads up to {RESULT_SCHEMA}"
         )
     candidate = document["candidate"]
-    checks = tuple(check_row(_with_timed_numbers(check, document)) for check in document["checks"])
+    times = _shown_times(document)
+    checks = tuple(check_row(_with_timed_numbers(check, times)) for check in document["checks"])
     faults = tuple(fault_row(fault) for fault in document["faults"][:MOST_FAULTS])
-    failing = tuple(row.id for row in checks if row.verdict == "fail" and row.level == "required")
+    counted = ("required", "advisory") if document.get("fail_on") == "advisory" else ("required",)
+    failing = tuple(row.id for row in checks if row.verdict == "fail" and row.level in counted)
     verdict = clean(document["verdict"])
     return ResultView(
         candidate=clean(candidate["name"]),
@@ -138,18 +170,27 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
         set_aside=int(document["set_aside"]),
         effort=clean(document["effort"]),
         failing=failing,
+        rests_on=_rests_on(document, checks),
         next_step=clean(_next_step(document, failing)),
         checks=checks,
         comparisons=tuple(comparison_row(entry) for entry in document.get("baseline") or ()),
         faults=faults,
         more_faults=len(document["faults"]) - len(faults),
-        provenance=_provenance(document),
+        provenance=_provenance(document, times),
     )
 
 
-def _with_timed_numbers(check: Mapping[str, Any], document: Mapping[str, Any]) -> dict[str, Any]:
+def _shown_times(document: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Take the times; where the date is settled, that alone, so that equal results give equal pages."""
+    times: Mapping[str, Any] = document.get("timing", {})
+    if DAY_VARIABLE not in os.environ:
+        return times
+    return {"day": present_day().isoformat()}
+
+
+def _with_timed_numbers(check: Mapping[str, Any], times: Mapping[str, Any]) -> dict[str, Any]:
     """Take the numbers of a check that depends on the machine from the times."""
-    timed = document.get("timing", {}).get("checks", {}).get(check["id"], {})
+    timed = times.get("checks", {}).get(check["id"], {})
     return {**check, **timed} if check["margin"] is None else dict(check)
 
 
@@ -174,6 +215,30 @@ def _meaning(verdict: str, failing: Sequence[str]) -> str:
     return meanings.get(verdict, "")
 
 
+def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[str, ...]:
+    told = []
+    for level in ("required", "advisory"):
+        of_level = [row for row in checks if row.level == level]
+        counts = {row.verdict: sum(other.verdict == row.verdict for other in of_level) for row in of_level}
+        listed = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+        told.append(f"{len(of_level)} {level} checks: {listed or 'none'}.")
+    fixed, corpus = len(document.get("fixed") or ()), int(document.get("corpus_runs") or 0)
+    told.append(
+        f"{document['runs']} runs: {fixed} fixed scenarios, {corpus} of the corpus, the others drawn with the seed "
+        f"{document['seed']}."
+    )
+    told.append(
+        f"{document['set_aside']} drawn scenarios were set aside: no controller could have done what they ask for, "
+        "since no angle gives the torque there, or the shaft would have to be braked."
+    )
+    if document["faults"]:
+        told.append(f"{len(document['faults'])} faults of the candidate, which no waiver covers.")
+    waived = [row.id for row in checks if row.waiver]
+    if waived:
+        told.append(f"Waivers for {', '.join(waived)}.")
+    return tuple(map(clean, told))
+
+
 def _next_step(document: Mapping[str, Any], failing: Sequence[str]) -> str:
     specification = quote(str(document["candidate"]["specification"]))
     if failing:
@@ -185,7 +250,7 @@ def _next_step(document: Mapping[str, Any], failing: Sequence[str]) -> str:
     return f"drivegate check {specification} --effort {document['effort']} --seed {document['seed']}"
 
 
-def _provenance(document: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+def _provenance(document: Mapping[str, Any], times: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     candidate = document["candidate"]
     entries: list[tuple[str, object]] = [
         ("candidate", candidate["name"]),
@@ -197,10 +262,8 @@ def _provenance(document: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
             for key, value in candidate["declaration"].items()
         ),
     ]
-    for section in ("provenance", "timing"):
-        for key, value in document.get(section, {}).items():
-            if (section, key) == ("timing", "checks"):
-                continue
+    for section in (document.get("provenance", {}), {key: times[key] for key in times if key != "checks"}):
+        for key, value in section.items():
             items = value.items() if isinstance(value, Mapping) else [("", value)]
             entries += [(f"{key} {name}".strip().replace("_", " "), item) for name, item in items]
     return tuple((clean(name), clean(value)) for name, value in entries)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 from drivegate_cases.facts import facts
-from drivegate_reports.comparison import Comparison
+from drivegate_reports.paper_comparison import Comparison
 from drivegate_reports.published_quantities import compared
-from drivegate_reports.published_statements import STATEMENTS
+from drivegate_reports.published_statements import FIGURE_1, STATEMENTS
 
 
 @cache
@@ -24,3 +24,15 @@ def comparisons() -> tuple[Comparison, ...]:
         rows += [compared(fact, quantity) for quantity in fact.quantities]
         rows += [compare() for compare in STATEMENTS.get(fact.id, ())]
     return tuple(rows)
+
+
+@cache
+def all_comparisons() -> tuple[Comparison, ...]:
+    """Compare also what belongs to no fact: the statements on the waveforms of Fig. 1.
+
+    Returns
+    -------
+    tuple of Comparison
+        Those of Fig. 1, then those of the facts.
+    """
+    return (*(compare() for compare in FIGURE_1), *comparisons())

@@ -19,19 +19,15 @@ from drivegate_models import observation
 from drivegate_models.builtin_controllers import SEARCHES
 from drivegate_models.oracle import feasible_edge, point_at_torque
 from drivegate_models.steady_state import steady_state
-from drivegate_reports.comparison import Comparison, Verdict
 from drivegate_reports.figures.instantaneous_torque import ADVANCE_DEG, torque_cycle
 from drivegate_reports.figures.phase_currents import POINTS
+from drivegate_reports.figures.speed_limit import speed_limit
+from drivegate_reports.paper_comparison import Comparison, Number, Verdict
 from drivegate_reports.reference_drive import (
-    HIGHEST_PUBLISHED_RPM,
     RADIANS_PER_RPM,
     ideal_drive,
-    power_torque,
     reference_motor,
 )
-
-FASTEST_PROBED_RPM: Final = 4000.0
-"""Speed up to which constant power is looked for."""
 
 
 @dataclass(frozen=True)
@@ -120,24 +116,20 @@ def _ripple() -> Ours:
 
 
 def _speed_ratio() -> Ours:
-    motor = reference_motor()
-    speeds = np.arange(HIGHEST_PUBLISHED_RPM, FASTEST_PROBED_RPM + 1.0, 100.0)
-    edges = [
-        feasible_edge(ideal_drive(), speed * RADIANS_PER_RPM, power_torque(speed, motor.rated_power_w))
-        for speed in speeds
-    ]
-    reached = [(speed, edge) for speed, edge in zip(speeds, edges, strict=True) if math.isfinite(edge)]
-    speed, edge = reached[-1]
+    data = speed_limit()
+    edge = data.edge_deg[data.speed_rpm == data.reached_rpm][0]
     return Ours(
-        speed / motor.base_speed_rpm,
-        f"1.5 kW is within reach at {speed:.0f} rpm from {math.degrees(edge):.1f}° on; looked no further",
+        data.reached_rpm / data.base_speed_rpm,
+        f"1.5 kW is within reach at {data.reached_rpm:.0f} rpm from {edge:.1f}° on; looked no further",
     )
 
 
 def _angle_of_greatest_speed() -> Ours:
+    data = speed_limit()
     return Ours(
         90.0,
-        "no greatest speed is stated; ours still gives 1.5 kW at the fastest speed looked at, far below 90°",
+        f"no greatest speed is stated; ours gives the greatest power at 90° from {data.ninety_from_rpm:.0f} rpm on, "
+        f"but still {data.power_at_90_w[-1]:.0f} W at {data.speed_rpm[-1]:.0f} rpm",
         is_open=True,
     )
 
@@ -217,6 +209,10 @@ def compared(fact: Fact, quantity: Quantity) -> Comparison:
         tolerance="a limit" if bounded else _tolerance(quantity),
         verdict=verdict,
         note=ours.note,
+        numbers=(
+            Number("published", quantity.value, quantity.unit),
+            *([Number("ours", ours.value, quantity.unit)] if known else []),
+        ),
     )
 
 

@@ -8,7 +8,11 @@ from typing import Any
 
 import pytest
 
+from drivegate.builtin_loading import BuiltinController
+from drivegate.recording import thinned
+from drivegate.scenario_run import run_scenario
 from drivegate_cases.scenario import load_scenario
+from drivegate_models.builtin_controllers import SEARCHES
 from drivegate_reports.conformance import page
 
 Document = dict[str, Any]
@@ -103,6 +107,51 @@ def failing() -> Document:
     }
     checks = [_check("CNV-1", **failed), _check("CUR-1", **failed, level="advisory"), _check("ADV-1")]
     return _document(verdict="exception", exit_code=1, checks=checks, faults=[fault])
+
+
+@pytest.fixture(scope="session")
+def lock_up() -> dict[str, list[float]]:
+    """Return the signals of the controller `published` in the scenario in which it locks up."""
+    run = run_scenario(load_scenario("lock-up"), BuiltinController(SEARCHES["published"]), trace_every=1)
+    return thinned(run.trace)
+
+
+@pytest.fixture(scope="session")
+def recorded(lock_up: dict[str, list[float]]) -> Document:
+    """Return a result of schema 2 with margins and recordings: one check fails, another is met in the same run."""
+    scenario = load_scenario("lock-up").to_mapping()
+    recording = {"trace": 0, "start_s": 6.2, "end_s": scenario["duration_s"]}
+    shared = {"scenario": scenario, "recording": recording, "waiver": None}
+    failed = _check(
+        "CNV-1",
+        **shared,
+        verdict="fail",
+        margin=-46.3,
+        measured="speed error 236 rpm",
+        message="speed error 236 rpm; fails in 2 of 4 runs",
+        margins=[-46.3, -3.0, 0.1, 0.9],
+        found={"margin": -46.3, "measured": "speed error 236 rpm", "size": 3, "runs": 11},
+    )
+    failed["counterexample"] = scenario
+    met = _check("CMD-1", **shared, margin=0.0, margins=[0.0, 0.0, 1.0], found=None)
+    waiver = {"reason": "a known weakness", "owner": "drives", "expires": "2030-01-01", "margin": -60.0}
+    waived = _check("CNV-3", verdict="waived", margin=-2.0, margins=[-2.0], found=None, waiver=waiver)
+    return _document(
+        schema=2,
+        verdict="fail",
+        exit_code=1,
+        checks=[failed, met, waived],
+        traces=[lock_up],
+        corpus_runs=0,
+        fixed=[],
+        baseline=None,
+    )
+
+
+@pytest.fixture(scope="session")
+def recorded_page(recorded: Document) -> str:
+    """Return the page of the result with recordings."""
+    return page(recorded)
 
 
 @pytest.fixture(scope="session")

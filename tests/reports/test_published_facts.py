@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from drivegate_cases.facts import facts, findings
-from drivegate_reports.comparison import Comparison, verdict_counts
+from drivegate_reports.paper_comparison import Comparison, verdict_counts
 from drivegate_reports.published_facts import comparisons
 from drivegate_reports.published_quantities import quantity_keys
 from drivegate_reports.recomputed_findings import local_minima, recomputed_findings

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, Final
 
@@ -41,7 +42,8 @@ class JUnitFile:
 def junit_xml(result: dict[str, Any]) -> bytes:
     """Make JUnit XML of a result document.
 
-    An advisory check that fails is told in the output of its case, which passes; so does one that is waived. A
+    An advisory check that fails is told in the output of its case, which passes unless advisory checks count; so does
+    one that is waived. A
     comparison with a baseline has cases of its own.
 
     Parameters
@@ -56,11 +58,12 @@ def junit_xml(result: dict[str, Any]) -> bytes:
     """
     name = one_line(result["candidate"]["name"])
     suite = ElementTree.Element("testsuite", name=f"drivegate {name}")
+    counted = ("required", "advisory") if result.get("fail_on") == "advisory" else ("required",)
     for check in result["checks"]:
         case = _case(suite, name, check["id"])
-        _judge(case, check)
+        _judge(case, check, counted)
     for entry in result["baseline"] or ():
-        _compare(_case(suite, name, f"{entry['check']} against the baseline"), entry)
+        _compare(_case(suite, name, f"{entry['check']} against the baseline"), entry, counted)
     for number, (fault, count) in enumerate(distinct_faults(result["faults"]), start=1):
         case = _case(suite, name, f"fault {number}")
         error = ElementTree.SubElement(
@@ -86,9 +89,9 @@ def _case(suite: ElementTree.Element, candidate: str, name: str) -> ElementTree.
     return ElementTree.SubElement(suite, "testcase", classname=candidate, name=one_line(name))
 
 
-def _judge(case: ElementTree.Element, check: dict[str, Any]) -> None:
+def _judge(case: ElementTree.Element, check: dict[str, Any], counted: Collection[str]) -> None:
     verdict, message = check["verdict"], one_line(check["message"])
-    required = check["level"] == "required"
+    required = check["level"] in counted
     if verdict == "not applicable":
         ElementTree.SubElement(case, "skipped", message=message)
     elif verdict in STALE_WAIVERS or (required and verdict == "fail"):
@@ -102,9 +105,9 @@ def _judge(case: ElementTree.Element, check: dict[str, Any]) -> None:
         output.text = one_line(f"{check['level']}, {verdict}: {check['message']}")
 
 
-def _compare(case: ElementTree.Element, entry: dict[str, Any]) -> None:
+def _compare(case: ElementTree.Element, entry: dict[str, Any], counted: Collection[str]) -> None:
     message = one_line(entry["message"])
-    if entry["level"] == "required" and entry["verdict"] == "fail":
+    if entry["level"] in counted and entry["verdict"] == "fail":
         ElementTree.SubElement(case, "failure", type="fail", message=message)
     else:
         ElementTree.SubElement(case, "system-out").text = one_line(f"{entry['verdict']}: {message}")

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from contextlib import redirect_stdout
-from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any, Final
 
 from drivegate.events import CheckFinished, Event
 from drivegate.fault import bounded_line
-
-REPORT_GROUP: Final = "drivegate.reports"
-"""Group of entry points, each a function of the result document and a folder that returns what it wrote."""
+from drivegate.report_writers import WriteReport, report_points
 
 
 class ReportPages:
@@ -50,11 +45,11 @@ class ReportPages:
         """
         if not isinstance(event, CheckFinished):
             return
-        for point in sorted(entry_points(group=REPORT_GROUP), key=lambda point: point.name):
+        for point in report_points().values():
             try:
                 # Standard output belongs to the command.
                 with redirect_stdout(sys.stderr):
-                    write: Callable[[dict[str, Any], Path], Path] = point.load()
+                    write: WriteReport = point.load()
                     page = Path(write(event.result.document(), self._folder))
                 self.pages.append(page.resolve().relative_to(self._folder.resolve()))
             except Exception as error:

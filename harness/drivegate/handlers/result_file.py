@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,9 +13,11 @@ from drivegate.fault import bounded_line
 RESULT_FILE: Final = "result.json"
 COUNTEREXAMPLES: Final = "counterexamples"
 
+_NUMBERS: Final = re.compile(r"\[\n\s+(?:[-+.\deE]+|null)(?:,\n\s+(?:[-+.\deE]+|null))*\n\s+\]")
+
 
 def as_json(document: dict[str, Any]) -> str:
-    """Write a document as the text of a file.
+    """Write a document as the text of a file; a list of numbers stands on one line.
 
     Parameters
     ----------
@@ -26,7 +29,12 @@ def as_json(document: dict[str, Any]) -> str:
     str
         Indented JSON with a line end.
     """
-    return json.dumps(document, indent=2, ensure_ascii=True, allow_nan=False) + "\n"
+    text = json.dumps(document, indent=2, ensure_ascii=True, allow_nan=False)
+    # Within a string a line end would be an escape.
+    return (
+        _NUMBERS.sub(lambda listed: " ".join(listed[0].split()).replace("[ ", "[").replace(" ]", "]"), text)
+        + "\n"
+    )
 
 
 class ResultFile:

@@ -1,0 +1,104 @@
+"""``drivegate compare``: several candidates side by side, with a ranking."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from drivegate.commands.conduct import ExitCode, Outcome, complain, failure_of
+from drivegate.commands.options import json_option
+from drivegate_cases.wording import one_line
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+DEFAULT_OUTPUT = "drivegate-comparison"
+ERROR_SCHEMA = 1
+
+
+@click.command("compare")
+@click.argument("candidates", nargs=-1, required=True, metavar="CANDIDATE...")
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    default=DEFAULT_OUTPUT,
+    show_default=True,
+    metavar="DIR",
+    help="Folder of the report.",
+)
+@click.option(
+    "--effort",
+    type=click.Choice(["quick", "default", "nightly"]),
+    default="default",
+    show_default=True,
+    help="Number of operating points, disturbances and repetitions.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 2**63 - 1),
+    default=0,
+    show_default=True,
+    help="Seed of noise and of drawn plants.",
+)
+@click.option(
+    "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
+)
+@click.option(
+    "--checks/--no-checks",
+    default=True,
+    show_default=True,
+    help="Compare the margins of all checks too, at quick effort.",
+)
+@click.option(
+    "--cycle",
+    default="ece-15",
+    show_default=True,
+    metavar="NAME|FILE",
+    help="A drive cycle that comes along, or a CSV file with time_s and speed_km_h.",
+)
+@json_option
+def command(
+    candidates: tuple[str, ...],
+    output: Path,
+    effort: str,
+    seed: int,
+    workers: int | None,
+    checks: bool,
+    cycle: str,
+) -> Outcome:
+    """Compare every CANDIDATE over the same operating points, disturbances, noise and drive cycle.
+
+    The report ranks them, and tells who wins where and by how much. A CANDIDATE is whatever drivegate check takes.
+    The exit code is 0 when the report is complete, whatever the candidates do, 2 when one is refused, 3 after a
+    fault of drivegate.
+    """
+    from drivegate.comparison_gate import ComparisonOptions, compare_all
+
+    ending = compare_all(candidates, output, ComparisonOptions(effort, seed, workers, checks, cycle))
+    if ending.document is None and len(ending.refused) == 1:
+        raise ending.refused[0][1]
+    code = ExitCode.PASSED
+    for specification, error in ending.refused:
+        failure = failure_of(error)
+        code = max(code, ExitCode(failure.exit_code))
+        about = f"{one_line(specification)}: "
+        complain(replace(failure, message=f"{about}{failure.message}"), error)
+    document = ending.document or _nothing(ending.refused)
+
+    def show(console: Console) -> None:
+        if ending.document is not None:
+            from drivegate.comparison_display import show_comparison
+
+            show_comparison(console, ending.document, ending.pages or (output,))
+
+    return Outcome(document, show, code)
+
+
+def _nothing(refused: tuple[tuple[str, Exception], ...]) -> dict[str, Any]:
+    """Make the document about candidates of which none could be run."""
+    code = max(failure_of(error).exit_code for _, error in refused)
+    message = "; ".join(f"{one_line(name)}: {failure_of(error).message}" for name, error in refused)
+    return {"schema": ERROR_SCHEMA, "error": {"message": message, "exit_code": int(code)}}

@@ -1,0 +1,75 @@
+"""How every page is made: one template folder, one style sheet, one script, and a policy that lets nothing else in."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from functools import cache
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+STYLE_SHEET: Final = "house.css"
+"""Style sheet of every page, among the templates."""
+SCRIPT: Final = "tables.js"
+"""Script of every page: it lets tables be sorted and filtered; without it they read as they are."""
+
+
+def page_text(template: str, **values: Any) -> str:
+    """Make a page.
+
+    Parameters
+    ----------
+    template : str
+        Name of the template.
+    **values
+        What the template shows; every text of it is escaped.
+
+    Returns
+    -------
+    str
+        HTML, complete in one file; its content policy allows its own style and this script, and no address.
+    """
+    style, script = _part(STYLE_SHEET), _part(SCRIPT)
+    return (
+        environment()
+        .get_template(template)
+        .render(style=style, script=script, policy=_policy(script), **values)
+    )
+
+
+@cache
+def environment() -> Environment:
+    """Make the environment of the templates.
+
+    Returns
+    -------
+    Environment
+        Every text is escaped, and a name that is not given is an error.
+    """
+    from jinja2 import Environment as NewEnvironment
+    from jinja2 import PackageLoader, StrictUndefined
+
+    return NewEnvironment(
+        loader=PackageLoader("drivegate_reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+
+
+def _part(name: str) -> str:
+    return (files("drivegate_reports") / "templates" / name).read_text(encoding="utf-8")
+
+
+def _policy(script: str) -> str:
+    """Write the content policy: the hash of the script allows it, and no other."""
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return (
+        f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'; "
+        "base-uri 'none'; form-action 'none'"
+    )

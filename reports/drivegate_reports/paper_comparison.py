@@ -1,0 +1,79 @@
+"""A published statement beside ours, and the verdict on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, get_args
+
+Verdict: TypeAlias = Literal["reproduced", "not reproduced", "open in the paper", "taken as given"]
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number with its unit.
+
+    Attributes
+    ----------
+    name : str
+        What it is, such as ``published`` or ``ours``.
+    value : float
+        The number.
+    unit : str
+        Its unit; empty for a pure number.
+    """
+
+    name: str
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A published statement beside ours.
+
+    Attributes
+    ----------
+    fact : str
+        Number of the fact, such as ``P8``.
+    quantity : str
+        What is compared.
+    published, ours : str
+        Both with their units.
+    residual, tolerance : str
+        Ours minus the published value, and what is allowed; empty where they have no number.
+    verdict : str
+        ``reproduced``, ``not reproduced``, ``open in the paper``, or ``taken as given`` for a value that the
+        model has as an input, so that agreement proves nothing.
+    note : str
+        How ours was had.
+    numbers : tuple of Number
+        The numbers behind the words, for programs.
+    """
+
+    fact: str
+    quantity: str
+    published: str
+    ours: str
+    residual: str
+    tolerance: str
+    verdict: Verdict
+    note: str
+    numbers: tuple[Number, ...] = ()
+
+
+def verdict_counts(rows: Sequence[Comparison]) -> tuple[tuple[Verdict, int], ...]:
+    """Count the verdicts.
+
+    Parameters
+    ----------
+    rows : sequence of Comparison
+        The comparisons.
+
+    Returns
+    -------
+    tuple of tuple
+        Each verdict with its number of comparisons.
+    """
+    verdicts = [row.verdict for row in rows]
+    return tuple((verdict, verdicts.count(verdict)) for verdict in get_args(Verdict))

@@ -1,0 +1,62 @@
+// Tables that people sort and filter. A page reads the same without this.
+(() => {
+  "use strict";
+  const number = (text) => {
+    const found = /^(?:at (?:least|most) |± ?)?([+−-]?\d+(?:[.,]\d+)?(?:e[+-]?\d+)?)/i.exec(text.trim());
+    return found ? Number(found[1].replace("−", "-").replace(",", ".")) : NaN;
+  };
+  const shown = (row, column) => {
+    const cell = row.cells[column];
+    return cell ? (cell.dataset.sort ?? cell.textContent).trim() : "";
+  };
+  const compare = (left, right) => {
+    const [a, b] = [number(left), number(right)];
+    if (!Number.isNaN(a) && !Number.isNaN(b) && a !== b) return a - b;
+    return left.localeCompare(right, "en", { numeric: true });
+  };
+  const sortable = (table) => {
+    const heads = [...table.tHead.rows[0].cells];
+    heads.forEach((head, column) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.className = "sort";
+      button.append(...head.childNodes);
+      head.append(button);
+      button.addEventListener("click", () => {
+        const down = head.getAttribute("aria-sort") === "ascending";
+        heads.forEach((other) => other.removeAttribute("aria-sort"));
+        head.setAttribute("aria-sort", down ? "descending" : "ascending");
+        const sign = down ? -1 : 1;
+        for (const body of table.tBodies) {
+          const rows = [...body.rows];
+          rows.sort((a, b) => sign * compare(shown(a, column), shown(b, column)));
+          body.append(...rows);
+        }
+      });
+    });
+  };
+  const filterable = (table, place) => {
+    const rows = [...table.tBodies].flatMap((body) => [...body.rows]);
+    const box = document.createElement("label");
+    box.className = "filter";
+    const field = document.createElement("input");
+    field.type = "search";
+    const count = document.createElement("output");
+    box.append(`Show only rows of “${table.dataset.name}” with `, field, " ", count);
+    place.before(box);
+    field.addEventListener("input", () => {
+      const words = field.value.toLowerCase().split(/\s+/).filter(Boolean);
+      let left = 0;
+      for (const row of rows) {
+        const text = row.textContent.toLowerCase();
+        row.hidden = !words.every((word) => text.includes(word));
+        left += row.hidden ? 0 : 1;
+      }
+      count.textContent = words.length ? `${left} of ${rows.length}` : "";
+    });
+  };
+  for (const table of document.querySelectorAll("table[data-name]")) {
+    sortable(table);
+    if (table.tBodies[0].rows.length > 5 && table.dataset.filter !== "no") filterable(table, table.closest(".scroll") ?? table);
+  }
+})();

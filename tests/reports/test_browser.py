@@ -1,0 +1,169 @@
+"""The pages in a real browser: no error, nothing missing, sorting and filtering, narrow screens, print, access."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from drivegate.result_reports import report_formats, write_reports
+from drivegate_reports.reproduction import PAGE_FILE, reproduce
+
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+OPTIONS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+A4_WIDTH = 718
+"""Width between the margins of a printed page (CSS pixels)."""
+MISSING = """() => [...document.querySelectorAll('a[href]')]
+  .map(anchor => anchor.getAttribute('href'))
+  .filter(href => href.startsWith('#') && !document.getElementById(decodeURIComponent(href.slice(1))))"""
+FILES = """() => [...document.querySelectorAll('a[href], img[src]')]
+  .map(item => item.getAttribute('href') ?? item.getAttribute('src')).filter(to => !to.startsWith('#'))"""
+CUT = """() => [...document.querySelectorAll('table, figure svg')]
+  .filter(item => item.getClientRects().length && item.getBoundingClientRect().right > innerWidth + 1)
+  .map(item => item.outerHTML.slice(0, 80))"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    found = [path for path in map(shutil.which, NAMES) if path]
+    assert found, (
+        f"these tests need a browser: install the package chromium, which brings one of {', '.join(NAMES)}"
+    )
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=found[0], args=OPTIONS)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory, recorded: dict[str, Any]) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("pages")
+    conformance, reproduction = folder / "conformance", folder / "reproduction"
+    for part in (conformance, reproduction):
+        part.mkdir()
+    (page,) = write_reports(recorded, conformance, report_formats(["conformance"]))
+    reproduce(reproduction)
+    return {"conformance": conformance / page, "reproduction": reproduction / PAGE_FILE}
+
+
+Open = Callable[..., Page]
+
+
+@pytest.fixture
+def opened(browser: Browser, pages: dict[str, Path]) -> Iterator[Open]:
+    """Open a page; whatever its console tells is an error at the end."""
+    told: list[str] = []
+    contexts = []
+
+    def open_page(name: str, width: int = 1280, **options: Any) -> Page:
+        context = browser.new_context(viewport={"width": width, "height": 900}, **options)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("console", lambda message: told.append(message.text))
+        page.on("pageerror", lambda error: told.append(str(error)))
+        page.on("requestfailed", lambda request: told.append(f"failed: {request.url}"))
+        page.goto(pages[name].as_uri())
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert told == [], f"the browser complains: {told}"
+
+
+BOTH = pytest.mark.parametrize("name", ["conformance", "reproduction"])
+
+
+@BOTH
+def test_every_anchor_and_file_resolves(opened: Open, pages: dict[str, Path], name: str) -> None:
+    page = opened(name)
+    assert page.evaluate(MISSING) == [], "an anchor leads nowhere"
+    for file in page.evaluate(FILES):
+        assert (pages[name].parent / file).is_file(), f"the page refers to {file}, which is not beside it"
+    assert page.evaluate("[...document.images].every(image => image.naturalWidth > 0)")
+    drawings = page.locator("figure svg")
+    assert drawings.count() > 1, "the page has no figures"
+    assert all((box := drawing.bounding_box()) and box["height"] > 100 for drawing in drawings.all())
+
+
+@BOTH
+def test_nothing_scrolls_sideways_on_a_narrow_screen(opened: Open, name: str) -> None:
+    page = opened(name, width=390)
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+
+
+@BOTH
+def test_print_cuts_no_table(opened: Open, name: str) -> None:
+    page = opened(name, width=A4_WIDTH)
+    page.emulate_media(media="print")
+    assert page.evaluate(CUT) == [], "wider than the paper"
+    assert page.evaluate("document.documentElement.scrollWidth") <= A4_WIDTH
+    assert page.pdf(format="A4").startswith(b"%PDF")
+
+
+@BOTH
+def test_axe_finds_no_fault(opened: Open, name: str) -> None:
+    # The content policy lets no other script in, and axe is one.
+    page = opened(name, bypass_csp=True)
+    page.evaluate((files("axe_playwright_python") / "axe.min.js").read_text(encoding="utf-8"))
+    found = page.evaluate("axe.run()")["violations"]
+    assert [(fault["id"], fault["impact"], fault["nodes"][0]["html"]) for fault in found] == []
+
+
+def test_the_policy_lets_no_other_script_in(browser: Browser, pages: dict[str, Path]) -> None:
+    page = browser.new_page()
+    page.goto(pages["conformance"].as_uri())
+    page.evaluate(
+        "() => { const made = document.createElement('script'); made.textContent = 'window.ran = true';"
+        " document.body.append(made); }"
+    )
+    assert page.evaluate("window.ran") is None
+    page.close()
+
+
+def test_tables_sort_by_number_and_by_text(opened: Open) -> None:
+    page = opened("conformance")
+    table = page.locator("table[data-name=checks]")
+    heads = table.locator("tbody th")
+    table.get_by_role("button", name="margin").click()
+    assert heads.all_inner_texts() == ["CNV-1", "CNV-3", "CMD-1"], "by margin, −46.3 first"
+    table.get_by_role("button", name="margin").click()
+    assert heads.all_inner_texts() == ["CMD-1", "CNV-3", "CNV-1"], "the other way round"
+    assert table.locator("th[aria-sort=descending]").inner_text().startswith("margin")
+    table.get_by_role("button", name="check").click()
+    assert heads.all_inner_texts() == ["CMD-1", "CNV-1", "CNV-3"], "by name"
+
+
+def test_tables_filter_by_words(opened: Open) -> None:
+    page = opened("reproduction")
+    rows = page.locator("table[data-name=numbers] tbody tr:visible")
+    before = rows.count()
+    field = page.get_by_label("Show only rows of “numbers” with")
+    field.fill("RIPPLE p8")
+    assert 1 < rows.count() < before
+    assert all("ripple" in text.lower() for text in rows.all_inner_texts())
+    assert page.locator("label.filter output").first.inner_text() == f"{rows.count()} of {before}"
+    field.fill("")
+    assert rows.count() == before
+
+
+@BOTH
+def test_without_script_the_page_reads_the_same(opened: Open, name: str) -> None:
+    scripted, plain = opened(name), opened(name, java_script_enabled=False)
+    assert plain.locator("button, input").count() == 0, "a control that does nothing"
+    for table in ("tbody tr", "figure", "article"):
+        assert plain.locator(table).count() == scripted.locator(table).count()

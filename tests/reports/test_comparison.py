@@ -1,0 +1,257 @@
+"""The comparison page and its figures, from a document made up for them."""
+
+import copy
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+from drivegate.candidate_resolution import resolve_candidate
+from drivegate.comparison_document import comparison_document
+from drivegate.comparison_engine import Compared
+from drivegate.comparison_plan import EFFORTS, planned_runs
+from drivegate.fault import Fault, FaultKind
+from drivegate_cases.drive_cycle import load_drive_cycle
+from drivegate_cases.motor import load_motor
+from drivegate_models.errors import InputError
+from drivegate_reports.comparison import page, write
+from drivegate_reports.comparison_cells import written
+from drivegate_reports.comparison_curves import (
+    draw_cycle,
+    draw_differences,
+    draw_over_speed,
+    measured_differences,
+)
+from drivegate_reports.comparison_inks import inks_of
+from drivegate_reports.comparison_maps import MAPS, candidate_map, draw_map
+from drivegate_reports.comparison_sheets import difference_sheet, ranking_sheet, region_sheet
+from drivegate_reports.comparison_view import view_of
+from drivegate_reports.style import house_style
+
+HOSTILE = (
+    "<script>alert(1)</script><img src=x onerror=alert(2)>\"'&{{7*7}}</style>$x^2$\u202e\x00" + "long" * 60
+)
+MOTOR, CYCLE = load_motor("paper-5-phase"), load_drive_cycle("ece-15")
+PLAN = planned_runs(MOTOR, CYCLE, "quick", 0)
+NAMES = ("thrifty", "wasteful", "loses")
+
+
+def figures_of(planned, extra_w, held):
+    """What a candidate might have been measured as; seeds add the same noise to all candidates."""
+    if planned.group == "cycle":
+        times = [0.0, 60.0, 120.0, 194.0]
+        return {
+            "energy_wh": 15.0 + extra_w / 10.0,
+            "distance_km": 1.0,
+            "energy_wh_per_km": 15.0 + extra_w / 10.0 + 0.01 * (planned.seed or 0),
+            "shaft_energy_wh": 14.0,
+            "energy_wh_by_phase": {"accelerating": 8.0, "cruising": 6.5, "slowing": 0.1, "standing": 0.4},
+            "current_sum_mean_a": 11.0,
+            "tracking_error_rms_km_h": 0.1,
+            "tracking_error_worst_km_h": 0.2 if held else -9.0,
+            "outside_tolerance_s": 0.0 if held else 14.0,
+            "samples": {
+                "time_s": times,
+                "speed_reference_km_h": [0.0, 15.0, 35.0, 0.0],
+                "speed_km_h": [0.0, 15.0, 35.0 if held else 26.0, 0.0],
+                "input_power_w": [0.0, 100.0, 900.0, 0.0],
+                "energy_wh": [0.0, 3.0 + extra_w / 40.0, 8.0 + extra_w / 20.0, 15.0 + extra_w / 10.0],
+            },
+        }
+    power = 1000.0 + 0.1 * (planned.seed or 0) * (1.0 + 0.01 * extra_w)
+    common = {
+        "held": held,
+        "speed_error_rpm": 1.0 if held else 200.0,
+        "speed_mean_rpm": 1000.0,
+        "torque_mean_nm": 5.0,
+        "input_power_w": power + extra_w,
+        "current_sum_a": 30.0 + extra_w / 10.0,
+        "ripple_percent": 12.0,
+        "advance_deg": 40.0 + extra_w,
+        "current_peak_a": 20.0,
+    }
+    if planned.group != "disturbances":
+        return common | {"converged_after_s": 2.0}
+    curve = {"time_s": [9.5, 10.0, 12.0], "speed_error_rpm": [0.0, -20.0, 0.0]}
+    curve |= {"advance_deg": [40.0, 50.0, 45.0], "current_sum_a": [20.0, 40.0, 30.0]}
+    recovery = {"held_before": True, "worst_error_rpm": 20.0, "recovery_s": 0.2 if held else None}
+    return common | recovery | {"trajectory": curve}
+
+
+def made_up(names=NAMES, *, faulted=False):
+    plan = PLAN
+    everybody = []
+    for place, name in enumerate(names):
+        made = Compared(name, name, resolve_candidate("initial"))
+        for index, planned in enumerate(plan):
+            loses = place == 2 and (planned.share == 1.0 or planned.group == "cycle")
+            made.figures[index] = figures_of(planned, 20.0 * (place == 1), not loses)
+        made.timing = {"step_us": 0.1, "share_of_period_percent": 0.02, "state_bytes": 320}
+        everybody.append(made)
+    if faulted:
+        fault = Fault(FaultKind.EXCEPTION, "ValueError: <b>no</b>", "step", traceback="line 1 <script>")
+        broken = Compared("broken", "broken", resolve_candidate("initial"), faults=[fault], complete=False)
+        everybody += [broken, Compared("gone", "gone", error=InputError("gone does not exist"))]
+    count = sum(planned.group == "points" for planned in plan)
+    best = {
+        "feasible": True,
+        "edge_deg": 35.0,
+        "torques_nm": [4.0, 6.0],
+        "least_current_sums_a": [20.0, 30.0],
+        "least_input_powers_w": [900.0, 1000.0],
+    }
+    envelope = [{"speed_rpm": speed, "torque_nm": 1e4 / speed} for speed in EFFORTS["quick"].speeds_rpm]
+    return comparison_document(
+        everybody,
+        plan,
+        {"points": [best] * count, "envelope": envelope},
+        motor=MOTOR,
+        cycle=CYCLE,
+        effort="quick",
+        seed=0,
+        checks=False,
+        timing={"started_utc": "2030-01-01", "seconds": 1.0},
+    )
+
+
+@pytest.fixture(scope="module")
+def document():
+    return json.loads(json.dumps(made_up()))
+
+
+@pytest.fixture(scope="module")
+def text(document):
+    return page(document)
+
+
+def cells(sheet):
+    return [[cell.text.replace("\u00a0", " ") for cell in row] for row in sheet.rows]
+
+
+def test_the_page_begins_with_the_decision(text):
+    top = re.sub(r"<[^>]+>|\s+", " ", text[: text.index('id="where"')])
+    top = re.sub(r"\s+", " ", top)
+    assert "thrifty ranks first" in top
+    assert "holds all 16 operating points and takes 50.0 W more than the best possible angle" in top
+    assert "wasteful takes 20.0 W more input power (+2.0 %) and 2.00 A more Σ|i| (+6.7 %) over the 16 points" in top
+    assert "loses takes as much input power and as much Σ|i| over the 12 points that both hold" in top
+    assert "but loses 4 of 16 points" in top
+    assert "Rule:" in top
+
+
+def test_ranking_and_regions_say_by_how_much(document):
+    ranking = cells(ranking_sheet(document))
+    assert [row[:2] for row in ranking] == [["thrifty", "1"], ["wasteful", "2"], ["loses", "3"]]
+    assert ranking[1][4:8] == ["1020.0", "+20.0", "32.00", "+2.00"]
+    regions = cells(region_sheet(document))
+    assert regions[0][1] == "thrifty and loses", "light load at low speed is held by all"
+    assert regions[1][1:] == ["thrifty, by 20.0 W", "0.0 W, 0.0 A", "+20.0 W, +2.0 A", "loses 1 of 3"]
+
+
+def test_differences_come_with_intervals_and_words(document):
+    rows = cells(difference_sheet(document))
+    drawn = [row for row in rows if row[0].startswith("drawn") and row[1] == "input power (W)"]
+    assert [row[2] for row in drawn] == ["thrifty − wasteful", "thrifty − loses", "wasteful − loses"]
+    assert drawn[0][-1] == "thrifty is lower"
+    assert drawn[1][-1] == "no real difference"
+    low, high = (float(part.replace("−", "-")) for part in drawn[0][4].split(" to "))
+    assert -20.3 < low < -20.09 < high < -20.0, "what noise adds to the difference is 0.09 W in the mean"
+    cycle = [row for row in rows if row[0].startswith("drive cycle") and row[2] == "thrifty − loses"]
+    assert cycle[0][-1] == "too few pairs", "who leaves the cycle has no energy to compare"
+
+
+def test_figures_show_the_document_s_numbers(document):
+    inks = inks_of(document)
+    drawn = candidate_map(document, "loses", "gap_power_w")
+    assert drawn.lost.sum() == 4
+    assert np.isnan(drawn.values[-1]).all(), "points that are not held have no value"
+    assert drawn.values[0, 0] == pytest.approx(1000.0 - 950.0), (
+        "the optimum at 5 N·m lies between those solved"
+    )
+    with house_style():
+        speed = draw_over_speed(document, inks, (50.0, 100.0))
+        line = speed.axes[0].lines[1]
+        assert line.get_xdata().tolist() == list(EFFORTS["quick"].speeds_rpm)
+        assert line.get_ydata().tolist() == [30.0] * 4
+        lost = speed.axes[1].lines[-1].get_ydata()
+        assert np.isnan(lost).all(), "a lost point is no point of a line"
+        panels = measured_differences(document)
+        differences = draw_differences(panels, inks)
+        mean = differences.axes[0].lines[1].get_xdata()[0]
+        assert mean == pytest.approx(panels[0].rows[0].mean)
+        assert panels[0].rows[0].mean > 0.0, "what is drawn is how much more the others take"
+        cycle = draw_cycle(document, inks)
+        assert cycle.axes[1].lines[1].get_ydata()[-1] == pytest.approx(2.0)
+        for figure in (speed, differences, cycle, *(draw_map(document, inks, quantity) for quantity in MAPS)):
+            named = [axis for axis in figure.axes if axis.get_visible() and axis.get_xlabel()]
+            assert named, "an axis must have a name"
+            assert all("(" in axis.get_xlabel() for axis in named), "a name has its unit"
+
+
+def test_all_maps_of_a_quantity_share_one_scale(document):
+    with house_style():
+        figure = draw_map(document, inks_of(document), MAPS[0])
+    meshes = [axis.collections[0] for axis in figure.axes[:3]]
+    assert len({tuple(mesh.norm.boundaries) for mesh in meshes}) == 1
+
+
+def test_the_page_is_whole_and_lets_nothing_in(text, document):
+    assert "<img" not in text
+    assert "<image" not in text, "an image as data would be blocked by the page's own policy"
+    assert "://" not in re.sub(r'xmlns(:\w+)?="[^"]*"', "", text)
+    assert "default-src &#39;none&#39;" in text
+    assert text.count("<svg") == text.count('role="img"') == 9
+    labels = re.findall(r'role="img" aria-label="([^"]*)"', text)
+    assert all(len(label) > 60 for label in labels), "each figure is told in words"
+    assert len(text.encode()) < 3_000_000
+
+
+def test_the_same_document_gives_the_same_bytes(document, text, tmp_path):
+    path = write(copy.deepcopy(document), tmp_path)
+    assert path.read_text(encoding="utf-8") == text
+
+
+def test_hostile_names_stay_text_also_of_candidates_that_fail():
+    document = made_up((HOSTILE, "<b>bold</b>", "$\\frac{a"), faulted=True)
+    assert [row["status"] for row in document["tables"]["ranking"]][-2:] == ["faulted", "refused"]
+    text = page(document)
+    assert "<script>alert" not in text
+    assert "<img" not in text
+    assert "<b>" not in text
+    assert "49" not in re.findall(r"<h1>(.*?)</h1>", text)[0]
+    assert "\x00" not in text
+    assert "\u202e" not in text
+    assert text.count("<script>") == 1, "only the page's own script"
+    assert "ValueError: &lt;b&gt;no&lt;/b&gt;" in text
+    assert "gone does not exist" in text
+
+
+def test_a_single_candidate_can_be_reported():
+    view = view_of(made_up(NAMES[:1]))
+    assert view.headline == "thrifty ranks first"
+    assert view.differences.rows == ()
+    assert measured_differences(made_up(NAMES[:1])) == ()
+
+
+def test_times_are_outside_of_the_hash(document):
+    other = made_up()
+    for entry in (document, other):
+        assert entry["timing"]["steps"][0]["state_bytes"] == 320
+    assert document["provenance"]["content_hash"] == other["provenance"]["content_hash"]
+    assert "step_us" not in json.dumps({key: value for key, value in document.items() if key != "timing"})
+
+
+def test_another_document_is_refused(document):
+    with pytest.raises(InputError, match="of kind 'check', but must be of kind 'comparison'"):
+        page({"kind": "check"})
+    with pytest.raises(InputError, match="schema 99"):
+        page({**document, "schema": 99})
+
+
+def test_numbers_are_written_with_a_real_minus_and_no_negative_zero():
+    assert written(-1.25, 1) == "−1.2"
+    assert written(-0.0001, 2, signed=True) == "0.00"
+    assert written(None, 2) == "–"
+    assert math.isclose(float(written(3.14159, 3)), 3.142)
