@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.candidate import resolve_candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.controller import Controller
 from drivegate.controller_loading import load_controller
 from drivegate.scenario_run import run_scenario

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidate import FAULTY_PREFIX, Candidate
+from drivegate.candidate import Candidate
+from drivegate.candidate_resolution import FAULTY_PREFIX
 from drivegate.controller import Controller
 from drivegate.design_candidates import DESIGN_PREFIX
 from drivegate.fault import Fault
@@ -53,6 +54,8 @@ class BuiltinController:
         Address of the compiled `drivegate_step`.
     state_address : int
         Address of the state; valid as long as this object lives.
+    state_size : int
+        Size of the state (bytes).
     fault : None
         Always None: these controllers report no fault of their own.
     """
@@ -63,6 +66,7 @@ class BuiltinController:
         self._state: NDArray[Any] = np.zeros(1, CONTROLLER_STATE)
         self.step_address: int = self._step.address
         self.state_address: int = self._state.ctypes.data
+        self.state_size: int = self._state.nbytes
         self.fault: Fault | None = None
 
     def reset(self, nameplate: Nameplate) -> None:

@@ -1,33 +1,21 @@
-"""From the one string that names a candidate to what it is: its kind, entry, sources and declaration.
-
-Nothing here runs a candidate's code. Whether the class exists and has its methods shows when a worker process
-loads it.
-"""
+"""What a candidate controller is, once its name has been resolved and before any of its code runs."""
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from drivegate import __version__
-from drivegate.builtin_candidates import BUILTIN_CANDIDATES
 from drivegate.declaration import Declaration
-from drivegate.design_candidates import DESIGN_PREFIX, design_declaration
-from drivegate.module_search import module_sources
-from drivegate_cases.wording import nearest, one_line, shown_path
+from drivegate_cases.wording import shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
-    from drivegate.manifest import Manifest
+    from drivegate.composed_candidate import Composition
+    from drivegate.exec_candidate import Program
+    from drivegate.native_candidate import NativeBuild
 
-ENTRY_POINT_GROUP = "drivegate.controllers"
-
-FAULTY_PREFIX = "faulty:"
-"""What a faulty controller's name begins with; such controllers check the checks."""
-
-_LATER_SUFFIXES = {".c": "c", ".so": "so", ".fmu": "fmu"}
-_WAYS = "module:Class, file.py:Class, candidate.toml or the name of a built-in or installed controller"
+CandidateKind: TypeAlias = Literal["builtin", "python", "c", "so", "fmu", "exec", "compose"]
 
 
 @dataclass(frozen=True)
@@ -38,187 +26,54 @@ class Candidate:
     ----------
     name : str
         What waivers match and reports show.
-    kind : {"python", "builtin"}
+    kind : {"builtin", "python", "c", "so", "fmu", "exec", "compose"}
         How the candidate is loaded.
     specification : str
         The string that named it.
     entry : str
-        For Python, ``module:Class`` or the absolute ``/path/file.py:Class``; for a built-in, its name.
+        For Python, ``module:Class`` or the absolute ``/path/file.py:Class``; for a built-in, its name; for a file,
+        its absolute path; for a program, its command line.
     folder : Path
-        Folder whose modules the candidate may import.
+        Folder whose modules the candidate may import, and in which a program starts.
     sources : tuple of Path
         The files that the hash covers.
     content_hash : str
         SHA-256 of the sources' contents and the entry's class, in hexadecimal.
     declaration : Declaration
         What the candidate declares of itself.
+    details : NativeBuild, Program, Composition or None
+        What only its kind needs.
     """
 
     name: str
-    kind: Literal["python", "builtin"]
+    kind: CandidateKind
     specification: str
     entry: str
     folder: Path
     sources: tuple[Path, ...]
     content_hash: str
     declaration: Declaration
+    details: "NativeBuild | Program | Composition | None" = None
 
 
-def resolve_candidate(text: str) -> Candidate:
-    """Find the candidate that a string names.
+def existing_file(path: Path) -> Path:
+    """Find a file that a candidate is made of.
 
     Parameters
     ----------
-    text : str
-        ``module:Class``, ``file.py:Class``, the name of a built-in candidate or of an installed entry point
-        of the group ``drivegate.controllers``, ``faulty:`` and the name of a faulty controller, ``design:`` and
-        the name of a correct one of another design, or the path of a manifest ``candidate.toml``.
+    path : Path
+        Where it should be.
 
     Returns
     -------
-    Candidate
-        The candidate, none of whose code has run.
+    Path
+        The same, absolute and without links.
 
     Raises
     ------
     InputError
-        When there is no such candidate.
+        When there is no such file.
     """
-    specification = text.strip()
-    if not specification:
-        raise InputError(f"the candidate's name is empty, but must be {_WAYS}")
-    if "\0" in specification:
-        raise InputError(
-            f"the candidate '{one_line(specification)}' has a zero byte in it, but must be {_WAYS}"
-        )
-    if specification.startswith("exec:"):
-        raise _later(specification, "exec")
-    if specification.startswith(FAULTY_PREFIX):
-        return _faulty_candidate(specification)
-    if specification.startswith(DESIGN_PREFIX):
-        declaration = design_declaration(specification)
-        return _builtin_candidate(specification, specification, specification, declaration)
-    suffix = Path(specification).suffix.lower()
-    if suffix in _LATER_SUFFIXES:
-        raise _later(specification, _LATER_SUFFIXES[suffix])
-    if suffix == ".toml":
-        return _from_manifest(specification)
-    if suffix == ".py":
-        raise InputError(
-            f"the candidate '{one_line(specification)}' names no class; write {one_line(specification)}:Class"
-        )
-    if ":" in specification:
-        return _python_candidate(_short_name(specification), specification, specification, Path.cwd())
-    return _from_bare_name(specification)
-
-
-def _later(specification: str, kind: str) -> InputError:
-    return InputError(
-        f"the candidate '{one_line(specification)}' is of kind '{kind}', which this version of drivegate "
-        "does not support and a later release adds; this one runs built-in controllers and Python classes, "
-        "named as module:Class or file.py:Class"
-    )
-
-
-def _short_name(specification: str) -> str:
-    """Leave out the folder, so that a waiver matches wherever the file lies."""
-    source, _, attribute = specification.rpartition(":")
-    return f"{Path(source).name}:{attribute}"
-
-
-def _from_bare_name(name: str) -> Candidate:
-    if name in BUILTIN_CANDIDATES:
-        return _builtin_candidate(name, name, name, BUILTIN_CANDIDATES[name])
-    installed = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
-    if name in installed:
-        point = installed[name]
-        return _python_candidate(name, name, f"{point.module}:{point.attr}", Path.cwd())
-    known = [*BUILTIN_CANDIDATES, *sorted(installed)]
-    raise InputError(
-        f"the candidate '{one_line(name)}' is unknown, the nearest known one is "
-        f"'{nearest(name, known)}'; known are {', '.join(known)}, or write {_WAYS}"
-    )
-
-
-def _faulty_candidate(specification: str) -> Candidate:
-    # Their registry is only read where one of them is named.
-    from drivegate.selftest.mutations import find_mutation
-
-    mutation = find_mutation(specification.removeprefix(FAULTY_PREFIX))
-    declaration = BUILTIN_CANDIDATES[mutation.base]
-    return _builtin_candidate(specification, specification, specification, declaration)
-
-
-def _builtin_candidate(name: str, specification: str, entry: str, declaration: Declaration) -> Candidate:
-    digest = hashlib.sha256(f"drivegate {__version__} {entry}".encode()).hexdigest()
-    return Candidate(name, "builtin", specification, entry, Path.cwd(), (), digest, declaration)
-
-
-def _python_candidate(
-    name: str,
-    specification: str,
-    entry: str,
-    folder: Path,
-    further_sources: tuple[Path, ...] = (),
-    declaration: Declaration | None = None,
-) -> Candidate:
-    source, _, attribute = entry.rpartition(":")
-    if not all(part.isidentifier() for part in attribute.split(".")):
-        raise InputError(
-            f"the candidate '{one_line(specification)}' names the class '{one_line(attribute)}', which is no "
-            "name of a Python class; write module:Class or file.py:Class"
-        )
-    if source.endswith(".py"):
-        file = _existing_file(folder / source)
-        found: tuple[Path, ...] = (file,)
-        entry, folder = f"{file}:{attribute}", file.parent
-    else:
-        found = module_sources(source, folder, specification)
-    sources = tuple(dict.fromkeys((*found, *further_sources)))
-    return Candidate(
-        name,
-        "python",
-        specification,
-        entry,
-        folder,
-        sources,
-        _hash_of(sources, attribute),
-        declaration or Declaration(),
-    )
-
-
-def _from_manifest(specification: str) -> Candidate:
-    # Reading a manifest needs pydantic, which takes longer to import than all the rest of this module.
-    from drivegate.manifest import Manifest
-    from drivegate_cases.document import read_document
-
-    manifest = read_document(specification, Manifest)
-    folder = Path(specification).resolve().parent
-    if manifest.kind == "builtin":
-        return _builtin_from_manifest(manifest, specification)
-    if manifest.kind != "python":
-        raise _later(specification, manifest.kind)
-    if ":" not in manifest.entry:
-        raise InputError(
-            f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', "
-            "but must be module:Class or file.py:Class"
-        )
-    sources = tuple(_existing_file(folder / source) for source in manifest.sources)
-    return _python_candidate(
-        manifest.name, specification, manifest.entry, folder, sources, manifest.declaration()
-    )
-
-
-def _builtin_from_manifest(manifest: "Manifest", specification: str) -> Candidate:
-    if manifest.entry not in BUILTIN_CANDIDATES:
-        raise InputError(
-            f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', but must be "
-            f"one of the built-in candidates {', '.join(BUILTIN_CANDIDATES)}"
-        )
-    return _builtin_candidate(manifest.name, specification, manifest.entry, manifest.declaration())
-
-
-def _existing_file(path: Path) -> Path:
     try:
         if path.is_file():
             return path.resolve()
@@ -228,8 +83,27 @@ def _existing_file(path: Path) -> Path:
     raise InputError(f"{shown_path(path)} {problem}; name an existing file")
 
 
-def _hash_of(sources: tuple[Path, ...], attribute: str) -> str:
-    digest = hashlib.sha256(attribute.encode())
+def hash_of(sources: Sequence[Path], entry: str) -> str:
+    """Hash what a candidate is made of.
+
+    Parameters
+    ----------
+    sources : sequence of Path
+        Its files.
+    entry : str
+        What else tells it from another candidate of the same files.
+
+    Returns
+    -------
+    str
+        SHA-256 in hexadecimal, independent of where the files lie.
+
+    Raises
+    ------
+    InputError
+        When a file cannot be read.
+    """
+    digest = hashlib.sha256(entry.encode())
     for source in sources:
         try:
             content = source.read_bytes()

@@ -16,16 +16,27 @@ from drivegate.commands.conduct import conducted, wants_json
 COMMANDS: Final = MappingProxyType(
     {
         "check": "Check candidates: a verdict, and a report in a folder.",
+        "compare": "Compare candidates: who wins where, and by how much, in one report.",
         "simulate": "Run a candidate once through a scenario: summary, trace and plot.",
+        "campaign": "Run many at once: grids of parameters and drives drawn at random, on every processor.",
+        "map": "Compute an operating map: of a candidate, of the best there is, or of the plant.",
+        "diff": "Compare two candidates step by step, up to the first difference.",
         "replay": "Run a counterexample again: does its check still fail?",
+        "report": "Make the reports of a kept result anew.",
         "point": "Compute the steady state at one operating point.",
         "selftest": "Check the checks: faulty controllers must be caught, correct ones must pass.",
+        "reproduce": "Compute every published figure and number beside what is published.",
         "calibrate": "Derive the motor anew from the published facts.",
+        "new": "Write a small candidate to start from, with a test and a gate for CI.",
         "checks": "List the checks with their requirements and limits.",
+        "include-dir": "Print the folder of drivegate.h, for a C compiler.",
         "cases": "List the scenarios, operating points, sweeps and motors that come along.",
     }
 )
-"""One line about each command, by its name; each is the object `command` in a module of `drivegate.commands`."""
+"""One line about each command, by its name; each is the object `command` in a module of `drivegate.commands`.
+
+Where the name has a hyphen, the module's has an underscore.
+"""
 
 
 class LazyGroup(click.Group):
@@ -67,7 +78,7 @@ class LazyGroup(click.Group):
         """
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = import_module(f"drivegate.commands.{cmd_name}").command
+        command: click.Command = import_module(f"drivegate.commands.{cmd_name.replace('-', '_')}").command
         return command
 
     def resolve_command(

@@ -29,6 +29,22 @@ def load_controller(candidate: Candidate) -> Controller:
         from drivegate.builtin_loading import load_builtin_controller
 
         return load_builtin_controller(candidate)
+    if candidate.kind in ("c", "so"):
+        from drivegate.native_loading import load_native_controller
+
+        return load_native_controller(candidate)
+    if candidate.kind == "fmu":
+        from drivegate.fmu_loading import load_fmu_controller
+
+        return load_fmu_controller(candidate)
+    if candidate.kind == "exec":
+        from drivegate.exec_loading import load_exec_controller
+
+        return load_exec_controller(candidate)
+    if candidate.kind == "compose":
+        from drivegate.composed_loading import load_composed_controller
+
+        return load_composed_controller(candidate)
     from drivegate.python_loading import load_python_controller
 
     return load_python_controller(candidate)

@@ -17,7 +17,9 @@ from drivegate.counterexample import Counterexample
 from drivegate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
 from drivegate.fault import Fault, FaultKind
 from drivegate.margin import Margin
-from drivegate.provenance import provenance
+from drivegate.provenance import machine, provenance
+from drivegate.recording import recording_job, recording_plans, with_recordings
+from drivegate.repetition import repeated_elsewhere
 from drivegate.result import CheckOutcome, CheckResult, FixedMargins
 from drivegate.search_shard import JudgedRun, ShardOutcome
 from drivegate.shrinking import Shrunk
@@ -74,6 +76,7 @@ def check_candidate(
     corpus: Sequence[Counterexample] = (),
     baseline: Baseline | None = None,
     waivers: Sequence[Waiver] = (),
+    fail_on: str = "required",
 ) -> Iterator[Event]:
     """Check a candidate, and tell what is done as events.
 
@@ -97,6 +100,8 @@ def check_candidate(
         An earlier result that margins are compared with.
     waivers : sequence of Waiver
         Failures that are accepted; those for other candidates are left alone.
+    fail_on : {"required", "advisory"}
+        Whether advisory checks count like required ones.
 
     Yields
     ------
@@ -130,11 +135,14 @@ def check_candidate(
     progress = _Progress(None if max_time is None else began + max_time)
     with WorkerPool(candidate, load_controller, workers=count) as pool:
         yield from _run_all(pool, work, progress)
+        if not progress.time_is_up:
+            _repeat(pool, progress)
         runs = progress.all_runs
         outcomes = check_outcomes(
             runs, candidate.declaration, complete=progress.complete and not progress.faults
         )
         outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)
+        outcomes, traces = _record(pool, outcomes, progress)
     if any(outcome.id == REPEATED and outcome.verdict == "fail" for outcome in outcomes):
         message = "the same scenario was answered differently when it was repeated"
         progress.add_fault(Fault(FaultKind.NON_DETERMINISTIC, message, "step"))
@@ -145,9 +153,11 @@ def check_candidate(
         "started_utc": started.isoformat(timespec="seconds"),
         "seconds": round(time.monotonic() - began, 3),
         "workers": count,
+        "machine": machine(),
         "checks": machine_dependent(runs),
     }
-    yield CheckFinished(_result(candidate, effort, seed, outcomes, comparisons, progress, timing))
+    result = _result(candidate, effort, seed, outcomes, comparisons, traces, progress, timing, fail_on)
+    yield CheckFinished(result)
 
 
 def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Iterator[Event]:
@@ -161,6 +171,16 @@ def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Ite
         if progress.time_is_up and done < planned:
             progress.complete = False
             break
+
+
+def _repeat(pool: WorkerPool, progress: _Progress) -> None:
+    """Run once more, in processes of their own, what has been repeated within one."""
+    for origin in (Origin.FIXED, Origin.CORPUS):
+        endings = list(repeated_elsewhere(pool, progress.runs[origin]))
+        progress.runs[origin] = [ending for ending in endings if not isinstance(ending, Fault)]
+        for ending in endings:
+            if isinstance(ending, Fault):
+                progress.add_fault(ending)
 
 
 def _shrink(
@@ -187,16 +207,31 @@ def _shrink(
     return tuple(with_simplest(outcome, failures, shrunk) for outcome in outcomes)
 
 
+def _record(
+    pool: WorkerPool, outcomes: tuple[CheckOutcome, ...], progress: _Progress
+) -> tuple[tuple[CheckOutcome, ...], tuple[dict[str, list[float]], ...]]:
+    """Keep the signals of the runs that reports show."""
+    plans = [] if progress.time_is_up else recording_plans(outcomes)
+    mapped = pool.map([recording_job(plan) for plan in plans])
+    endings = list(mapped)
+    for ending in endings:
+        if isinstance(ending, Fault):
+            progress.add_fault(ending)
+    return with_recordings(outcomes, plans, endings)
+
+
 def _result(
     candidate: Candidate,
     effort: str,
     seed: int,
     outcomes: tuple[CheckOutcome, ...],
     comparisons: tuple[Comparison, ...] | None,
+    traces: tuple[dict[str, list[float]], ...],
     progress: _Progress,
     timing: dict[str, Any],
+    fail_on: str,
 ) -> CheckResult:
-    verdict, exit_code = candidate_verdict(outcomes, progress.faults, comparisons or ())
+    verdict, exit_code = candidate_verdict(outcomes, progress.faults, comparisons or (), fail_on=fail_on)
     return CheckResult(
         candidate=candidate,
         verdict=verdict,
@@ -212,6 +247,8 @@ def _result(
         corpus_runs=len(progress.runs[Origin.CORPUS]),
         fixed=tuple(map(_fixed_margins, progress.runs[Origin.FIXED])),
         baseline=comparisons,
+        fail_on=fail_on,
+        traces=traces,
     )
 
 

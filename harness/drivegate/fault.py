@@ -17,6 +17,11 @@ Phase = Literal["loading", "reset", "step"]
 LONGEST_MESSAGE = 2_000
 LONGEST_TRACEBACK = 20_000
 
+OVERWRITTEN_SIZE = (
+    "the command's struct_size was overwritten with a negative number; the harness sets it, leave it as it is"
+)
+"""What is told of a controller in compiled code that ends the run without having a fault to tell."""
+
 _ADDRESS = re.compile(r"\b0x[0-9a-fA-F]{6,}\b")
 _CALLERS = ("drivegate", "importlib", "_frozen_importlib", "_frozen_importlib_external")
 _CUT = "\n[...]\n"

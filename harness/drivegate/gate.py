@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from drivegate.candidate import Candidate, resolve_candidate
+from drivegate.candidate import Candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.handlers.junit import JUnitFile
 from drivegate.handlers.markdown import MarkdownFile
 from drivegate.handlers.progress import progress_on
@@ -40,6 +41,8 @@ class Effort:
         Time after which no more work is begun (s).
     search : bool
         Whether the search climbs toward small margins.
+    fail_on : str
+        ``required``, or ``advisory`` where advisory checks count like required ones.
     """
 
     name: str = "default"
@@ -47,6 +50,7 @@ class Effort:
     workers: int | None = None
     max_time: float | None = None
     search: bool = True
+    fail_on: str = "required"
 
 
 @dataclass(frozen=True)
@@ -172,6 +176,7 @@ def _options(effort: Effort, records: Records, names: Sequence[str]) -> dict[str
         "workers": effort.workers,
         "max_time": effort.max_time,
         "search": effort.search,
+        "fail_on": effort.fail_on,
     }
     if records.corpus is not None:
         from drivegate.corpus import read_corpus

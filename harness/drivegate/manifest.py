@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from drivegate.declaration import Declaration, FlowchartProfile
 from drivegate_cases.document import Document, Section
 
-Kind = Literal["python", "builtin", "c", "so", "fmu", "exec"]
+Kind = Literal["python", "builtin", "c", "so", "fmu", "exec", "compose"]
 
 _KINDS_WITH_FLAGS = ("c",)
 
@@ -37,6 +37,24 @@ class Flowchart(Section):
         return self
 
 
+class Blocks(Section):
+    """The blocks of the paper's Fig. 2 that a composed controller has of its own."""
+
+    angle_model: Text | None = Field(
+        default=None, description="function of the initial advance angle (Fig. 3)"
+    )
+    speed_regulator: Text | None = Field(default=None, description="class of the speed regulator")
+    search: Text | None = Field(default=None, description="class of the search for the optimum (Fig. 4)")
+
+    @model_validator(mode="after")
+    def _one_is_replaced(self) -> Self:
+        if not any((self.angle_model, self.speed_regulator, self.search)):
+            raise ValueError(
+                "must replace a block: give 'angle_model', 'speed_regulator' or 'search' as file.py:name"
+            )
+        return self
+
+
 class Manifest(Document):
     """A candidate of any kind, described in a file."""
 
@@ -62,6 +80,20 @@ class Manifest(Document):
         default=None, description="lowest and highest speed that the candidate is made for"
     )
 
+    step_deadline_s: Positive | None = Field(
+        default=None, le=30.0, description="time that a program has for each step, in seconds"
+    )
+
+    blocks: Blocks | None = Field(default=None, description="blocks of its own, of the kind 'compose'")
+
+    @model_validator(mode="after")
+    def _only_a_composition_has_blocks(self) -> Self:
+        if self.kind == "compose" and self.blocks is None:
+            raise ValueError("the kind 'compose' needs a table [blocks] with the blocks that are replaced")
+        if self.kind != "compose" and self.blocks is not None:
+            raise ValueError(f"the table [blocks] is for the kind 'compose', but the kind is '{self.kind}'")
+        return self
+
     @model_validator(mode="after")
     def _profile_and_constants_agree(self) -> Self:
         if self.profile == "flowchart" and self.flowchart is None:
@@ -77,6 +109,14 @@ class Manifest(Document):
         for key in ("include", "flags"):
             if getattr(self, key) and self.kind not in _KINDS_WITH_FLAGS:
                 raise ValueError(f"the key '{key}' is for the kind 'c', but the kind is '{self.kind}'")
+        return self
+
+    @model_validator(mode="after")
+    def _only_a_program_has_a_deadline(self) -> Self:
+        if self.step_deadline_s is not None and self.kind != "exec":
+            raise ValueError(
+                f"the key 'step_deadline_s' is for the kind 'exec', but the kind is '{self.kind}'"
+            )
         return self
 
     @model_validator(mode="after")

@@ -157,7 +157,7 @@ def _from_folder(candidate: str, folder: Path) -> str:
 
 def _planned(wanted: _Wanted) -> tuple[Candidate, Iterator[Event]]:
     """Plan a check; bad input is refused, none of the candidate's code runs."""
-    from drivegate.candidate import resolve_candidate
+    from drivegate.candidate_resolution import resolve_candidate
     from drivegate.corpus import read_corpus
     from drivegate.engine import check_candidate
     from drivegate.waivers import read_waivers

@@ -44,7 +44,8 @@ class PythonController:
     Parameters
     ----------
     instance : object
-        An object with the methods `reset(nameplate)` and `step(sense)`.
+        An object with the methods `reset(nameplate)` and `step(sense)`; one that knows its own faults raises
+        `CandidateFault`.
 
     Attributes
     ----------
@@ -52,20 +53,21 @@ class PythonController:
         Address of a C function of the type of `drivegate_step`; valid as long as this object lives.
     state_address : int
         Always 0: the state is in the Python object.
-    fault : Fault or None
-        What ended the run, if the candidate did.
     """
 
     def __init__(self, instance: Any) -> None:
-        self.fault: Fault | None = None
         self.state_address = 0
         self._instance: PythonCandidate = instance
-        self._candidate_step: Callable[[Sense], Command] = instance.step
-        self._sense_address = self._command_address = self._currents_address = self._phases = 0
-        self._sense_view = self._command_view = self._currents_view = (ctypes.c_char * 0)()
-        self._currents_packing = Struct("=")
-        self._callback = _CALLBACK(self._step)
-        self.step_address = ctypes.cast(self._callback, ctypes.c_void_p).value or 0
+        # The callback holds the steps and not this object, so that the instance goes when this object does.
+        self._steps = _Steps(instance)
+        self._callback = _CALLBACK(self._steps.step)
+        # Casting would make a cycle of references, and the instance would stay until it is collected.
+        self.step_address = ctypes.c_void_p.from_address(ctypes.addressof(self._callback)).value or 0
+
+    @property
+    def fault(self) -> Fault | None:
+        """What ended the run, if the candidate did."""
+        return self._steps.fault
 
     def reset(self, nameplate: Nameplate) -> None:
         """Reset the candidate before a run.
@@ -80,15 +82,27 @@ class PythonController:
         CandidateFault
             When the candidate raises.
         """
-        self.fault = None
+        self._steps.fault = None
         try:
             self._instance.reset(nameplate)
-            self._candidate_step = self._instance.step
+            self._steps.candidate_step = self._instance.step
         except BaseException as error:
-            self.fault = exception_fault(error, "reset")
-            raise CandidateFault(self.fault) from error
+            fault = error.fault if isinstance(error, CandidateFault) else exception_fault(error, "reset")
+            self._steps.fault = fault
+            raise CandidateFault(fault) from error
 
-    def _step(self, _state: int | None, sense_address: int, command_address: int) -> None:
+
+class _Steps:
+    """What the callback works on."""
+
+    def __init__(self, instance: PythonCandidate) -> None:
+        self.fault: Fault | None = None
+        self.candidate_step: Callable[[Sense], Command] = instance.step
+        self._sense_address = self._command_address = self._currents_address = self._phases = 0
+        self._sense_view = self._command_view = self._currents_view = (ctypes.c_char * 0)()
+        self._currents_packing = Struct("=")
+
+    def step(self, _state: int | None, sense_address: int, command_address: int) -> None:
         sense = None
         try:
             if sense_address != self._sense_address or command_address != self._command_address:
@@ -106,7 +120,7 @@ class PythonController:
                 magnitude_sum,
                 voltage,
             )
-            answer = self._candidate_step(sense)
+            answer = self.candidate_step(sense)
             if not isinstance(answer, Command):
                 raise InvalidOutput(_not_a_command(answer))
             reference, angle, power = answer
@@ -143,7 +157,9 @@ class PythonController:
 
 def _step_fault(error: BaseException, sense: Sense | None) -> Fault:
     phase: Phase = "step"
-    if isinstance(error, InvalidOutput):
+    if isinstance(error, CandidateFault):
+        fault = error.fault
+    elif isinstance(error, InvalidOutput):
         fault = Fault(FaultKind.INVALID_OUTPUT, bounded_line(str(error)), phase)
     else:
         fault = exception_fault(error, phase)

@@ -10,11 +10,14 @@ import importlib.util
 import inspect
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
 from drivegate.candidate import Candidate
+from drivegate.controller import Controller
 from drivegate.fault import CandidateFault, exception_fault
+from drivegate.numba_controller import NumbaController
 from drivegate.python_controller import PythonController
 from drivegate_cases.wording import nearest, one_line, shown_path
 from drivegate_models.errors import InputError
@@ -22,8 +25,10 @@ from drivegate_models.errors import InputError
 _METHODS = ("reset", "step")
 
 
-def load_python_controller(candidate: Candidate) -> PythonController:
-    """Make a new instance of a Python candidate's class; its module is imported once a process.
+def load_python_controller(candidate: Candidate) -> Controller:
+    """Make a new instance of a Python candidate's class, or of its `NumbaController`.
+
+    Its module is imported once a process.
 
     Parameters
     ----------
@@ -32,7 +37,7 @@ def load_python_controller(candidate: Candidate) -> PythonController:
 
     Returns
     -------
-    PythonController
+    Controller
         The instance, not yet reset.
 
     Raises
@@ -42,11 +47,51 @@ def load_python_controller(candidate: Candidate) -> PythonController:
     CandidateFault
         When the module or the class raises.
     """
-    chosen = _class_of(candidate, _module_of(candidate))
+    chosen = _chosen_by(candidate, _module_of(candidate))
+    if isinstance(chosen, NumbaController):
+        from drivegate.numba_loading import load_numba_controller
+
+        return load_numba_controller(chosen, one_line(candidate.name))
     try:
         return PythonController(chosen())
     except BaseException as error:
         raise CandidateFault(exception_fault(error, "loading")) from error
+
+
+def named_in_module(candidate: Candidate, entry: str) -> object:
+    """Import a module that belongs to a candidate, and find what is named in it.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The candidate, whose folder the module may be in.
+    entry : str
+        ``module:name`` or the absolute ``/path/file.py:name``.
+
+    Returns
+    -------
+    object
+        What has that name.
+
+    Raises
+    ------
+    InputError
+        When there is no such module or name, or the source is no valid Python.
+    CandidateFault
+        When the module raises.
+    """
+    module = _module_of(replace(candidate, entry=entry))
+    source, _, attribute = entry.rpartition(":")
+    found: object = module
+    for part in attribute.split("."):
+        if not hasattr(found, part):
+            own = [name for name in vars(module) if not name.startswith("_")]
+            closest = nearest(attribute, own)
+            where = Path(source).name if source.endswith(".py") else source
+            advice = f"the nearest name there is '{closest}'" if closest else "which has no name at all"
+            raise InputError(f"there is no '{attribute}' in {one_line(where)}, {advice}")
+        found = getattr(found, part)
+    return found
 
 
 def _module_of(candidate: Candidate) -> ModuleType:
@@ -94,12 +139,14 @@ def _syntax_sentence(error: SyntaxError, source: str) -> str:
     )
 
 
-def _class_of(candidate: Candidate, module: ModuleType) -> type[object]:
+def _chosen_by(candidate: Candidate, module: ModuleType) -> type[object] | NumbaController:
     source, _, attribute = candidate.entry.rpartition(":")
     where = Path(source).name if source.endswith(".py") else source
     found: object = module
     for part in attribute.split("."):
         found = getattr(found, part, None)
+    if isinstance(found, NumbaController):
+        return found
     if not isinstance(found, type):
         raise InputError(_missing_class_sentence(where, attribute, found, module))
     for method in _METHODS:
@@ -113,7 +160,10 @@ def _class_of(candidate: Candidate, module: ModuleType) -> type[object]:
 
 def _missing_class_sentence(where: str, attribute: str, found: object, module: ModuleType) -> str:
     if found is not None:
-        return f"'{attribute}' in {one_line(where)} is not a class; name a class with reset and step"
+        return (
+            f"'{attribute}' in {one_line(where)} is not a class; name a class with reset and step, or a "
+            "drivegate.NumbaController"
+        )
     own = [name for name, value in vars(module).items() if _is_own_class(value, module)]
     closest = nearest(attribute, own)
     advice = f"the nearest class there is '{closest}'" if closest else "and no other class of its own"

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
 import drivegate
 import drivegate_models
 from drivegate.builtin_candidates import BUILTIN_CANDIDATES
-from drivegate.candidate import Candidate, resolve_candidate
+from drivegate.candidate import Candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.catalogue import CHECKS
 from drivegate.check import Check
 from drivegate.controller_loading import load_controller
 from drivegate.counterexample import Counterexample
 from drivegate.fault import Fault
 from drivegate.margin import Margin
-from drivegate.run_record import RunRecord, Window
-from drivegate.scenario_run import observed_windows, run_scenario
+from drivegate.repetition import DIFFERENT, repetition_job
+from drivegate.run_record import RunRecord, Window, recorded
+from drivegate.scenario_run import observed_windows
 from drivegate.script_judging import judge_script
 from drivegate.simulation import MOST_ROWS
 from drivegate.work_plan import REPEATED
@@ -128,7 +130,17 @@ def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
         When the harness itself fails.
     """
     with CandidateWorker(candidate, load_controller) as worker:
-        return worker.run(Job(run_replay, stored))
+        replay = worker.run(Job(run_replay, stored))
+        if isinstance(replay, Fault) or isinstance(stored.scenario, Script) or stored.check != REPEATED:
+            return replay
+        elsewhere = worker.run(repetition_job(stored.scenario))
+    return elsewhere if isinstance(elsewhere, Fault) else _compared(replay, elsewhere)
+
+
+def _compared(replay: Replay, elsewhere: int) -> Replay:
+    if replay.margin is None or not replay.margin.met or replay.run is None:
+        return replay
+    return replay if replay.run.digest == elsewhere else replace(replay, margin=DIFFERENT)
 
 
 def run_replay(loaded: LoadedCandidate, stored: Counterexample) -> Replay:
@@ -154,16 +166,14 @@ def run_replay(loaded: LoadedCandidate, stored: Counterexample) -> Replay:
 def _scenario_again(loaded: LoadedCandidate, scenario: Scenario, check: Check) -> Replay:
     controller = loaded.controller()
     every = -(-scenario.control_periods // MOST_ROWS)
-    run = run_scenario(scenario, controller, progress=loaded.progress, trace_every=every)
-    repeated: tuple[int, ...] = ()
+    record = recorded(loaded, scenario, controller, trace_every=every)
     if check.id == REPEATED:
-        again = run_scenario(scenario, controller, progress=loaded.progress).digest
-        afresh = run_scenario(scenario, loaded.controller(), progress=loaded.progress).digest
-        repeated = (again, afresh)
-    record = RunRecord(scenario, run, loaded.candidate.declaration, repeated)
+        again = recorded(loaded, scenario, controller).run.digest
+        afresh = recorded(loaded, scenario, loaded.controller()).run.digest
+        record = replace(record, repeated_digests=(again, afresh))
     applies = check.reason_not_applicable(record.declaration) is None
     margin = check.evaluate(record) if applies else None
-    return Replay(margin, run, _judged_window(check, record, margin))
+    return Replay(margin, record.run, judged_window(check, record, margin))
 
 
 def _script_again(loaded: LoadedCandidate, script: Script) -> Replay:
@@ -210,8 +220,23 @@ class _PartialRecord(RunRecord):
                 yield window
 
 
-def _judged_window(check: Check, record: RunRecord, margin: Margin | None) -> tuple[float, float]:
-    """Find the steady stretch that alone gives the same margin; the whole run where none decides."""
+def judged_window(check: Check, record: RunRecord, margin: Margin | None) -> tuple[float, float]:
+    """Find the steady stretch that alone gives the same margin; the whole run where none decides.
+
+    Parameters
+    ----------
+    check : Check
+        The check.
+    record : RunRecord
+        What it saw.
+    margin : Margin or None
+        What it came to.
+
+    Returns
+    -------
+    tuple of float
+        Start and end (s).
+    """
     whole = (0.0, record.scenario.duration_s)
     if margin is None or check.evaluate(_part(record, ())) is not None:
         return whole

@@ -10,8 +10,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.controller import Controller
 from drivegate.declaration import Declaration
-from drivegate.scenario_run import RADIANS_PER_RPM, observed_windows
+from drivegate.scenario_run import RADIANS_PER_RPM, observed_windows, run_scenario
+from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.circumstance import Circumstance, circumstance
 from drivegate_cases.load import LockedLoad
 from drivegate_cases.profile import Dwell, dwell_scales, dwell_torque, dwells, is_after_change
@@ -143,6 +145,45 @@ class RunRecord:
             dwell = by_end[end]
             if dwell.speed_rpm > self.scenario.motor.base_speed_rpm and lowest <= dwell.speed_rpm <= highest:
                 yield Window(self.scenario, dwell, values)
+
+
+def recorded(
+    loaded: LoadedCandidate, scenario: Scenario, controller: Controller, *, trace_every: int = 0
+) -> RunRecord:
+    """Run a candidate through a scenario for the checks, observed as its declaration asks.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    scenario : Scenario
+        The scenario.
+    controller : Controller
+        An instance of the candidate.
+    trace_every : int
+        Keep every how many-th control period; 0 keeps none.
+
+    Returns
+    -------
+    RunRecord
+        What the checks see of it.
+
+    Raises
+    ------
+    CandidateFault
+        When the candidate ends the run.
+    HarnessFault
+        When the plant does.
+    """
+    declaration = loaded.candidate.declaration
+    run = run_scenario(
+        scenario,
+        controller,
+        progress=loaded.progress,
+        trace_every=trace_every,
+        power_window=declaration.power_window_s,
+    )
+    return RunRecord(scenario, run, declaration)
 
 
 def rated_torque(scenario: Scenario, speed: float) -> float:

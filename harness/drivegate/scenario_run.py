@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from contextlib import nullcontext
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from drivegate.controller import Controller
-from drivegate.fault import CandidateFault, Fault, FaultKind
+from drivegate.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, FaultKind
 from drivegate_cases.load import (
     GRAVITY,
     ConstantPowerLoad,
@@ -225,12 +226,17 @@ def run_scenario(
 def _raise_ending(run: closed_loop.ClosedLoopRun, controller: Controller) -> None:
     sense = last_sense(run)
     step = int(run.steps)
-    if run.status == closed_loop.STOPPED and controller.fault is not None:
-        raise CandidateFault(controller.fault)
-    if run.status == closed_loop.NOT_FINITE:
+    fault = controller.fault
+    if run.status == closed_loop.STOPPED and fault is not None:
+        told = fault.sense is not None
+        raise CandidateFault(
+            fault if told else replace(fault, step=step, time=sense.time, sense=sense._asdict())
+        )
+    if run.status in (closed_loop.STOPPED, closed_loop.NOT_FINITE):
         command = run.last_command[0]
         values = ", ".join(f"{name} = {command[name]}" for name in (command.dtype.names or ())[1:])
-        message = f"the command is not finite: {values}"
+        not_finite = f"the command is not finite: {values}"
+        message = not_finite if run.status == closed_loop.NOT_FINITE else OVERWRITTEN_SIZE
         raise CandidateFault(
             Fault(
                 FaultKind.INVALID_OUTPUT, message, "step", step=step, time=sense.time, sense=sense._asdict()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
@@ -21,9 +21,7 @@ from drivegate.fault import CandidateFault
 from drivegate.feasibility import is_fair
 from drivegate.fixed_scenarios import fixed_scenarios
 from drivegate.margin import Margin
-from drivegate.run_record import RunRecord
-from drivegate.scenario_run import run_scenario
-from drivegate.shared_progress import SharedProgress
+from drivegate.run_record import RunRecord, recorded
 from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.motor import load_motor
 from drivegate_cases.scenario import Scenario
@@ -86,10 +84,13 @@ class JudgedRun:
         The scenario as plain data.
     margins : tuple of Margin
         Of every check that applies.
+    digest : int
+        Digest of the commands; 0 where they are not compared.
     """
 
     scenario: dict[str, Any]
     margins: tuple[Margin, ...]
+    digest: int = 0
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,11 @@ def judged(record: RunRecord) -> JudgedRun:
         Scenario and margins.
     """
     margins = (check.evaluate(record) for check in CHECKS)
-    return JudgedRun(record.scenario.to_mapping(), tuple(margin for margin in margins if margin is not None))
+    return JudgedRun(
+        record.scenario.to_mapping(),
+        tuple(margin for margin in margins if margin is not None),
+        record.run.digest,
+    )
 
 
 def content_key(scenario: Mapping[str, Any]) -> str:
@@ -158,18 +163,12 @@ def run_fixed(loaded: LoadedCandidate, plan: FixedRuns) -> ShardOutcome:
         Their margins.
     """
     controller = loaded.controller()
-    runs = [run_scenario(scenario, controller, progress=loaded.progress) for scenario in plan.scenarios]
-    repeated: tuple[int, ...] = ()
+    records = [recorded(loaded, scenario, controller) for scenario in plan.scenarios]
     if plan.repeat:
         first = plan.scenarios[0]
-        again = run_scenario(first, controller, progress=loaded.progress).digest
-        afresh = run_scenario(first, loaded.controller(), progress=loaded.progress).digest
-        repeated = (again, afresh)
-    declaration = loaded.candidate.declaration
-    records = [
-        RunRecord(scenario, run, declaration, repeated if index == 0 else ())
-        for index, (scenario, run) in enumerate(zip(plan.scenarios, runs, strict=True))
-    ]
+        again = recorded(loaded, first, controller).run.digest
+        afresh = recorded(loaded, first, loaded.controller()).run.digest
+        records[0] = replace(records[0], repeated_digests=(again, afresh))
     return ShardOutcome(tuple(judged(record) for record in records))
 
 
@@ -181,9 +180,8 @@ class _Collector:
     """
 
     def __init__(self, loaded: LoadedCandidate, unrelated: int) -> None:
+        self._loaded = loaded
         self._controller: Controller = loaded.controller()
-        self._progress: SharedProgress = loaded.progress
-        self._declaration = loaded.candidate.declaration
         self._unrelated = unrelated
         self._known = {content_key(scenario.to_mapping()) for scenario in fixed_scenarios()}
         self._tickets: set[int] = set()
@@ -212,11 +210,11 @@ class _Collector:
             self.set_aside += 1
             return None
         try:
-            run = run_scenario(scenario, self._controller, progress=self._progress)
+            record = recorded(self._loaded, scenario, self._controller)
         except CandidateFault as fault:
             self.fault = fault
             return None
-        outcome = judged(RunRecord(scenario, run, self._declaration))
+        outcome = judged(record)
         self.runs.append(outcome)
         return outcome.margins
 

@@ -10,8 +10,7 @@ from drivegate.catalogue import CHECKS
 from drivegate.fault import CandidateFault
 from drivegate.feasibility import is_fair
 from drivegate.margin import Margin
-from drivegate.run_record import RunRecord
-from drivegate.scenario_run import run_scenario
+from drivegate.run_record import recorded
 from drivegate.scenario_size import size_of
 from drivegate.scenario_title import titled
 from drivegate.search_shard import content_key
@@ -120,11 +119,11 @@ class _Trials:
         self._known.add(content_key(scenario.to_mapping()))
         self.runs += 1
         try:
-            run = run_scenario(scenario, self._controller, progress=self._loaded.progress)
+            record = recorded(self._loaded, scenario, self._controller)
         except CandidateFault:
             # Another failure than the one looked for.
             return None
-        margin = self._check.evaluate(RunRecord(scenario, run, self._loaded.candidate.declaration))
+        margin = self._check.evaluate(record)
         return margin if margin is not None and not margin.met and not margin.advisory else None
 
     def is_new(self, scenario: Scenario) -> bool:

@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.checks.timing import LARGEST_SHARE
+from drivegate.controller import Controller
 from drivegate.margin import Margin, below
+from drivegate.python_controller import PythonController
 from drivegate.scenario_run import RADIANS_PER_RPM, run_scenario
 from drivegate.scripted_run import advance, prepared_steps
 from drivegate.search_shard import JudgedRun, ShardOutcome
@@ -25,7 +27,7 @@ TIMED_STEPS: Final = 4000
 BLOCK: Final = 100
 """Number of steps whose mean time is taken; a decision of a search in 200 steps counts in every other one."""
 _COLUMNS: Final = ("speed_reference_rpm", "measured_speed_rpm", "current_sum_a", "half_supply_v")
-_NOT_NATIVE: Final = {"python": "Python", "exec": "a process of its own"}
+_OTHER_WAYS: Final = {"exec": "a process of its own", "fmu": "FMU", "compose": "blocks"}
 
 
 @dataclass(frozen=True)
@@ -71,16 +73,36 @@ def time_steps(loaded: LoadedCandidate, plan: TimedSteps) -> ShardOutcome:
             advance(prepared, controller, begin, end)
             times.append((perf_counter() - started) / (end - begin))
     # What the machine does besides, or compiles at first, is in few blocks.
-    return ShardOutcome((JudgedRun(scenario.to_mapping(), (timing_margin(loaded, median(times), period),)),))
+    margin = timing_margin(way_of_running(loaded.candidate.kind, controller), median(times), period)
+    return ShardOutcome((JudgedRun(scenario.to_mapping(), (margin,)),))
 
 
-def timing_margin(loaded: LoadedCandidate, step_time: float, control_period: float) -> Margin:
+def way_of_running(kind: str, controller: Controller) -> str:
+    """Tell how a candidate's step runs, without which its time says little.
+
+    Parameters
+    ----------
+    kind : str
+        The candidate's kind.
+    controller : Controller
+        Its instance.
+
+    Returns
+    -------
+    str
+        A few words.
+    """
+    by_itself = "Python" if isinstance(controller, PythonController) else "native"
+    return _OTHER_WAYS.get(kind, by_itself)
+
+
+def timing_margin(way: str, step_time: float, control_period: float) -> Margin:
     """Judge the time of a step.
 
     Parameters
     ----------
-    loaded : LoadedCandidate
-        The candidate, of which it is told how it runs.
+    way : str
+        How it runs.
     step_time : float
         Time that a step takes (s).
     control_period : float
@@ -91,9 +113,8 @@ def timing_margin(loaded: LoadedCandidate, step_time: float, control_period: flo
     Margin
         The margin of TIM-1.
     """
-    how = _NOT_NATIVE.get(loaded.candidate.kind, "native")
     share = step_time / control_period
-    told = f"{1e6 * step_time:.3g} µs a step ({how}), {100.0 * share:.3g} % of the control period"
+    told = f"{1e6 * step_time:.3g} µs a step ({way}), {100.0 * share:.3g} % of the control period"
     return Margin(CHECK, below(step_time, LARGEST_SHARE * control_period), told)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 from drivegate.baseline import Comparison
@@ -11,10 +12,11 @@ from drivegate.check import Check
 from drivegate.declaration import Declaration
 from drivegate.fault import Fault
 from drivegate.margin import Margin
-from drivegate.result import STALE_WAIVERS, CheckOutcome
+from drivegate.result import MOST_MARGINS, STALE_WAIVERS, CheckOutcome
 from drivegate.search_shard import JudgedRun
 
 _NAMED: Final = 4
+_DIGITS: Final = 6
 
 
 def considered(check: str, runs: Iterable[JudgedRun]) -> list[tuple[Margin, JudgedRun]]:
@@ -106,7 +108,17 @@ def _outcome(
     unmet = sum(not other.met for other in advised)
     if unmet and not margin.advisory:
         told += f"; advisory: not met in {unmet} runs at light load"
-    return _made(check, verdict, margin, len(items), f"{margin.measured}; {told}", run.scenario)
+    made = _made(check, verdict, margin, len(items), f"{margin.measured}; {told}", run.scenario)
+    return replace(made, margins=_spread([item.value for item, _ in items]))
+
+
+def _spread(margins: Sequence[float]) -> tuple[float, ...]:
+    """Order margins, and of very many take a part that keeps the least and the greatest."""
+    ordered = sorted(float(f"{margin:.{_DIGITS}g}") for margin in margins)
+    if len(ordered) <= MOST_MARGINS:
+        return tuple(ordered)
+    step = (len(ordered) - 1) / (MOST_MARGINS - 1)
+    return tuple(ordered[round(place * step)] for place in range(MOST_MARGINS))
 
 
 def _names(runs: Iterable[JudgedRun]) -> str:
@@ -141,7 +153,11 @@ def _made(
 
 
 def candidate_verdict(
-    outcomes: Sequence[CheckOutcome], faults: Sequence[Fault], baseline: Sequence[Comparison] = ()
+    outcomes: Sequence[CheckOutcome],
+    faults: Sequence[Fault],
+    baseline: Sequence[Comparison] = (),
+    *,
+    fail_on: str = "required",
 ) -> tuple[str, int]:
     """Judge the candidate.
 
@@ -153,6 +169,8 @@ def candidate_verdict(
         The candidate's faults, which no waiver covers.
     baseline : sequence of Comparison
         How margins have changed.
+    fail_on : {"required", "advisory"}
+        Whether advisory checks count like required ones.
 
     Returns
     -------
@@ -162,9 +180,10 @@ def candidate_verdict(
     exit_code : int
         3 when a plant check failed, 1 when the candidate does not pass, 0 when it does.
     """
-    required = [outcome for outcome in outcomes if outcome.level == "required"]
+    levels = ("required",) if fail_on == "required" else ("required", "advisory")
+    required = [outcome for outcome in outcomes if outcome.level in levels]
     found = {outcome.verdict for outcome in required}
-    found |= {entry.verdict for entry in baseline if entry.level == "required"} & {"fail"}
+    found |= {entry.verdict for entry in baseline if entry.level in levels} & {"fail"}
     # A waiver that is out of date is put right or removed, whatever its check's level.
     found |= {outcome.verdict for outcome in outcomes} & set(STALE_WAIVERS)
     if any(outcome.subject == "plant" and outcome.verdict == "fail" for outcome in required):

@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from drivegate.builtin_candidates import BUILTIN_CANDIDATES
-from drivegate.candidate import resolve_candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.controller_loading import load_controller
 from drivegate.fault import Fault
 from drivegate.feasibility import is_feasible
 from drivegate.fixed_scenarios import fixed_scenarios
-from drivegate.run_record import RunRecord
-from drivegate.scenario_run import run_scenario
+from drivegate.run_record import recorded
 from drivegate.search_shard import judged
 from drivegate.stall_watch import WorkerLimits
 from drivegate.worker import CandidateWorker
@@ -65,5 +64,4 @@ def compile_kernels(marker: Path) -> None:
 def _use_every_kernel(loaded: LoadedCandidate, _payload: Any) -> None:
     published_point = fixed_scenarios()[1]
     is_feasible(published_point)
-    run = run_scenario(published_point, loaded.controller(), progress=loaded.progress)
-    judged(RunRecord(published_point, run, loaded.candidate.declaration))
+    judged(recorded(loaded, published_point, loaded.controller()))

@@ -3,7 +3,6 @@
 This contains faults, not malice: a candidate runs with the rights of the user.
 """
 
-import signal
 import time
 from dataclasses import replace
 from multiprocessing.connection import wait
@@ -11,11 +10,13 @@ from types import TracebackType
 from typing import Any, Self
 
 from drivegate.candidate import Candidate
-from drivegate.fault import Fault, FaultKind, Phase, bounded_text
+from drivegate.fault import Fault, FaultKind, bounded_text
+from drivegate.process_ending import ending_in_words
 from drivegate.shared_progress import Activity
 from drivegate.stall_watch import StallWatch, WorkerLimits
-from drivegate.worker_handle import WorkerHandle
+from drivegate.worker_handle import UnreadableReply, WorkerHandle
 from drivegate.worker_messages import (
+    LOST_CONNECTION,
     Broken,
     Faulted,
     Finished,
@@ -33,6 +34,10 @@ LOOK_EVERY = 0.05
 """Time between two looks at a worker that tells nothing by itself (s)."""
 
 _HARNESS_OWN = (Activity.STARTING, Activity.WAITING, Activity.PREPARING)
+_NOT_ITS_OWN = "a candidate must leave alone what it has not opened"
+_CONNECTION_CLOSED = f"the process closed its connection to the harness; {_NOT_ITS_OWN}"
+_CONNECTION_GARBLED = f"the process wrote into its connection to the harness; {_NOT_ITS_OWN}"
+_PROGRAMS = ("exec", "compose")
 
 
 class CandidateWorker:
@@ -100,11 +105,12 @@ class CandidateWorker:
             The job.
         """
         self._job = job
-        if self._handle is not None and self._handle.has_ended():
+        if self._handle is not None and (job.afresh or self._handle.has_ended()):
             self.kill()
         if self._handle is None:
             self._handle, self._loaded = WorkerHandle(self._setup), False
         else:
+            self._handle.forget_output()
             self._handle.send(job)
         self._watch = self._watch_from_now(self._handle)
 
@@ -136,18 +142,24 @@ class CandidateWorker:
             raise HarnessFault("a worker without a job was asked for its end")
         handle.drain_output()
         ended = handle.has_ended()
-        reply = handle.receive()
+        try:
+            reply = handle.receive()
+        except UnreadableReply:
+            reply = self._garbled(handle)
         if reply is None:
             reply = self._crash(handle) if ended else self._hang(handle)
         if isinstance(reply, Ready):
             self._loaded = True
+            handle.forget_output()
             handle.send(self._job)
             self._watch = self._watch_from_now(handle)
             return None
-        return None if reply is None else self._ending(reply)
+        return None if reply is None else self._ending(handle, reply)
 
-    def _ending(self, reply: Reply) -> Finished | Faulted:
+    def _ending(self, handle: WorkerHandle, reply: Reply) -> Finished | Faulted:
         self._job = None
+        if isinstance(reply, Faulted):
+            reply = self._with_output(handle, reply)
         if not self._loaded:
             self.kill()
         if isinstance(reply, Refused):
@@ -160,6 +172,12 @@ class CandidateWorker:
             return reply
         raise HarnessFault("a worker process told twice that it was ready")
 
+    def _with_output(self, handle: WorkerHandle, reply: Faulted) -> Faulted:
+        """Add to the fault of a program, which has no traceback, what the program printed."""
+        if reply.fault.traceback or handle is not self._handle or self._setup.candidate.kind not in _PROGRAMS:
+            return reply
+        return Faulted(replace(reply.fault, traceback=bounded_text(handle.last_output())))
+
     def _without_exhausted(self, reply: Faulted) -> Faulted:
         """Replace a process whose memory the candidate may still hold."""
         if reply.fault.error != MemoryError.__name__:
@@ -171,13 +189,21 @@ class CandidateWorker:
 
     def _crash(self, handle: WorkerHandle) -> Reply:
         output = bounded_text(handle.last_output())
-        what, error = _in_words(handle.exit_status())
-        fault = _located(handle, Fault(FaultKind.CRASH, f"the process {what}", "loading", error=error))
+        status = handle.exit_status()
+        what, error = ending_in_words(status)
+        fault = self._located(handle, Fault(FaultKind.CRASH, f"the process {what}", "loading", error=error))
+        if status == LOST_CONNECTION:
+            fault = replace(fault, message=_CONNECTION_CLOSED)
         activity = handle.progress.activity
         self.kill()
         if activity is Activity.STARTING:
             return Broken(f"the process {what} before it came to the candidate: {output}")
         return Faulted(replace(fault, traceback=output))
+
+    def _garbled(self, handle: WorkerHandle) -> Reply:
+        fault = self._located(handle, Fault(FaultKind.CRASH, "", "loading"))
+        self.kill()
+        return Faulted(replace(fault, message=_CONNECTION_GARBLED))
 
     def _hang(self, handle: WorkerHandle) -> Reply | None:
         progress = handle.progress
@@ -186,12 +212,27 @@ class CandidateWorker:
         )
         if why is None:
             return None
-        fault = _located(handle, Fault(FaultKind.HANG, why, "loading"))
+        fault = self._located(handle, Fault(FaultKind.HANG, why, "loading"))
         stack = bounded_text(handle.stack())
         self.kill()
         if progress.activity in _HARNESS_OWN:
             return Broken(f"{why}, outside the candidate: {stack}")
         return Faulted(replace(fault, traceback=stack))
+
+    def _located(self, handle: WorkerHandle, fault: Fault) -> Fault:
+        """Add to a fault what the shared memory tells of the step in which it happened."""
+        progress = handle.progress
+        if not self._loaded or progress.activity is Activity.LOADING:
+            return replace(fault, message=f"{fault.message} while loading the candidate")
+        if progress.activity is not Activity.RUNNING:
+            return replace(fault, phase="step", message=f"{fault.message} outside of its steps")
+        begun = int(progress.steps[0])
+        if begun == 0:
+            return replace(fault, phase="reset", message=f"{fault.message} in reset")
+        sense, steps = progress.last_sense(), begun - 1
+        time_of_step, inputs = (sense.time, sense._asdict()) if sense is not None else (None, None)
+        message = f"{fault.message} after {steps} completed step{'' if steps == 1 else 's'}"
+        return replace(fault, phase="step", message=message, step=steps, time=time_of_step, sense=inputs)
 
     def kill(self) -> None:
         """End the process at once; the next job starts another one."""
@@ -252,29 +293,3 @@ def unwrapped(ending: Finished | Faulted) -> Any:
         The target's result, or the fault.
     """
     return ending.fault if isinstance(ending, Faulted) else ending.result
-
-
-def _located(handle: WorkerHandle, fault: Fault) -> Fault:
-    """Add to a fault what the shared memory tells of the step in which it happened."""
-    progress = handle.progress
-    if progress.activity is not Activity.RUNNING:
-        return replace(fault, message=f"{fault.message} while loading the candidate")
-    begun = int(progress.steps[0])
-    if begun == 0:
-        phase: Phase = "reset"
-        return replace(fault, phase=phase, message=f"{fault.message} in reset")
-    sense, steps = progress.last_sense(), begun - 1
-    time_of_step, inputs = (sense.time, sense._asdict()) if sense is not None else (None, None)
-    message = f"{fault.message} after {steps} completed step{'' if steps == 1 else 's'}"
-    return replace(fault, phase="step", message=message, step=steps, time=time_of_step, sense=inputs)
-
-
-def _in_words(status: int) -> tuple[str, str]:
-    """Tell how a process ended, and the name of the signal if there was one."""
-    if status >= 0:
-        return f"ended itself with exit status {status}", ""
-    try:
-        name = signal.Signals(-status).name
-    except ValueError:
-        name = f"signal {-status}"
-    return f"was killed by {name} ({signal.strsignal(-status) or 'unknown'})", name

@@ -1,10 +1,7 @@
 """A worker process as its parent holds it: started, heard, measured and ended for certain."""
 
-import json
 import os
-import signal
-import subprocess
-import sys
+import pickle
 import time
 import weakref
 from contextlib import suppress
@@ -16,21 +13,23 @@ from typing import Any
 import psutil
 
 from drivegate.fault import LONGEST_TRACEBACK
+from drivegate.kept_process import KeptProcess
 from drivegate.shared_progress import SharedProgress
 from drivegate.worker_messages import Job, Reply, Setup
 from drivegate.worker_process import STACK_SIGNAL
 
-_BOOTSTRAP = (
-    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from drivegate.worker_process import main; main(*map(int, sys.argv[2:]))"
-)
+_LONGEST_REPLY = 2**28
 _MOST_READS = 16
 _PATIENCE = 2.0
 _STACK_PATIENCE = 0.5
 
 
+class UnreadableReply(Exception):
+    """What came from a worker process is no message of the harness."""
+
+
 class WorkerHandle:
-    """One running worker process, in a process group of its own.
+    """One running worker process, with a keeper that lets nothing outlive it.
 
     Parameters
     ----------
@@ -53,13 +52,15 @@ class WorkerHandle:
         self._tail = b""
         os.set_blocking(reader, False)
         try:
-            self._process = _started(theirs.fileno(), self.progress.descriptor, writer)
+            self._kept = KeptProcess(
+                setup.candidate.folder, theirs.fileno(), self.progress.descriptor, writer
+            )
         finally:
             theirs.close()
             os.close(writer)
             self.progress.close()
-        self._measured = psutil.Process(self._process.pid)
-        self.end = weakref.finalize(self, _end, os.getpid(), self._process, ours, self._output)
+        self._measured: psutil.Process | None = None
+        self.end = weakref.finalize(self, _end, self._kept, ours, self._output)
         self.send(setup)
 
     @property
@@ -85,14 +86,27 @@ class WorkerHandle:
         -------
         Reply or None
             None when there is none.
+
+        Raises
+        ------
+        UnreadableReply
+            When what came is no message.
         """
         try:
-            if self._connection.poll():
-                reply: Reply = self._connection.recv()
-                return reply
+            if not self._connection.poll():
+                return None
+            message = self._connection.recv_bytes(_LONGEST_REPLY)
         except (EOFError, ConnectionResetError):
             return None
-        return None
+        except OSError as error:
+            raise UnreadableReply from error
+        try:
+            reply = pickle.loads(message)
+        except Exception as error:
+            raise UnreadableReply from error
+        if not isinstance(reply, Reply):
+            raise UnreadableReply
+        return reply
 
     def has_ended(self) -> bool:
         """Tell whether the process has died by itself; it is not reaped yet, so its id is still its own.
@@ -102,7 +116,20 @@ class WorkerHandle:
         bool
             Whether it is dead.
         """
-        return self._measured.status() in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
+        if self._kept.keeper_has_ended():
+            return True
+        process = self._process()
+        try:
+            return process is not None and process.status() in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
+        except psutil.NoSuchProcess:
+            return True
+
+    def _process(self) -> psutil.Process | None:
+        """Return the process as the system knows it; None until it has been started, or where it is gone."""
+        if self._measured is None and (number := self._kept.process_id) is not None:
+            with suppress(psutil.NoSuchProcess):
+                self._measured = psutil.Process(number)
+        return self._measured
 
     def processor_seconds(self) -> float:
         """Measure the processor time that the process has used.
@@ -112,7 +139,13 @@ class WorkerHandle:
         float
             User and system time of all its threads (s).
         """
-        times = self._measured.cpu_times()
+        process = self._process()
+        if process is None:
+            return 0.0
+        try:
+            times = process.cpu_times()
+        except psutil.NoSuchProcess:
+            return 0.0
         return float(times.user + times.system)
 
     def drain_output(self) -> None:
@@ -123,6 +156,11 @@ class WorkerHandle:
                 return
             self._output_ended = block == b""
             self._tail = (self._tail + block)[-LONGEST_TRACEBACK:]
+
+    def forget_output(self) -> None:
+        """Leave out of `last_output` what the process has printed so far."""
+        self.drain_output()
+        self._tail = b""
 
     def last_output(self) -> str:
         """Give the end of what the process has printed.
@@ -143,9 +181,11 @@ class WorkerHandle:
         str
             The Python stack of its threads, when it could still tell.
         """
-        self.drain_output()
-        self._tail = b""
-        os.kill(self._process.pid, STACK_SIGNAL)
+        self.forget_output()
+        process = self._process()
+        if process is None or self.has_ended():
+            return ""
+        process.send_signal(STACK_SIGNAL)
         deadline = time.monotonic() + _STACK_PATIENCE
         quiet = 0
         while quiet < 3 and time.monotonic() < deadline:
@@ -164,7 +204,7 @@ class WorkerHandle:
             Its exit status; negative for a signal.
         """
         self.end()
-        return self._process.returncode
+        return self._kept.exit_status()
 
     def hang_up(self) -> None:
         """Tell the process that no more messages come, on which it ends by itself."""
@@ -180,33 +220,7 @@ class WorkerHandle:
         self.end()
 
 
-def _started(connection: int, progress: int, output: int) -> subprocess.Popen[bytes]:
-    """Start the interpreter with this one's import path, whatever the working folder holds."""
-    arguments = [
-        json.dumps([str(place) for place in sys.path]),
-        str(connection),
-        str(progress),
-        str(os.getpid()),
-    ]
-    return subprocess.Popen(
-        [sys.executable, "-P", "-c", _BOOTSTRAP, *arguments],
-        stdin=subprocess.DEVNULL,
-        stdout=output,
-        stderr=output,
-        pass_fds=(connection, progress),
-        start_new_session=True,
-        env={"PYTHONHASHSEED": "0", **os.environ},
-    )
-
-
-def _end(
-    owner: int, process: subprocess.Popen[bytes], connection: "Connection[Any, Any]", output: FileIO
-) -> None:
-    """Kill the whole process group while its leader's id is still its own, then reap the leader."""
-    if os.getpid() != owner:
-        return
-    with suppress(ProcessLookupError, PermissionError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+def _end(kept: KeptProcess, connection: "Connection[Any, Any]", output: FileIO) -> None:
+    kept.end()
     connection.close()
     output.close()

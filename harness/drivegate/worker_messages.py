@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 from drivegate.candidate import Candidate
 from drivegate.controller import Controller
@@ -10,6 +10,9 @@ from drivegate.fault import Fault
 from drivegate.shared_progress import SharedProgress
 
 ResultT = TypeVar("ResultT")
+
+LOST_CONNECTION: Final = 119
+"""Exit status of a worker process whose connection to its parent the candidate has closed."""
 
 LoadController: TypeAlias = Callable[[Candidate], Controller]
 """Makes a new instance of a candidate; raises `InputError` or `CandidateFault`."""
@@ -55,10 +58,13 @@ class Job(Generic[ResultT]):
         A module's function, called with the loaded candidate and the payload.
     payload : object
         Anything that can be pickled.
+    afresh : bool
+        Whether it needs a process that has done nothing before.
     """
 
     target: Callable[[LoadedCandidate, Any], ResultT]
     payload: Any
+    afresh: bool = False
 
 
 @dataclass(frozen=True)

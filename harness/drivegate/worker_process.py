@@ -19,6 +19,7 @@ import psutil
 from drivegate.fault import CandidateFault, Fault, Phase, exception_fault
 from drivegate.shared_progress import Activity, SharedProgress
 from drivegate.worker_messages import (
+    LOST_CONNECTION,
     Broken,
     Faulted,
     Finished,
@@ -54,24 +55,44 @@ def main(connection: int, progress: int, parent: int) -> None:
     sys.dont_write_bytecode = True
     faulthandler.enable()
     faulthandler.register(STACK_SIGNAL, all_threads=True)
+    for descriptor in (connection, progress):
+        os.set_inheritable(descriptor, False)
     channel: Connection[Any, Any] = Connection(connection)
     try:
-        _serve(channel, SharedProgress(progress))
+        _serve(channel, SharedProgress(progress), _identity(connection))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
-def _serve(channel: "Connection[Any, Any]", progress: SharedProgress) -> None:
+def _serve(
+    channel: "Connection[Any, Any]", progress: SharedProgress, identity: tuple[int, ...] | None
+) -> None:
+    process = os.getpid()
     setup: Setup = channel.recv()
     _limit_memory(setup.memory_limit)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     loaded = LoadedCandidate(setup.candidate, setup.load, progress)
     reply = _reply_of(partial(_first_load, loaded), progress)
     while True:
+        if os.getpid() != process:
+            # The candidate made a copy of the process, and the copy came back from the candidate's code.
+            os._exit(0)
+        if _identity(channel.fileno()) != identity:
+            os._exit(LOST_CONNECTION)
         progress.enter(Activity.WAITING)
         _send(channel, reply)
         message = channel.recv_bytes()
         progress.enter(Activity.PREPARING)
         reply = _reply_of(partial(_finish, loaded, message), progress)
+
+
+def _identity(descriptor: int) -> tuple[int, ...] | None:
+    """Tell which file a descriptor stands for, since its number may have been given to another one."""
+    try:
+        status = os.fstat(descriptor)
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
 
 
 def _first_load(loaded: LoadedCandidate) -> Reply:

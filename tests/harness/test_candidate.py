@@ -5,9 +5,9 @@ from importlib.metadata import EntryPoint, EntryPoints
 
 import pytest
 
-from drivegate import __version__, candidate
+from drivegate import __version__, candidate_resolution
 from drivegate.builtin_candidates import BUILTIN_CANDIDATES
-from drivegate.candidate import resolve_candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.declaration import Declaration
 from drivegate_models.errors import InputError
 
@@ -35,7 +35,7 @@ def test_a_bare_name_is_a_builtin(name):
 
 def test_builtins_differ_in_their_hashes_by_name_and_version(monkeypatch):
     first = {resolve_candidate(name).content_hash for name in BUILTIN_CANDIDATES}
-    monkeypatch.setattr(candidate, "__version__", __version__ + ".1")
+    monkeypatch.setattr(candidate_resolution, "__version__", __version__ + ".1")
     second = {resolve_candidate(name).content_hash for name in BUILTIN_CANDIDATES}
     assert len(first | second) == 2 * len(BUILTIN_CANDIDATES)
 
@@ -86,8 +86,8 @@ def test_an_installed_module_is_found_behind_a_folder_of_its_name(folder):
 
 def test_an_installed_entry_point(folder, monkeypatch):
     file = written(folder / "product.py")
-    point = EntryPoint("product", "product:Controller", candidate.ENTRY_POINT_GROUP)
-    monkeypatch.setattr(candidate, "entry_points", lambda group: EntryPoints([point]).select(group=group))
+    point = EntryPoint("product", "product:Controller", candidate_resolution.ENTRY_POINT_GROUP)
+    monkeypatch.setattr(candidate_resolution, "entry_points", lambda group: EntryPoints([point]).select(group=group))
     found = resolve_candidate("product")
     assert (found.name, found.entry, found.sources) == ("product", "product:Controller", (file,))
     with pytest.raises(InputError, match=r"'product'; known are .*initial, product"):
@@ -114,18 +114,8 @@ def test_a_manifest_for_a_builtin(folder):
 
 
 @pytest.mark.parametrize(
-    ("text", "kind"),
-    [("drive.c", "c"), ("lib/drive.so", "so"), ("drive.fmu", "fmu"), ("exec:./drive --fast", "exec")],
-)
-def test_a_kind_of_a_later_release_is_told(text, kind):
-    with pytest.raises(InputError, match=f"of kind '{kind}', .* does not support and a later release adds"):
-        resolve_candidate(text)
-
-
-@pytest.mark.parametrize(
     ("entry", "kind", "sentence"),
     [
-        ("drive.c", "c", "of kind 'c'"),
         ("referense", "builtin", "reference, published, initial"),
         ("mine.py", "python", "must be module:Class or file.py:Class"),
         ("absent.py:Mine", "python", "absent.py does not exist"),

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from drivegate.builtin_candidates import BUILTIN_CANDIDATES
-from drivegate.candidate import resolve_candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.controller_loading import load_controller
 from drivegate.python_controller import PythonController
 from drivegate.worker import CandidateWorker

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from drivegate.candidate import resolve_candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.engine import check_candidate
 from drivegate.events import CheckFinished, CheckStarted, RunDone, Shrinking
 from drivegate.fixed_scenarios import fixed_scenarios

@@ -5,7 +5,7 @@ from functools import cache
 import pytest
 
 from drivegate.builtin_loading import BuiltinController
-from drivegate.candidate import resolve_candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.catalogue import CHECKS
 from drivegate.controller_loading import load_controller
 from drivegate.fixed_scenarios import REFERENCE_MOTOR, fixed_scenarios, steady_scenario

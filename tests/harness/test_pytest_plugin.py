@@ -126,6 +126,12 @@ def text_of(result: pytest.RunResult) -> str:
     return "\n".join(result.outlines)
 
 
+def counterexample_named(text: str) -> str:
+    """The one file that a failing item names: in its failure, and where `CI` is set in pytest's summary too."""
+    (file,) = set(re.findall(r"counterexample: (\S+)", text))
+    return str(file)
+
+
 def test_there_is_one_item_for_the_candidate_and_one_for_each_check(suite: Any, engine: FakeEngine) -> None:
     result = suite("--collect-only", "-q")
     collected = re.findall(r"test_conformance\[(.+)\]", text_of(result))
@@ -165,7 +171,7 @@ def test_a_required_check_that_fails_tells_its_margin_and_how_to_replay(
     assert f"{check} fails (required): the message of {check}" in text
     assert "margin: -1.5" in text
     assert "Traceback" not in text
-    (file,) = re.findall(r"counterexample: (\S+)", text)
+    file = counterexample_named(text)
     assert f"drivegate replay {file} --candidate reference" in text
     assert Path(file).is_relative_to(pytester.path / ".pytest_cache")
     document = json.loads(Path(file).read_text(encoding="utf-8"))
@@ -266,7 +272,7 @@ def test_an_output_folder_is_used_and_written_anew(
 
 def test_results_have_a_place_without_a_cache(suite: Any, engine: FakeEngine) -> None:
     engine.verdicts[of_level("required")] = "fail"
-    (file,) = re.findall(r"counterexample: (\S+)", text_of(suite("-p", "no:cacheprovider")))
+    file = counterexample_named(text_of(suite("-p", "no:cacheprovider")))
     assert Path(file).is_file()
 
 
@@ -375,7 +381,7 @@ def test_the_initial_angle_alone_misses_the_optimum_for_real(pytester: pytest.Py
     result.stdout.fnmatch_lines(
         ["CNV-2 fails (required): *", "*margin: -*", "FAILED *test_conformance[[]CNV-2[]]*"]
     )
-    (file,) = re.findall(r"counterexample: (\S+)", text_of(result))
+    file = counterexample_named(text_of(result))
     assert json.loads(Path(file).read_text(encoding="utf-8"))["check"] == "CNV-2"
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drivegate import Command, Nameplate, Sense
-from drivegate.candidate import resolve_candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.fault import LONGEST_MESSAGE, LONGEST_TRACEBACK, CandidateFault, FaultKind
 from drivegate.python_controller import PythonController
 from drivegate.python_loading import load_python_controller

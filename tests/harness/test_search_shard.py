@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from drivegate.candidate import Candidate, resolve_candidate
+from drivegate.candidate import Candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.controller import Controller
 from drivegate.controller_loading import load_controller
 from drivegate.declaration import Declaration
@@ -43,8 +44,7 @@ def judged_by_speed(monkeypatch: pytest.MonkeyPatch) -> None:
         margin = abs(scenario.speed_rpm[-1][1] - 1003.0) / 1000.0
         return JudgedRun(scenario.to_mapping(), (Margin("CNV-1", margin, "made up"),))
 
-    monkeypatch.setattr(search_shard, "run_scenario", lambda scenario, *_, **__: scenario)
-    monkeypatch.setattr(search_shard, "RunRecord", lambda scenario, *_: scenario)
+    monkeypatch.setattr(search_shard, "recorded", lambda _loaded, scenario, _controller: scenario)
     monkeypatch.setattr(search_shard, "judged", judged)
 
 
@@ -72,7 +72,7 @@ def test_the_seed_alone_decides() -> None:
 @pytest.mark.usefixtures("judged_by_speed")
 def test_climbing_comes_closer_to_the_least_margin_than_drawing_at_random() -> None:
     def least(*, search: bool) -> float:
-        outcomes = [drawn(8 * number, 40, search=search) for number in range(4)]
+        outcomes = [drawn(8 * number, 40, search=search) for number in range(8)]
         return sum(min(run.margins[0].value for run in outcome.runs) for outcome in outcomes)
 
     climbed, random = least(search=True), least(search=False)

@@ -4,7 +4,8 @@ from typing import Any
 
 import pytest
 
-from drivegate.candidate import Candidate, resolve_candidate
+from drivegate.candidate import Candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.catalogue import CHECKS
 from drivegate.controller import Controller
 from drivegate.controller_loading import load_controller

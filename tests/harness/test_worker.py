@@ -11,7 +11,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from drivegate.candidate import resolve_candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.fault import FaultKind
 from drivegate.python_loading import load_python_controller
 from drivegate.stall_watch import WorkerLimits
@@ -271,7 +271,7 @@ def test_a_worker_whose_idle_process_died_starts_another(candidate, jobs):
 
 def test_a_worker_in_an_endless_loop_dies_with_its_parent(candidate):
     script = (
-        "import worker_jobs; from drivegate.candidate import resolve_candidate; "
+        "import worker_jobs; from drivegate.candidate_resolution import resolve_candidate; "
         "from drivegate.python_loading import load_python_controller; "
         "from drivegate.worker import CandidateWorker; from drivegate.worker_messages import Job; "
         f"candidate = resolve_candidate({candidate('while True: pass').specification!r}); "

@@ -35,7 +35,7 @@ DET_1 = Check(
     "candidate",
     "required",
     "bit for bit",
-    "repeated runs: after another scenario on the same instance, and on a new instance",
+    "repeated runs: after another scenario on the same instance, on a new instance, and in another process",
     "1 when all commands of every repetition are the same, else -1",
     "A verdict holds, and a counterexample can be replayed, only where the same inputs give the same outputs.",
     repeats_itself,

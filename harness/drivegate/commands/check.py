@@ -75,6 +75,13 @@ DEFAULT_OUTPUT = "drivegate-report"
     metavar="FILE",
     help="An earlier result.json that margins are compared with.",
 )
+@click.option(
+    "--fail-on",
+    type=click.Choice(["required", "advisory"]),
+    default="required",
+    show_default=True,
+    help="Least level of a check whose failure fails the candidate.",
+)
 @json_option
 def command(
     candidates: tuple[str, ...],
@@ -87,6 +94,7 @@ def command(
     corpus: Path | None,
     waivers: Path | None,
     baseline: Path | None,
+    fail_on: str,
 ) -> Outcome:
     """Check every CANDIDATE: apply all checks, search for a scenario that breaks one, and write a report.
 
@@ -96,7 +104,7 @@ def command(
     """
     from drivegate.gate import Effort, Records, check_all
 
-    how_much = Effort(effort, seed, workers, max_time, search)
+    how_much = Effort(effort, seed, workers, max_time, search, fail_on)
     records = Records(corpus, waivers, baseline)
     all_checked = check_all(candidates, output, how_much, _summary, records)
     if len(all_checked) == 1 and all_checked[0].error is not None and all_checked[0].document is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf, isfinite, nan
+from shlex import quote
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -12,6 +13,7 @@ from drivegate_cases.wording import shown
 
 if TYPE_CHECKING:
     from drivegate_cases.motor import Motor
+    from drivegate_cases.scenario import Scenario
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -102,3 +104,51 @@ def chosen_motor(name: str | None, settings: tuple[str, ...], default: Callable[
 
     motor = default() if name is None else load_motor(name)
     return motor.with_overrides(settings)
+
+
+def chosen_scenario(case: str, motor: str | None, settings: tuple[str, ...]) -> Scenario:
+    """Find the scenario that the options ask for, also the one in a counterexample.
+
+    Parameters
+    ----------
+    case : str
+        Name of a scenario that comes along, or path of a file of one.
+    motor : str or None
+        Name or path of another motor, if given.
+    settings : tuple of str
+        Settings of the motor, each as ``KEY=VALUE``.
+
+    Returns
+    -------
+    Scenario
+        The scenario.
+
+    Raises
+    ------
+    InputError
+        When it does not exist or is not valid.
+    """
+    scenario = _loaded_scenario(case)
+    if motor is None and not settings:
+        return scenario
+    return scenario.replaced(motor=chosen_motor(motor, settings, lambda: scenario.motor))
+
+
+def _loaded_scenario(case: str) -> Scenario:
+    from drivegate_cases.document import parse_document
+    from drivegate_cases.reading import read_mapping
+    from drivegate_cases.scenario import Scenario, load_scenario
+    from drivegate_cases.wording import shown_path
+    from drivegate_models.errors import InputError
+
+    if case.lower().endswith(".json"):
+        mapping = read_mapping(case)
+        if mapping.get("kind") == "counterexample":
+            scenario = mapping.get("scenario", {})
+            if isinstance(scenario, dict) and scenario.get("kind") == "script":
+                raise InputError(
+                    f"{shown_path(case)} holds a script, which no plant runs; replay it: "
+                    f"drivegate replay {quote(case)}"
+                )
+            return parse_document(scenario, Scenario, f"{case}, the table 'scenario'")
+    return load_scenario(case)

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from drivegate.commands.conduct import ExitCode, Outcome
-from drivegate.commands.options import chosen_motor, json_option, motor_options
+from drivegate.commands.options import chosen_scenario, json_option, motor_options
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from drivegate_cases.scenario import Scenario
 
 _ROWS = (
     ("speed_final_rpm", "speed at the end", "rpm"),
@@ -63,13 +62,11 @@ def command(
 
     CANDIDATE is a built-in or installed controller's name, module:Class, file.py:Class or a manifest.
     """
-    from drivegate.candidate import resolve_candidate
+    from drivegate.candidate_resolution import resolve_candidate
     from drivegate.trace_files import check_targets
 
     resolved = resolve_candidate(candidate)
-    scenario = _scenario(case)
-    if motor is not None or settings:
-        scenario = scenario.replaced(motor=chosen_motor(motor, settings, lambda: scenario.motor))
+    scenario = chosen_scenario(case, motor, settings)
     check_targets(csv, parquet, plot)
 
     from drivegate.fault import Fault
@@ -93,19 +90,6 @@ def command(
         else f"drivegate simulate {quote(candidate)} --case {quote(case)} --plot run.png"
     )
     return Outcome(document, lambda console: _show(console, document, hint))
-
-
-def _scenario(case: str) -> Scenario:
-    """Load a scenario, also the one in a counterexample."""
-    from drivegate_cases.document import parse_document
-    from drivegate_cases.reading import read_mapping
-    from drivegate_cases.scenario import Scenario, load_scenario
-
-    if case.lower().endswith(".json"):
-        mapping = read_mapping(case)
-        if mapping.get("kind") == "counterexample":
-            return parse_document(mapping.get("scenario", {}), Scenario, f"{case}, the table 'scenario'")
-    return load_scenario(case)
 
 
 def _show(console: Console, document: dict[str, Any], hint: str) -> None:

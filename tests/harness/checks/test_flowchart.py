@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drivegate import Command
-from drivegate.candidate import resolve_candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.controller_loading import load_controller
 from drivegate.declaration import FlowchartProfile
 from drivegate.fault import CandidateFault, FaultKind

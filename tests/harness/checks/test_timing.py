@@ -1,14 +1,15 @@
 """TIM-1: the limit of a step's compute time, and what is timed."""
 
-from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from drivegate.candidate import resolve_candidate
+from drivegate.candidate_resolution import resolve_candidate
 from drivegate.controller_loading import load_controller
+from drivegate.python_controller import PythonController
 from drivegate.shared_progress import Activity, SharedProgress
-from drivegate.step_timing import TimedSteps, time_steps, timing_margin
+from drivegate.step_timing import TimedSteps, time_steps, timing_margin, way_of_running
 from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.scenario import load_scenario
 
@@ -54,17 +55,21 @@ def short_run():
 
 
 def test_the_limit_is_a_tenth_of_the_control_period():
-    candidate = loaded("reference")
-    assert timing_margin(candidate, float(np.nextafter(LIMIT, 0.0)), 0.0005).met
-    assert not timing_margin(candidate, LIMIT, 0.0005).met
+    assert timing_margin("native", float(np.nextafter(LIMIT, 0.0)), 0.0005).met
+    assert not timing_margin("native", LIMIT, 0.0005).met
+    assert timing_margin("native", 5e-6, 0.0005).measured == "5 µs a step (native), 1 % of the control period"
 
 
 def test_how_a_step_runs_is_told():
-    native = timing_margin(loaded("reference"), 5e-6, 0.0005)
-    assert native.measured == "5 µs a step (native), 1 % of the control period"
-    candidate = loaded("reference")
-    python = replace(candidate, candidate=replace(candidate.candidate, kind="python"))
-    assert "(Python)" in timing_margin(python, 5e-6, 0.0005).measured
+    native, python = (
+        loaded("reference").controller(),
+        PythonController(SimpleNamespace(reset=None, step=None)),
+    )
+    assert way_of_running("builtin", native) == "native"
+    assert way_of_running("python", python) == "Python"
+    assert way_of_running("python", native) == "native", "a NumbaController is compiled"
+    assert way_of_running("exec", python) == "a process of its own"
+    assert way_of_running("fmu", python) == "FMU"
 
 
 @pytest.mark.parametrize("name", ["reference", "published", "initial"])

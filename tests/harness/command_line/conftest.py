@@ -170,7 +170,7 @@ def engine(monkeypatch):
     """The engine and the reports replaced: a pass, and one page."""
     fake = FakeEngine(outcomes=(outcome("CNV-1", "pass"),))
     monkeypatch.setattr("drivegate.engine.check_candidate", fake)
-    monkeypatch.setattr("drivegate.handlers.report_pages.entry_points", lambda group: [OnePage()])
+    monkeypatch.setattr("drivegate.report_writers.entry_points", lambda group: [OnePage()])
     return fake
 
 

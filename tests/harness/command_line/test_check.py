@@ -20,7 +20,8 @@ def test_a_pass_is_told_and_reported(command, engine, tmp_path):
         "check", "reference", "--effort", "quick", "--seed", "7", "--workers", "1", "--max-time", "9"
     )
     assert ended.code == 0
-    assert engine.options == {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0, "search": True}
+    asked = {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0}
+    assert engine.options == {**asked, "search": True, "fail_on": "required"}
     assert "reference: pass" in ended.out
     assert "report: drivegate-report/report.html" in ended.out
     assert "a report that prints" not in ended.out
@@ -131,7 +132,7 @@ def test_a_report_that_cannot_be_written_is_a_fault_of_drivegate_beside_the_verd
         def load(self):
             raise ImportError("no such module")
 
-    monkeypatch.setattr("drivegate.handlers.report_pages.entry_points", lambda group: [Broken()])
+    monkeypatch.setattr("drivegate.report_writers.entry_points", lambda group: [Broken()])
     told = command("check", "reference")
     assert told.code == 3
     assert "reference: pass" in told.out

@@ -74,6 +74,12 @@ def test_a_counterexample_is_a_case_too(command, failing, tmp_path):
     assert (document["scenario"], document["duration_s"]) == ("lock-up", 0.5)
 
 
+def test_a_script_is_to_be_replayed(refused, tmp_path):
+    file = tmp_path / "FLO-1.json"
+    file.write_text(json.dumps({"kind": "counterexample", "scenario": {"kind": "script"}}), encoding="utf-8")
+    assert f"drivegate replay {file}" in refused("simulate", "published", "--case", file)
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -89,7 +95,7 @@ def test_a_counterexample_is_a_case_too(command, failing, tmp_path):
         (["reference", "--case", "lock-up", "--csv", "run.png", "--plot", "run.png"], "the same file"),
         (["reference", "--case", "lock-up", "--set", "inductence_h=1"], "'inductance_h'"),
         (["reference", "--case", "lock-up", "--set", "emf_flat_deg=190"], "emf_flat_deg"),
-        (["drive.c", "--case", "lock-up"], "later release"),
+        (["drive.c", "--case", "lock-up"], "drive.c does not exist"),
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(refused, words, told):

@@ -1,0 +1,253 @@
+"""Build an FMU from a controller in C that implements the four functions of drivegate.h.
+
+    python build_fmu.py controller.c                      # controller.fmu, for FMI 2.0
+    python build_fmu.py controller.c tables.c --fmi 3 --output mine.fmu
+
+It needs a C compiler, drivegate for drivegate.h and fmpy for the headers of FMI. The FMU has code for the platform
+on which it is built, and the same sources give the same FMU, but for what the compiler does.
+"""
+
+import argparse
+import ctypes
+import hashlib
+import platform
+import re
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as ElementTree
+import zipfile
+from importlib.util import find_spec
+from pathlib import Path
+from typing import NamedTuple
+
+HERE = Path(__file__).resolve().parent
+WRAPPER = ("instance.h", "instance.c", "fmi2.c", "fmi3.c")
+
+
+class Variable(NamedTuple):
+    """A variable of the FMU; its value reference is that of instance.h."""
+
+    name: str
+    reference: int
+    causality: str
+    kind: str = "real"
+
+
+INPUTS = (
+    Variable("speed_reference", 1, "input"),
+    Variable("speed", 2, "input"),
+    Variable("current_magnitude_sum", 3, "input"),
+    Variable("half_supply_voltage", 4, "input"),
+)
+PHASE_CURRENTS = 101
+OUTPUTS = (Variable("current_reference", 11, "output"), Variable("advance_angle", 12, "output"))
+INPUT_POWER = Variable("input_power", 13, "output")
+PARAMETERS = (
+    Variable("phases", 21, "parameter", "integer"),
+    Variable("pole_pairs", 22, "parameter", "integer"),
+    Variable("nominal_half_supply_voltage", 31, "parameter"),
+    Variable("base_speed", 32, "parameter"),
+    Variable("rated_power", 33, "parameter"),
+    Variable("current_limit", 34, "parameter"),
+    Variable("control_period", 35, "parameter"),
+    Variable("hysteresis_band", 36, "parameter"),
+    Variable("resistance", 37, "parameter"),
+    Variable("inductance", 38, "parameter"),
+    Variable("emf_constant", 39, "parameter"),
+    Variable("inertia", 40, "parameter"),
+)
+
+
+def build_fmu(
+    sources: list[Path], output: Path, *, fmi: int = 2, phases: int = 5, estimates_power: bool = False
+) -> Path:
+    """Compile a controller with its wrapper and pack both with the description into an FMU.
+
+    Parameters
+    ----------
+    sources : list of Path
+        The controller's C files; the first one gives the FMU its model's name.
+    output : Path
+        The FMU to write.
+    fmi : int
+        Version of FMI: 2 or 3.
+    phases : int
+        Number of phases of the drive, which is the number of phase currents.
+    estimates_power : bool
+        Whether the controller gives an estimate of its input power.
+
+    Returns
+    -------
+    Path
+        The FMU.
+    """
+    model = re.sub(r"\W", "_", sources[0].stem)
+    token = token_of([*sources, *(HERE / name for name in WRAPPER)], f"{fmi} {phases} {estimates_power}")
+    with tempfile.TemporaryDirectory() as folder:
+        library = Path(folder) / f"{model}{library_suffix()}"
+        compile_library(sources, library, fmi, phases, token)
+        only_once = ctypes.CDLL(str(library)).drivegate_state_size() == 0
+        outputs = (*OUTPUTS, INPUT_POWER) if estimates_power else OUTPUTS
+        describe = description_2 if fmi == 2 else description_3
+        pack(output, describe(model, token, phases, outputs, only_once), library, platform_folder(fmi))
+    return output
+
+
+def token_of(files: list[Path], options: str) -> str:
+    """Make a token that ties the description to its library."""
+    digest = hashlib.sha256(options.encode())
+    for file in files:
+        digest.update(file.read_bytes())
+    return "{" + digest.hexdigest()[:32] + "}"
+
+
+def compile_library(sources: list[Path], library: Path, fmi: int, phases: int, token: str) -> None:
+    """Compile with the system's compiler; its own messages tell what is wrong."""
+    command = ["cc", "-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"]
+    command += [f"-DCONTROLLER_PHASES={phases}", f'-DFMU_TOKEN="{token}"']
+    command += [
+        f"-I{folder}"
+        for folder in (HERE, header_folder("drivegate_models", ""), header_folder("fmpy", "c-code"))
+    ]
+    command += [str(file) for file in (*sources, HERE / "instance.c", HERE / f"fmi{fmi}.c")]
+    subprocess.run([*command, "-o", str(library), "-lm"], check=True)
+
+
+def header_folder(package: str, folder: str) -> Path:
+    """Find the headers that a Python package brings."""
+    spec = find_spec(package)
+    if spec is None or not spec.submodule_search_locations:
+        raise SystemExit(f"the package {package} is missing; pip install 'drivegate[fmu]' brings it")
+    return Path(spec.submodule_search_locations[0]) / folder
+
+
+def library_suffix() -> str:
+    """Tell how shared libraries are called here."""
+    return ".dylib" if sys.platform == "darwin" else ".so"
+
+
+def platform_folder(fmi: int) -> str:
+    """Tell the folder for binaries of this platform."""
+    system = "darwin" if sys.platform == "darwin" else "linux"
+    machine = {"arm64": "aarch64", "amd64": "x86_64"}.get(platform.machine().lower(), platform.machine())
+    return f"{system}64" if fmi == 2 else f"{machine}-{system}"
+
+
+def description_2(
+    model: str, token: str, phases: int, outputs: tuple[Variable, ...], only_once: bool
+) -> ElementTree.Element:
+    """Describe the FMU as FMI 2.0 has it."""
+    root = ElementTree.Element("fmiModelDescription", fmiVersion="2.0", modelName=model, guid=token)
+    slave = ElementTree.SubElement(root, "CoSimulation", modelIdentifier=model)
+    if only_once:
+        slave.set("canBeInstantiatedOnlyOncePerProcess", "true")
+    add_log_categories(root)
+    listed = ElementTree.SubElement(root, "ModelVariables")
+    currents = [
+        Variable(f"phase_currents[{phase + 1}]", PHASE_CURRENTS + phase, "input") for phase in range(phases)
+    ]
+    variables = [*INPUTS, *currents, *outputs, *PARAMETERS]
+    for variable in variables:
+        scalar = ElementTree.SubElement(
+            listed,
+            "ScalarVariable",
+            name=variable.name,
+            valueReference=str(variable.reference),
+            causality=variable.causality,
+            variability="fixed" if variable.causality == "parameter" else "discrete",
+        )
+        value = ElementTree.SubElement(scalar, "Real" if variable.kind == "real" else "Integer")
+        if variable.causality != "output":
+            value.set("start", "0")
+    structure = ElementTree.SubElement(root, "ModelStructure")
+    for group in ("Outputs", "InitialUnknowns"):
+        unknowns = ElementTree.SubElement(structure, group)
+        for output in outputs:
+            ElementTree.SubElement(unknowns, "Unknown", index=str(variables.index(output) + 1))
+    return root
+
+
+def description_3(
+    model: str, token: str, phases: int, outputs: tuple[Variable, ...], only_once: bool
+) -> ElementTree.Element:
+    """Describe the FMU as FMI 3.0 has it."""
+    root = ElementTree.Element(
+        "fmiModelDescription", fmiVersion="3.0", modelName=model, instantiationToken=token
+    )
+    slave = ElementTree.SubElement(root, "CoSimulation", modelIdentifier=model)
+    if only_once:
+        slave.set("canBeInstantiatedOnlyOncePerProcess", "true")
+    add_log_categories(root)
+    listed = ElementTree.SubElement(root, "ModelVariables")
+    ElementTree.SubElement(listed, "Float64", name="time", valueReference="0", causality="independent")
+    currents = Variable("phase_currents", PHASE_CURRENTS, "input")
+    for variable in (*INPUTS, currents, *outputs, *PARAMETERS):
+        value = ElementTree.SubElement(
+            listed,
+            "Float64" if variable.kind == "real" else "Int64",
+            name=variable.name,
+            valueReference=str(variable.reference),
+            causality=variable.causality,
+            variability="fixed" if variable.causality == "parameter" else "discrete",
+        )
+        count = phases if variable is currents else 1
+        if variable.causality != "output":
+            value.set("start", " ".join(["0"] * count))
+        if variable is currents:
+            ElementTree.SubElement(value, "Dimension", start=str(phases))
+    structure = ElementTree.SubElement(root, "ModelStructure")
+    for group in ("Output", "InitialUnknown"):
+        for output in outputs:
+            ElementTree.SubElement(structure, group, valueReference=str(output.reference))
+    return root
+
+
+def add_log_categories(root: ElementTree.Element) -> None:
+    """Say that errors are told."""
+    categories = ElementTree.SubElement(root, "LogCategories")
+    ElementTree.SubElement(categories, "Category", name="logStatusError")
+
+
+def pack(output: Path, description: ElementTree.Element, library: Path, folder: str) -> None:
+    """Write the archive, with the same time in every entry."""
+    ElementTree.indent(description)
+    text = ElementTree.tostring(description, encoding="UTF-8", xml_declaration=True)
+    with zipfile.ZipFile(output, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in (
+            ("modelDescription.xml", text),
+            (f"binaries/{folder}/{library.name}", library.read_bytes()),
+        ):
+            entry = zipfile.ZipInfo(name)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, content)
+
+
+def main() -> None:
+    """Build the FMU that the command line asks for."""
+    parser = argparse.ArgumentParser(description="Build an FMU from a drivegate controller in C.")
+    parser.add_argument("sources", nargs="+", type=Path, help="the controller's C files")
+    parser.add_argument("--output", type=Path, help="the FMU to write; otherwise named like the first source")
+    parser.add_argument("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI")
+    parser.add_argument("--phases", type=int, default=5, help="number of phases of the drive")
+    parser.add_argument(
+        "--estimates-power", action="store_true", help="the controller estimates its input power"
+    )
+    options = parser.parse_args()
+    output = options.output or Path(f"{options.sources[0].stem}.fmu")
+    try:
+        build_fmu(
+            options.sources,
+            output,
+            fmi=options.fmi,
+            phases=options.phases,
+            estimates_power=options.estimates_power,
+        )
+    except subprocess.CalledProcessError as error:
+        raise SystemExit("the controller does not compile") from error
+    print(output)
+
+
+if __name__ == "__main__":
+    main()

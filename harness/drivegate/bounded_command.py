@@ -1,0 +1,133 @@
+"""Running a tool of the system on files that may be hostile: within bounds of time, memory and output."""
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from math import ceil
+from multiprocessing.connection import wait
+from pathlib import Path
+from typing import Final
+
+KEPT_OUTPUT: Final = 64 * 1024
+"""Bytes of what a tool prints that are kept; it may print more."""
+
+# The shell sets the limits before the tool starts, which no other process can do in time. Sizes are in KiB and in
+# blocks of 512 bytes; not every system can limit the memory.
+_LIMITED: Final = (
+    'ulimit -t "$1"; ulimit -v "$2" 2>/dev/null; ulimit -f "$3"; ulimit -c 0; shift 3; exec "$@"'
+)
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What a tool may use.
+
+    Attributes
+    ----------
+    seconds : float
+        Time, and processor time of each of its processes (s).
+    memory_bytes : int
+        Memory of each of its processes.
+    file_bytes : int
+        Size of each file that it writes.
+    """
+
+    seconds: float = 60.0
+    memory_bytes: int = 2 * 2**30
+    file_bytes: int = 64 * 2**20
+
+    def in_words(self) -> str:
+        """Tell the bounds.
+
+        Returns
+        -------
+        str
+            Part of a sentence.
+        """
+        memory, file = self.memory_bytes / 2**30, self.file_bytes / 2**20
+        return f"{self.seconds:g} s, {memory:g} GiB of memory and files of {file:g} MiB"
+
+
+COMPILATION: Final = Bounds()
+"""What compiling a candidate may use."""
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a tool ended.
+
+    Attributes
+    ----------
+    status : int or None
+        Exit status, negative for a signal; None when it was stopped because its time was up.
+    output : str
+        The beginning of what it printed.
+    """
+
+    status: int | None
+    output: str
+
+
+def run_bounded(
+    words: Sequence[str], *, folder: Path, environment: Mapping[str, str], bounds: Bounds
+) -> Ended:
+    """Run a tool to its end, or to that of its time.
+
+    Parameters
+    ----------
+    words : sequence of str
+        The tool and its arguments.
+    folder : Path
+        Where it runs.
+    environment : mapping
+        Variables to set beside those of this process.
+    bounds : Bounds
+        What it may use.
+
+    Returns
+    -------
+    Ended
+        How it ended.
+    """
+    # The processor time is for what escapes from the process group.
+    processor = ceil(bounds.seconds) + 1
+    limits = (str(processor), str(bounds.memory_bytes // 1024), str(bounds.file_bytes // 512))
+    deadline = time.monotonic() + bounds.seconds
+    process = subprocess.Popen(
+        ["/bin/sh", "-c", _LIMITED, "sh", *limits, *words],
+        cwd=folder,
+        env={**os.environ, **environment},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+    )
+    with process:
+        try:
+            output = _beginning_of_output(process, deadline)
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(max(deadline - time.monotonic(), 0.0))
+            status = process.returncode
+        finally:
+            if process.returncode is None:
+                with suppress(ProcessLookupError):
+                    os.killpg(process.pid, signal.SIGKILL)
+    return Ended(status, output.decode(errors="replace"))
+
+
+def _beginning_of_output(process: "subprocess.Popen[bytes]", deadline: float) -> bytes:
+    """Read to the end, so that the tool never waits for a reader, but keep the beginning only."""
+    if process.stdout is None:
+        return b""
+    descriptor = process.stdout.fileno()
+    kept = b""
+    while wait([descriptor], max(deadline - time.monotonic(), 0.0)):
+        block = os.read(descriptor, 65536)
+        if not block:
+            break
+        kept = (kept + block)[:KEPT_OUTPUT]
+    return kept

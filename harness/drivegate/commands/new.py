@@ -1,0 +1,61 @@
+"""``drivegate new``: a small candidate that works, as a place to start from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from shlex import quote
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from drivegate.commands.conduct import Outcome
+from drivegate.commands.options import json_option
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+SCHEMA = 1
+
+
+@click.command("new")
+@click.argument("kind", type=click.Choice(["python", "numba", "c", "rust", "exec"]))
+@click.argument("name")
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder to make; by default NAME. Nothing is ever overwritten.",
+)
+@json_option
+def command(kind: str, name: str, output: Path | None) -> Outcome:
+    """Write a small controller called NAME into a new folder, with manifest, test, waivers and a workflow for CI.
+
+    All kinds have the same algorithm: a speed regulator, and a line of angles. It meets the contract and most
+    checks; what it fails is waived for 90 days and is the exercise.
+    """
+    from drivegate.new_candidate import KINDS, write_candidate
+    from drivegate.waivers import present_day
+
+    folder = Path(name) if output is None else output
+    written = write_candidate(kind, name, folder, present_day())
+    build = KINDS[kind].build
+    check = "drivegate check candidate.toml --waivers waivers.toml"
+    steps = [f"cd {quote(str(folder))}", *([build] if build else []), check]
+    document: dict[str, Any] = {
+        "schema": SCHEMA,
+        "kind": "new",
+        "candidate": {"name": name, "kind": kind},
+        "folder": str(folder),
+        "files": [str(file) for file in written],
+        "next": steps,
+    }
+    return Outcome(document, lambda console: _show(console, document))
+
+
+def _show(console: Console, document: dict[str, Any]) -> None:
+    from drivegate.console import plain
+
+    console.print(plain(f"written into {document['folder']}:"))
+    for file in document["files"]:
+        console.print(plain(f"  {file}"))
+    console.print(plain(f"next: {' && '.join(document['next'])}", "dim"))

@@ -1,0 +1,109 @@
+"""A worker process and its keeper as the harness starts and ends them."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+from drivegate.worker_environment import worker_environment
+
+_BOOTSTRAP = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    "from drivegate.worker_keeper import keep; keep(*sys.argv[2:])"
+)
+_KEEPER_PATIENCE = 20.0
+
+
+class KeptProcess:
+    """One worker process, from its start to when nothing of it is left.
+
+    Parameters
+    ----------
+    folder : Path
+        Where it starts.
+    connection : int
+        Descriptor of its socket to the harness.
+    progress : int
+        Descriptor of the memory that it shares with the harness.
+    output : int
+        Descriptor that takes what it prints.
+    """
+
+    def __init__(self, folder: Path, connection: int, progress: int, output: int) -> None:
+        self._owner = os.getpid()
+        self._temporary = Path(tempfile.mkdtemp(prefix="drivegate-"))
+        self._told = b""
+        # The import path is that of the harness, whatever the folder holds.
+        paths = json.dumps([str(Path(place).absolute()) for place in sys.path])
+        arguments = [str(self._temporary), str(connection), str(progress)]
+        try:
+            self._keeper = subprocess.Popen(
+                [sys.executable, "-P", "-c", _BOOTSTRAP, paths, *arguments],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=output,
+                pass_fds=(connection, progress),
+                start_new_session=True,
+                cwd=folder if folder.is_dir() else None,
+                env=worker_environment(os.environ, self._temporary),
+                bufsize=0,
+            )
+        except BaseException:
+            shutil.rmtree(self._temporary, ignore_errors=True)
+            raise
+        assert self._keeper.stdout is not None
+        os.set_blocking(self._keeper.stdout.fileno(), False)
+
+    @property
+    def process_id(self) -> int | None:
+        """Process id of the worker, which stays its own until `end`; None until the worker has been started."""
+        if b"\n" not in self._told:
+            self._listen()
+        return int(self._told.split()[0]) if b"\n" in self._told else None
+
+    def keeper_has_ended(self) -> bool:
+        """Tell whether the keeper has ended by itself, which it does when it was killed.
+
+        Returns
+        -------
+        bool
+            Whether it has ended.
+        """
+        return self._keeper.poll() is not None
+
+    def exit_status(self) -> int:
+        """Tell how the worker ended, once `end` has been called.
+
+        Returns
+        -------
+        int
+            Its exit status; negative for a signal.
+        """
+        numbers = self._told.split()
+        # A worker whose keeper was killed is killed by the system.
+        return int(numbers[1]) if len(numbers) > 1 else -signal.SIGKILL
+
+    def end(self) -> None:
+        """Kill the worker and all that came from it; in another process than the one that started it, do nothing."""
+        if os.getpid() != self._owner or self._keeper.stdin is None or self._keeper.stdin.closed:
+            return
+        self._keeper.stdin.close()
+        try:
+            self._keeper.wait(_KEEPER_PATIENCE)
+        except subprocess.TimeoutExpired:
+            self._keeper.kill()
+            self._keeper.wait()
+        self._listen()
+        if self._keeper.stdout is not None:
+            self._keeper.stdout.close()
+        shutil.rmtree(self._temporary, ignore_errors=True)
+
+    def _listen(self) -> None:
+        with suppress(OSError, ValueError):
+            if self._keeper.stdout is not None:
+                self._told += self._keeper.stdout.read() or b""

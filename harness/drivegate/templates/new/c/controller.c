@@ -1,0 +1,66 @@
+/* A speed regulator, and an advance angle that rises with speed by a straight line. */
+#include "drivegate.h"
+
+#define PI 3.141592653589793
+#define DEGREE (PI / 180.0) /* rad */
+
+/* All that the controller remembers. The buffer is drivegate's; keep nothing in globals, so that many can run. */
+typedef struct {
+    double proportional, integral_step, limit, base_speed, integral;
+} controller;
+
+int64_t drivegate_abi_version(void) { return DRIVEGATE_ABI_VERSION; }
+
+int64_t drivegate_state_size(void) { return sizeof(controller); }
+
+/* Prepare for a run: called before every one, and must forget everything. */
+int drivegate_reset(void *state, const drivegate_nameplate *nameplate) {
+    controller *self = state;
+    /* Four of five phases conduct at a time: this is the torque that one ampere gives (N m/A). */
+    double torque_per_ampere = 0.8 * (double)nameplate->phases * nameplate->emf_constant;
+    /* The speed follows its reference with 80 rad/s, and the integral with 15 rad/s. */
+    self->proportional = nameplate->inertia * 80.0 / torque_per_ampere;
+    self->integral_step = self->proportional * 15.0 * nameplate->control_period;
+    self->limit = nameplate->current_limit;
+    self->base_speed = nameplate->base_speed;
+    self->integral = 0.0;
+    return 0;
+}
+
+static double between(double lowest, double highest, double value) {
+    if (value < lowest) return lowest;
+    return value > highest ? highest : value;
+}
+
+/* Give the current reference (A); the integral waits while the limit leaves nothing to do. */
+static double regulate(controller *self, double error) {
+    double integral = between(0.0, self->limit, self->integral + self->integral_step * error);
+    double reference = self->proportional * error + integral;
+    if (reference > self->limit) {
+        if (error <= 0.0 || integral < self->integral) self->integral = integral;
+        return self->limit;
+    }
+    if (reference < 0.0) {
+        if (error >= 0.0 || integral > self->integral) self->integral = integral;
+        return 0.0;
+    }
+    self->integral = integral;
+    return reference;
+}
+
+/* Give the advance angle (rad, electrical). Below base speed it must be 0 exactly (check ADV-1). */
+static double angle(const controller *self, double speed) {
+    if (speed < self->base_speed) return 0.0;
+    /* Your search for the angle of least input power would add its own part here (check CNV-2). */
+    double slope = 0.025 * DEGREE * 30.0 / PI;
+    return between(0.0, 0.5 * PI, 33.0 * DEGREE + slope * (speed - self->base_speed));
+}
+
+/* Answer for one control period; all quantities are in SI units. */
+void drivegate_step(void *state, const drivegate_sense *sense, drivegate_command *command) {
+    controller *self = state;
+    command->current_reference = regulate(self, sense->speed_reference - sense->speed);
+    command->advance_angle = angle(self, sense->speed);
+    /* An estimate of the input power; leave it out if the controller makes none. */
+    command->input_power = sense->half_supply_voltage * sense->current_magnitude_sum;
+}

@@ -1,0 +1,69 @@
+"""A speed regulator, and an advance angle that rises with speed by a straight line; compiled by numba."""
+
+from math import pi, radians
+
+import numba
+import numpy as np
+
+from drivegate import NumbaController
+
+# All that the controller remembers. Nothing else lasts from one step to the next.
+STATE = np.dtype(
+    [
+        ("proportional", np.float64),
+        ("integral_step", np.float64),
+        ("limit", np.float64),
+        ("base_speed", np.float64),
+        ("integral", np.float64),
+    ]
+)
+
+
+def reset(state, nameplate):
+    """Prepare for a run: called before every one, and must set every field."""
+    # Four of five phases conduct at a time: this is the torque that one ampere gives (N·m/A).
+    torque_per_ampere = 0.8 * nameplate.phases * nameplate.emf_constant
+    # The speed follows its reference with 80 rad/s, and the integral with 15 rad/s.
+    state.proportional = nameplate.inertia * 80.0 / torque_per_ampere
+    state.integral_step = state.proportional * 15.0 * nameplate.control_period
+    state.limit = nameplate.current_limit
+    state.base_speed = nameplate.base_speed
+    state.integral = 0.0
+
+
+def step(state, sense, command):
+    """Answer for one control period; all quantities are in SI units."""
+    command.current_reference = regulate(state, sense.speed_reference - sense.speed)
+    command.advance_angle = angle(state, sense.speed)
+    # An estimate of the input power; leave it out if the controller makes none.
+    command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum
+
+
+@numba.njit
+def regulate(state, error):
+    """Give the current reference (A); the integral waits while the limit leaves nothing to do."""
+    integral = min(max(state.integral + state.integral_step * error, 0.0), state.limit)
+    reference = state.proportional * error + integral
+    if reference > state.limit:
+        if error <= 0.0 or integral < state.integral:
+            state.integral = integral
+        return state.limit
+    if reference < 0.0:
+        if error >= 0.0 or integral > state.integral:
+            state.integral = integral
+        return 0.0
+    state.integral = integral
+    return reference
+
+
+@numba.njit
+def angle(state, speed):
+    """Give the advance angle (rad, electrical). Below base speed it must be 0 exactly (check ADV-1)."""
+    if speed < state.base_speed:
+        return 0.0
+    # Your search for the angle of least input power would add its own part here (check CNV-2).
+    slope = radians(0.025) * 30.0 / pi
+    return min(max(radians(33.0) + slope * (speed - state.base_speed), 0.0), 0.5 * pi)
+
+
+controller = NumbaController(STATE, reset=reset, step=step)

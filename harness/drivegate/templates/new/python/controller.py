@@ -1,0 +1,52 @@
+"""A speed regulator, and an advance angle that rises with speed by a straight line."""
+
+from math import pi, radians
+
+from drivegate import Command, Nameplate, Sense
+
+
+class Controller:
+    """One instance serves one drive; drivegate makes it without arguments."""
+
+    def reset(self, nameplate: Nameplate) -> None:
+        """Prepare for a run: called before every one, and must forget everything."""
+        # Four of five phases conduct at a time: this is the torque that one ampere gives (N·m/A).
+        torque_per_ampere = 0.8 * nameplate.phases * nameplate.emf_constant
+        # The speed follows its reference with 80 rad/s, and the integral with 15 rad/s.
+        self.proportional = nameplate.inertia * 80.0 / torque_per_ampere
+        self.integral_step = self.proportional * 15.0 * nameplate.control_period
+        self.limit = nameplate.current_limit
+        self.base_speed = nameplate.base_speed
+        self.integral = 0.0
+
+    def step(self, sense: Sense) -> Command:
+        """Answer for one control period; all quantities are in SI units."""
+        return Command(
+            current_reference=self.regulate(sense.speed_reference - sense.speed),
+            advance_angle=self.angle(sense.speed),
+            # An estimate of the input power; leave it out if the controller makes none.
+            input_power=sense.half_supply_voltage * sense.current_magnitude_sum,
+        )
+
+    def regulate(self, error: float) -> float:
+        """Give the current reference (A); the integral waits while the limit leaves nothing to do."""
+        integral = min(max(self.integral + self.integral_step * error, 0.0), self.limit)
+        reference = self.proportional * error + integral
+        if reference > self.limit:
+            if error <= 0.0 or integral < self.integral:
+                self.integral = integral
+            return self.limit
+        if reference < 0.0:
+            if error >= 0.0 or integral > self.integral:
+                self.integral = integral
+            return 0.0
+        self.integral = integral
+        return reference
+
+    def angle(self, speed: float) -> float:
+        """Give the advance angle (rad, electrical). Below base speed it must be 0 exactly (check ADV-1)."""
+        if speed < self.base_speed:
+            return 0.0
+        # Your search for the angle of least input power would add its own part here (check CNV-2).
+        slope = radians(0.025) * 30.0 / pi
+        return min(max(radians(33.0) + slope * (speed - self.base_speed), 0.0), 0.5 * pi)

@@ -1,0 +1,134 @@
+//! A speed regulator, and an advance angle that rises with speed by a straight line.
+
+use std::f64::consts::PI;
+
+/// What the controller may know of its drive before a run; the records are those of `drivegate.h`.
+#[repr(C)]
+pub struct Nameplate {
+    struct_size: i64,
+    phases: i64,
+    pole_pairs: i64,
+    half_supply_voltage: f64,
+    base_speed: f64,
+    rated_power: f64,
+    current_limit: f64,
+    control_period: f64,
+    hysteresis_band: f64,
+    resistance: f64,
+    inductance: f64,
+    emf_constant: f64,
+    inertia: f64,
+}
+
+/// What the controller is told at the start of a control period.
+#[repr(C)]
+pub struct Sense {
+    struct_size: i64,
+    time: f64,
+    speed_reference: f64,
+    speed: f64,
+    phase_count: i64,
+    phase_currents: *const f64,
+    current_magnitude_sum: f64,
+    half_supply_voltage: f64,
+}
+
+/// What the controller answers.
+#[repr(C)]
+pub struct Command {
+    struct_size: i64,
+    current_reference: f64,
+    advance_angle: f64,
+    input_power: f64,
+}
+
+/// All that the controller remembers. The buffer is drivegate's; keep nothing in statics, so that many can run.
+#[repr(C)]
+pub struct Controller {
+    proportional: f64,
+    integral_step: f64,
+    limit: f64,
+    base_speed: f64,
+    integral: f64,
+}
+
+impl Controller {
+    fn new(nameplate: &Nameplate) -> Self {
+        // Four of five phases conduct at a time: this is the torque that one ampere gives (N·m/A).
+        let torque_per_ampere = 0.8 * nameplate.phases as f64 * nameplate.emf_constant;
+        // The speed follows its reference with 80 rad/s, and the integral with 15 rad/s.
+        let proportional = nameplate.inertia * 80.0 / torque_per_ampere;
+        Controller {
+            proportional,
+            integral_step: proportional * 15.0 * nameplate.control_period,
+            limit: nameplate.current_limit,
+            base_speed: nameplate.base_speed,
+            integral: 0.0,
+        }
+    }
+
+    /// Answer for one control period; all quantities are in SI units.
+    fn step(&mut self, sense: &Sense, command: &mut Command) {
+        command.current_reference = self.regulate(sense.speed_reference - sense.speed);
+        command.advance_angle = self.angle(sense.speed);
+        // An estimate of the input power; leave it out if the controller makes none.
+        command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum;
+    }
+
+    /// Give the current reference (A); the integral waits while the limit leaves nothing to do.
+    fn regulate(&mut self, error: f64) -> f64 {
+        let integral = (self.integral + self.integral_step * error).clamp(0.0, self.limit);
+        let reference = self.proportional * error + integral;
+        if reference > self.limit {
+            if error <= 0.0 || integral < self.integral {
+                self.integral = integral;
+            }
+            return self.limit;
+        }
+        if reference < 0.0 {
+            if error >= 0.0 || integral > self.integral {
+                self.integral = integral;
+            }
+            return 0.0;
+        }
+        self.integral = integral;
+        reference
+    }
+
+    /// Give the advance angle (rad, electrical). Below base speed it must be 0 exactly (check ADV-1).
+    fn angle(&self, speed: f64) -> f64 {
+        if speed < self.base_speed {
+            return 0.0;
+        }
+        // Your search for the angle of least input power would add its own part here (check CNV-2).
+        let slope = 0.025_f64.to_radians() * 30.0 / PI;
+        (33.0_f64.to_radians() + slope * (speed - self.base_speed)).clamp(0.0, 0.5 * PI)
+    }
+}
+
+#[no_mangle]
+pub extern "C" fn drivegate_abi_version() -> i64 {
+    1000
+}
+
+#[no_mangle]
+pub extern "C" fn drivegate_state_size() -> i64 {
+    std::mem::size_of::<Controller>() as i64
+}
+
+/// Prepare for a run: called before every one, and must forget everything.
+///
+/// # Safety
+/// drivegate passes a buffer of `drivegate_state_size` bytes, aligned to 16, and a valid record.
+#[no_mangle]
+pub unsafe extern "C" fn drivegate_reset(state: *mut Controller, nameplate: *const Nameplate) -> i32 {
+    state.write(Controller::new(&*nameplate));
+    0
+}
+
+/// # Safety
+/// drivegate passes the state that was reset, and valid records.
+#[no_mangle]
+pub unsafe extern "C" fn drivegate_step(state: *mut Controller, sense: *const Sense, command: *mut Command) {
+    (*state).step(&*sense, &mut *command);
+}

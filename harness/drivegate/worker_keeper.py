@@ -1,0 +1,131 @@
+"""The keeper of a worker process: a small process between it and the harness, which lets nothing outlive it.
+
+The keeper starts the worker, then waits until the harness closes the keeper's standard input, which also happens
+when the harness is killed. Then it kills the worker and every process that came from it, and removes their
+temporary folder. On Linux it adopts processes whose own parents have ended (`PR_SET_CHILD_SUBREAPER`), also those
+that made a session of their own, so it has killed all of them when it has no child left.
+
+It imports little, so that it is small and starts at once.
+"""
+
+import ctypes
+import os
+import shutil
+import signal
+import stat
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+_PR_SET_CHILD_SUBREAPER = 36
+_PATIENCE = 10.0
+_BLOCK = 4096
+
+
+def keep(temporary: str, connection: str, progress: str) -> None:
+    """Start a worker process, and see to it that nothing of it is left once standard input ends.
+
+    In the keeper this does not return; in the worker it returns when its parent has hung up. The keeper tells
+    on its standard output the worker's process id, and at the end its exit status, negative for a signal.
+
+    Parameters
+    ----------
+    temporary : str
+        Folder to remove.
+    connection : str
+        Descriptor of the worker's socket to the harness.
+    progress : str
+        Descriptor of the memory that the worker shares with the harness.
+    """
+    _adopt_orphans()
+    keeper = os.getpid()
+    worker = os.fork()
+    if worker == 0:
+        _become_worker(int(connection), int(progress), keeper)
+        return
+    status = None
+    try:
+        for descriptor in (connection, progress):
+            os.close(int(descriptor))
+        _tell(worker)
+        while os.read(sys.stdin.fileno(), _BLOCK):
+            continue
+    finally:
+        with suppress(BaseException):
+            status = _killed(worker)
+        with suppress(BaseException):
+            _remove(Path(temporary))
+        _tell(-signal.SIGKILL if status is None else status)
+        os._exit(0)
+
+
+def _adopt_orphans() -> None:
+    if sys.platform.startswith("linux"):
+        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
+
+def _become_worker(connection: int, progress: int, keeper: int) -> None:
+    """Leave the keeper's streams: nothing to read, and what is printed goes to the harness."""
+    os.setsid()
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
+    os.dup2(2, 1)
+    # Only the worker needs the libraries that this brings.
+    from drivegate.worker_process import main
+
+    main(connection, progress, keeper)
+
+
+def _tell(number: int) -> None:
+    with suppress(OSError):
+        os.write(1, f"{number}\n".encode())
+
+
+def _killed(worker: int) -> int | None:
+    """Kill the worker and all that came from it, and return the worker's exit status.
+
+    A process that is killed while it starts another one leaves it to the keeper, hence the repetition.
+    """
+    status = None
+    with suppress(ProcessLookupError, PermissionError):
+        os.killpg(worker, signal.SIGKILL)
+    until = time.monotonic() + _PATIENCE
+    while time.monotonic() < until:
+        for process in _descendants(os.getpid()):
+            with suppress(ProcessLookupError, PermissionError):
+                os.kill(process, signal.SIGKILL)
+        with suppress(ChildProcessError):
+            while (ended := os.waitpid(-1, os.WNOHANG))[0]:
+                if ended[0] == worker:
+                    status = os.waitstatus_to_exitcode(ended[1])
+            time.sleep(0.002)
+            continue
+        break
+    return status
+
+
+def _descendants(ancestor: int) -> list[int]:
+    """Find the processes that came from one, where the system tells; zombies among them."""
+    children: dict[int, list[int]] = {}
+    for place in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError, ValueError, IndexError):
+            # The name, in parentheses, may hold anything; the state and the parent's id follow its end.
+            parent = int(place.read_bytes().rpartition(b")")[2].split()[1])
+            children.setdefault(parent, []).append(int(place.parent.name))
+    found = list(children.get(ancestor, ()))
+    for process in found:
+        found.extend(children.get(process, ()))
+    return found
+
+
+def _remove(folder: Path) -> None:
+    """Remove a folder, also one in which the worker has taken the right to do so from its owner."""
+    shutil.rmtree(folder, ignore_errors=True)
+    for inside, names, _ in os.walk(folder):
+        for place in (Path(inside, name) for name in names):
+            if not place.is_symlink():
+                with suppress(OSError):
+                    place.chmod(stat.S_IRWXU)
+    shutil.rmtree(folder, ignore_errors=True)
