@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Generator, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from datetime import UTC, datetime
 from typing import Any, Final
 
@@ -21,7 +21,7 @@ from drivegate.provenance import machine, provenance
 from drivegate.recording import recording_job, recording_plans, with_recordings
 from drivegate.repetition import repeated_elsewhere
 from drivegate.result import CheckOutcome, CheckResult, FixedMargins
-from drivegate.search_shard import JudgedRun, ShardOutcome
+from drivegate.search_shard import JudgedRun, SetAside, ShardOutcome
 from drivegate.shrinking import Shrunk
 from drivegate.simplest_failures import simplest_failures, with_simplest
 from drivegate.verdict import candidate_verdict, check_outcomes, machine_dependent
@@ -42,7 +42,7 @@ class _Progress:
     deadline: float | None
     runs: dict[Origin, list[JudgedRun]] = field(default_factory=lambda: {origin: [] for origin in Origin})
     faults: list[Fault] = field(default_factory=list)
-    set_aside: int = 0
+    set_aside: list[SetAside] = field(default_factory=list)
     complete: bool = True
 
     def add(self, work: Work, outcome: ShardOutcome | Fault) -> None:
@@ -50,7 +50,7 @@ class _Progress:
             self.add_fault(outcome)
         else:
             self.runs[work.origin].extend(outcome.runs)
-            self.set_aside += outcome.set_aside
+            self.set_aside.extend(outcome.set_aside)
 
     def add_fault(self, fault: Fault) -> None:
         if (fault.kind, fault.message) not in [(known.kind, known.message) for known in self.faults]:
@@ -241,7 +241,7 @@ def _result(
         checks=outcomes,
         faults=tuple(progress.faults),
         runs=len(progress.all_runs),
-        set_aside=progress.set_aside,
+        set_aside=tuple(sorted(set(progress.set_aside), key=astuple)),
         provenance=provenance(),
         timing=timing,
         corpus_runs=len(progress.runs[Origin.CORPUS]),

@@ -149,11 +149,35 @@ def is_fair(scenario: Scenario) -> bool:
     Returns
     -------
     bool
-        Whether it starts at its reference, keeps to the rules of this module and is feasible.
+        Whether nothing speaks against it.
     """
-    starts = scenario.initial_speed_rpm == scenario.speed_rpm[0][1]
-    keeps_speed = is_fast_while_loaded(scenario) and withstands_steps(scenario)
-    return starts and keeps_speed and coasts(scenario) and is_feasible(scenario)
+    return unfair_because(scenario) is None
+
+
+def unfair_because(scenario: Scenario) -> str | None:
+    """Tell why a candidate may not be judged on a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    str or None
+        The rule of this module that it breaks; None where it keeps to all of them.
+    """
+    if scenario.initial_speed_rpm != scenario.speed_rpm[0][1]:
+        return "it does not start at its speed reference"
+    if not is_fast_while_loaded(scenario):
+        return "it asks for a load below base speed"
+    if not withstands_steps(scenario):
+        return "a step of the load throws the shaft below base speed before a controller can answer"
+    if not coasts(scenario):
+        return "its speed reference falls faster than the shaft coasts, and there is no braking"
+    if not is_feasible(scenario):
+        return "at one of its operating points no advance angle gives the torque"
+    return None
 
 
 def _stretches(scenario: Scenario) -> Iterator[_Stretch]:

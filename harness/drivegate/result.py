@@ -13,6 +13,7 @@ from drivegate.fault import Fault
 
 if TYPE_CHECKING:
     from drivegate.baseline import Comparison
+    from drivegate.search_shard import SetAside
 
 RESULT_SCHEMA: Final = 2
 """Version of the result document."""
@@ -156,8 +157,8 @@ class CheckResult:
         The candidate's faults.
     runs : int
         Number of runs made.
-    set_aside : int
-        Number of drawn scenarios that no angle can satisfy.
+    set_aside : tuple of SetAside
+        Drawn scenarios that no controller could do, which were not run.
     provenance : dict
         Versions and machine-independent origin.
     timing : dict
@@ -182,7 +183,7 @@ class CheckResult:
     checks: tuple[CheckOutcome, ...]
     faults: tuple[Fault, ...]
     runs: int
-    set_aside: int
+    set_aside: tuple[SetAside, ...]
     provenance: dict[str, Any]
     timing: dict[str, Any]
     corpus_runs: int = 0
@@ -218,7 +219,8 @@ class CheckResult:
             "checks": [asdict(outcome) for outcome in self.checks],
             "faults": [_fault_document(fault) for fault in self.faults],
             "runs": self.runs,
-            "set_aside": self.set_aside,
+            "set_aside": len(self.set_aside),
+            "infeasible": [asdict(drawn) for drawn in self.set_aside],
             "corpus_runs": self.corpus_runs,
             "fixed": [asdict(run) for run in self.fixed],
             "baseline": None if self.baseline is None else [asdict(entry) for entry in self.baseline],

@@ -104,6 +104,13 @@ class ComparisonSection(Section):
     message: Text = Field(description="the same in one sentence")
 
 
+class InfeasibleSection(Section):
+    """A drawn scenario that no controller could do, and that was not run."""
+
+    scenario: Text = Field(description="its name")
+    reason: Text = Field(description="why no controller could do what it asks")
+
+
 class ResultDocument(Document):
     """The result of the check of one candidate."""
 
@@ -123,6 +130,9 @@ class ResultDocument(Document):
     faults: tuple[FaultSection, ...] = Field(description="the candidate's faults")
     runs: int = Field(ge=0, description="number of runs")
     set_aside: int = Field(ge=0, description="drawn scenarios that no controller could do")
+    infeasible: tuple[InfeasibleSection, ...] = Field(
+        default=(), description="those scenarios, each with the reason"
+    )
     corpus_runs: int = Field(default=0, ge=0, description="number of scenarios of the corpus that were run")
     fixed: tuple[FixedSection, ...] = Field(default=(), description="fixed scenarios and their margins")
     baseline: tuple[ComparisonSection, ...] | None = Field(

@@ -18,7 +18,7 @@ from drivegate.catalogue import CHECKS
 from drivegate.controller import Controller
 from drivegate.drawn_scenarios import drawn_scenarios
 from drivegate.fault import CandidateFault
-from drivegate.feasibility import is_fair
+from drivegate.feasibility import unfair_because
 from drivegate.fixed_scenarios import fixed_scenarios
 from drivegate.margin import Margin
 from drivegate.run_record import RunRecord, recorded
@@ -94,6 +94,22 @@ class JudgedRun:
 
 
 @dataclass(frozen=True)
+class SetAside:
+    """A drawn scenario on which no candidate may be judged; it was not run.
+
+    Attributes
+    ----------
+    scenario : str
+        Its name.
+    reason : str
+        Why no controller could do what it asks.
+    """
+
+    scenario: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class ShardOutcome:
     """What a job came to.
 
@@ -101,12 +117,12 @@ class ShardOutcome:
     ----------
     runs : tuple of JudgedRun
         In the order in which they were made.
-    set_aside : int
-        Drawn scenarios that no angle can satisfy, which were not run.
+    set_aside : tuple of SetAside
+        Drawn scenarios that no controller could do, which were not run.
     """
 
     runs: tuple[JudgedRun, ...]
-    set_aside: int = 0
+    set_aside: tuple[SetAside, ...] = ()
 
 
 def judged(record: RunRecord) -> JudgedRun:
@@ -189,7 +205,7 @@ class _Collector:
         self.fault: CandidateFault | None = None
         self._examples = 0
         self.runs: list[JudgedRun] = []
-        self.set_aside = 0
+        self.set_aside: list[SetAside] = []
 
     def margins(self, ticket: int, scenario: Scenario) -> tuple[Margin, ...] | None:
         """Run a scenario; None where that would tell nothing new, the same for the same draw."""
@@ -206,8 +222,8 @@ class _Collector:
         if key in self._known or (varied and self._examples < self._unrelated):
             return None
         self._known.add(key)
-        if not is_fair(scenario):
-            self.set_aside += 1
+        if (reason := unfair_because(scenario)) is not None:
+            self.set_aside.append(SetAside(scenario.name, reason))
             return None
         try:
             record = recorded(self._loaded, scenario, self._controller)
@@ -264,7 +280,7 @@ def run_drawn(loaded: LoadedCandidate, plan: DrawnRuns) -> ShardOutcome:
             explore()
     if collector.fault is not None:
         raise collector.fault
-    return ShardOutcome(tuple(collector.runs), collector.set_aside)
+    return ShardOutcome(tuple(collector.runs), tuple(collector.set_aside))
 
 
 def _scores(margins: Iterable[Margin]) -> dict[str, float]:

@@ -40,6 +40,8 @@ class ResultView:
         The verdict, its colour, and what it means in one sentence.
     exit_code, seed, runs, set_aside : int
         As in the result document.
+    infeasible : tuple of (str, str)
+        Scenarios that were set aside, each with the reason.
     effort : str
         As in the result document.
     failing : tuple of str
@@ -71,6 +73,7 @@ class ResultView:
     seed: int
     runs: int
     set_aside: int
+    infeasible: tuple[tuple[str, str], ...]
     effort: str
     failing: tuple[str, ...]
     rests_on: tuple[str, ...]
@@ -168,6 +171,9 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
         seed=int(document["seed"]),
         runs=int(document["runs"]),
         set_aside=int(document["set_aside"]),
+        infeasible=tuple(
+            (clean(drawn["scenario"]), clean(drawn["reason"])) for drawn in document.get("infeasible") or ()
+        ),
         effort=clean(document["effort"]),
         failing=failing,
         rests_on=_rests_on(document, checks),

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.feasibility import coasts, is_fair, is_fast_while_loaded, is_feasible
+from drivegate.feasibility import coasts, is_fair, is_fast_while_loaded, is_feasible, unfair_because
 from drivegate.fixed_scenarios import fixed_scenarios
 from drivegate.scenario_building import base_speed_scenario, steady_scenario, vehicle_scenario
 from drivegate.scenario_changes import (
@@ -121,6 +121,21 @@ def test_a_load_below_base_speed_is_not_fair() -> None:
 
 def test_a_run_that_does_not_start_at_its_reference_is_not_fair() -> None:
     assert not is_fair(steady(1500.0).replaced(initial_speed_rpm=1400.0))
+
+
+@pytest.mark.parametrize(
+    ("scenario", "reason"),
+    [
+        (steady(1500.0), None),
+        (steady(1500.0).replaced(initial_speed_rpm=1400.0), "does not start at its speed reference"),
+        (with_speed(steady(1500.0, 0.2), stepped(480.0, 600.0, 5.0)), "a load below base speed"),
+        (with_speed(steady(1500.0, 0.5), stepped(1400.0, 900.0, 1.0)), "falls faster than the shaft coasts"),
+        (with_scales(steady(550.0), inductance=1.2), "no advance angle gives the torque"),
+    ],
+)
+def test_the_reason_why_a_scenario_is_set_aside_is_told(scenario: Scenario, reason: str | None) -> None:
+    told = unfair_because(scenario)
+    assert (told is None) if reason is None else (reason in str(told)), told
 
 
 def test_an_operating_point_is_searched_for_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -83,9 +83,14 @@ def test_climbing_comes_closer_to_the_least_margin_than_drawing_at_random() -> N
 def test_what_no_angle_can_satisfy_is_counted_and_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
     from drivegate import search_shard
 
-    monkeypatch.setattr(search_shard, "is_fair", lambda scenario: scenario.speed_rpm[0][1] > 1200.0)
+    def slow(scenario: Scenario) -> str | None:
+        return None if scenario.speed_rpm[0][1] > 1200.0 else "too slow"
+
+    monkeypatch.setattr(search_shard, "unfair_because", slow)
     outcome = drawn(0, 20)
-    assert outcome.set_aside > 0
+    assert outcome.set_aside
+    assert {drawn.reason for drawn in outcome.set_aside} == {"too slow"}
+    assert all(drawn.scenario for drawn in outcome.set_aside), "a scenario that was set aside has no name"
     assert all(run.scenario["speed_rpm"][0][1] > 1200.0 for run in outcome.runs)
 
 
@@ -93,10 +98,10 @@ def test_what_no_angle_can_satisfy_is_counted_and_not_run(monkeypatch: pytest.Mo
 def test_a_shard_without_a_fair_scenario_is_empty(monkeypatch: pytest.MonkeyPatch) -> None:
     from drivegate import search_shard
 
-    monkeypatch.setattr(search_shard, "is_fair", lambda _scenario: False)
+    monkeypatch.setattr(search_shard, "unfair_because", lambda _scenario: "unfair")
     outcome = drawn(0, 3)
     assert not outcome.runs
-    assert outcome.set_aside > 0
+    assert outcome.set_aside
 
 
 @pytest.mark.usefixtures("judged_by_speed")

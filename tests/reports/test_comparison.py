@@ -135,7 +135,10 @@ def test_the_page_begins_with_the_decision(text):
     top = re.sub(r"\s+", " ", top)
     assert "thrifty ranks first" in top
     assert "holds all 16 operating points and takes 50.0 W more than the best possible angle" in top
-    assert "wasteful takes 20.0 W more input power (+2.0 %) and 2.00 A more Σ|i| (+6.7 %) over the 16 points" in top
+    assert (
+        "wasteful takes 20.0 W more input power (+2.0 %) and 2.00 A more Σ|i| (+6.7 %) over the 16 points"
+        in top
+    )
     assert "loses takes as much input power and as much Σ|i| over the 12 points that both hold" in top
     assert "but loses 4 of 16 points" in top
     assert "Rule:" in top

@@ -23,6 +23,15 @@ def test_counts_and_verdict_come_from_the_document(passing: dict[str, Any]) -> N
     assert [row.id for row in view.checks] == ["PWR-1", "ADV-1", "CNV-1", "FLO-1"]
 
 
+def test_what_was_set_aside_is_listed_with_the_reason(make_document: Factory) -> None:
+    drawn = {"scenario": "550rpm <b>", "reason": "no advance angle gives the torque"}
+    document = make_document(set_aside=1, infeasible=[drawn])
+    assert view_of(document).infeasible == (("550rpm <b>", "no advance angle gives the torque"),)
+    text = page(document)
+    assert "<code>550rpm &lt;b&gt;</code>: no advance angle gives the torque" in text
+    assert "Scenarios set aside" not in page(make_document(set_aside=0, infeasible=[]))
+
+
 def test_a_failure_names_its_counterexample_and_what_to_do(failing: dict[str, Any]) -> None:
     view = view_of(failing)
     assert view.failing == ("CNV-1",), "an advisory failure does not fail the candidate"

@@ -142,7 +142,7 @@ class FakeEngine:
             checks=self.outcomes,
             faults=self.faults,
             runs=2,
-            set_aside=0,
+            set_aside=(),
             provenance={"drivegate": "0.1.0"},
             timing=self.timing,
             corpus_runs=self.corpus_runs,
