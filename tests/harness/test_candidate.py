@@ -87,7 +87,9 @@ def test_an_installed_module_is_found_behind_a_folder_of_its_name(folder):
 def test_an_installed_entry_point(folder, monkeypatch):
     file = written(folder / "product.py")
     point = EntryPoint("product", "product:Controller", candidate_resolution.ENTRY_POINT_GROUP)
-    monkeypatch.setattr(candidate_resolution, "entry_points", lambda group: EntryPoints([point]).select(group=group))
+    monkeypatch.setattr(
+        candidate_resolution, "entry_points", lambda group: EntryPoints([point]).select(group=group)
+    )
     found = resolve_candidate("product")
     assert (found.name, found.entry, found.sources) == ("product", "product:Controller", (file,))
     with pytest.raises(InputError, match=r"'product'; known are .*initial, product"):
