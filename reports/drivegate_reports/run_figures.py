@@ -8,8 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from drivegate_cases.document import parse_document
+from drivegate_cases.script import Script
+from drivegate_models.errors import InputError
 from drivegate_reports.account import account
-from drivegate_reports.figures import margin_distribution, recorded_run
+from drivegate_reports.figures import margin_distribution, recorded_run, told_script
 from drivegate_reports.page_figures import PageFigure
 from drivegate_reports.printable import clean
 from drivegate_reports.run_signals import RunSignals, signals_of
@@ -47,13 +50,17 @@ def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
     -------
     dict
         By identifier of the check, in the order in which a page shows them: those that fail first. Checks without
-        a recording are left out.
+        a recording are left out, unless their counterexample is a script, which tells everything itself.
     """
     shown: dict[str, ShownRun] = {}
     drawn: dict[tuple[int, tuple[float, float]], PageFigure] = {}
     for check in sorted(document["checks"], key=lambda check: check["counterexample"] is None):
         signals = signals_of(document, check)
         if signals is None:
+            script = _script_of(check)
+            if script is not None:
+                told = _script_figure(script, f"script-{clean(check['id'], 40)}")
+                shown[str(check["id"])] = ShownRun((_what_was_told(script, check),), told, drawn_before=False)
             continue
         key = (check["recording"]["trace"], signals.judged_s)
         known = key in drawn
@@ -72,6 +79,29 @@ def _figure(signals: RunSignals, name: str) -> PageFigure:
         "the operating point of the judged stretch, which is set off."
     )
     return PageFigure(name, title, svg, recorded_run.alternative(signals), caption)
+
+
+def _script_of(check: Mapping[str, Any]) -> Script | None:
+    """Read the counterexample of a check where it is a script."""
+    stored = check["counterexample"]
+    if not isinstance(stored, Mapping) or stored.get("kind") != "script":
+        return None
+    try:
+        return parse_document(stored, Script, "the script")
+    except InputError:
+        return None
+
+
+def _what_was_told(script: Script, check: Mapping[str, Any]) -> str:
+    rows = "1 row" if len(script.rows) == 1 else f"{len(script.rows)} rows"
+    return clean(f"Script of {rows}, each held for one period of the search: {check['measured']}.")
+
+
+def _script_figure(script: Script, name: str) -> PageFigure:
+    with house_style():
+        svg = inline_svg(told_script.draw(script), name)
+    title = f"Script {clean(script.name)}"
+    return PageFigure(name, title, svg, told_script.alternative(script), told_script.CAPTION)
 
 
 def margin_figure(document: Mapping[str, Any]) -> PageFigure | None:

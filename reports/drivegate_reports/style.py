@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import StringIO
+from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
@@ -174,6 +175,26 @@ def label(panel: Axes, x: float, y: float, text: str, colour: str, **options: An
         Further options of `matplotlib.axes.Axes.text`.
     """
     panel.text(x, y, text, color=ink(colour), **{"fontsize": 9.0, **options})
+
+
+def label_ends(panel: Axes, x: float, *lines: tuple[str, float, str]) -> None:
+    """Label lines at their ends, apart from each other where the ends are close.
+
+    Parameters
+    ----------
+    panel : Axes
+        Where; its limits are the final ones.
+    x : float
+        Where the labels begin, in the panel's coordinates.
+    *lines : tuple of (str, float, str)
+        Text, last value and colour of each line.
+    """
+    low, high = panel.get_ylim()
+    gap = 0.17 * (high - low)
+    at = -inf
+    for text, value, colour in sorted(lines, key=lambda line: line[1]):
+        at = max(value, at + gap)
+        label(panel, x, at, text, colour, va="center", fontsize=8.5)
 
 
 def svg_document(figure: Figure, name: str, *, letters_as_shapes: bool = True) -> str:

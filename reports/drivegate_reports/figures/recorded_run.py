@@ -8,7 +8,7 @@ import numpy as np
 
 from drivegate_reports.judged_point import judged_point
 from drivegate_reports.run_signals import RunSignals
-from drivegate_reports.style import BLUE, GREEN, GREY, VERMILION, label, new_figure
+from drivegate_reports.style import BLUE, GREEN, GREY, VERMILION, label_ends, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -77,13 +77,7 @@ def draw(signals: RunSignals) -> Figure:
 
 
 def _end_labels(panel: Axes, signals: RunSignals, *lines: tuple[str, float, str]) -> None:
-    """Label lines at their ends, apart from each other where the ends are close."""
-    low, high = panel.get_ylim()
-    gap = 0.17 * (high - low)
-    at = -np.inf
-    for text, value, colour in sorted(lines, key=lambda line: line[1]):
-        at = max(value, at + gap)
-        label(panel, 1.012 * signals.scenario.duration_s, at, text, colour, va="center", fontsize=8.5)
+    label_ends(panel, 1.012 * signals.scenario.duration_s, *lines)
 
 
 def _draw_speed(panel: Axes, signals: RunSignals) -> None:
