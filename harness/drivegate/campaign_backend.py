@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
 from contextlib import ExitStack, contextmanager
@@ -9,6 +10,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any, Final, TypeVar
 
+from drivegate.parent_death import end_with_parent
 from drivegate_cases.wording import one_line
 from drivegate_models.errors import HarnessFault, InputError
 
@@ -96,7 +98,9 @@ def done_by(
                 stack.enter_context(_cluster(backend))
                 jobs = -1
             parallel = Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered")
-            results = parallel(delayed(_kept)(task, package, item) for item in list(left))
+            # Whoever kills the campaign means its workers too, which joblib would leave waiting for minutes.
+            parent = None if backend.name == "dask" else os.getpid()
+            results = parallel(delayed(_kept)(task, package, item, parent) for item in list(left))
             try:
                 for item, result in results:
                     del left[item]
@@ -111,7 +115,12 @@ def done_by(
                     ) from error
 
 
-def _kept(task: Callable[[bytes, ItemT], ResultT], package: bytes, item: ItemT) -> tuple[ItemT, ResultT]:
+def _kept(
+    task: Callable[[bytes, ItemT], ResultT], package: bytes, item: ItemT, parent: int | None
+) -> tuple[ItemT, ResultT]:
+    # A single worker is the parent itself.
+    if parent is not None and os.getpid() != parent:
+        end_with_parent(parent)
     return item, task(package, item)
 
 

@@ -1,6 +1,5 @@
 """The inside of a worker process: it loads one candidate, then does jobs until its parent hangs up."""
 
-import ctypes
 import faulthandler
 import os
 import pickle
@@ -17,6 +16,7 @@ from typing import Any
 import psutil
 
 from drivegate.fault import CandidateFault, Fault, Phase, exception_fault
+from drivegate.parent_death import end_with_parent
 from drivegate.shared_progress import Activity, SharedProgress
 from drivegate.worker_messages import (
     LOST_CONNECTION,
@@ -35,8 +35,6 @@ from drivegate_models.errors import InputError
 STACK_SIGNAL = signal.SIGUSR1
 """Signal at which a worker process prints the Python stack of its threads."""
 
-_PR_SET_PDEATHSIG = 1
-
 
 def main(connection: int, progress: int, parent: int) -> None:
     """Serve the parent process.
@@ -50,7 +48,7 @@ def main(connection: int, progress: int, parent: int) -> None:
     parent : int
         Process id of the parent.
     """
-    _die_with(parent)
+    end_with_parent(parent)
     # A check leaves nothing beside the candidate's sources.
     sys.dont_write_bytecode = True
     faulthandler.enable()
@@ -143,14 +141,3 @@ def _limit_memory(allowance: int) -> None:
     resource.setrlimit(
         resource.RLIMIT_DATA, (limit if hard == resource.RLIM_INFINITY else min(limit, hard), hard)
     )
-
-
-def _die_with(parent: int) -> None:
-    """Ask Linux to kill this process when its parent dies, also from within an endless loop.
-
-    Elsewhere the process ends when it next waits for a message.
-    """
-    if sys.platform.startswith("linux"):
-        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
-    if os.getppid() != parent:
-        raise SystemExit(1)

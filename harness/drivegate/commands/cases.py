@@ -1,4 +1,4 @@
-"""``drivegate cases``: the scenarios, operating points, sweeps and motors that come with drivegate."""
+"""``drivegate cases``: the scenarios, operating points, sweeps, drive cycles and motors that come with drivegate."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ SCHEMA = 1
 @click.command("cases")
 @json_option
 def command() -> Outcome:
-    """List the scenarios, operating points, sweeps and motors that come along."""
+    """List the scenarios, operating points, sweeps, drive cycles and motors that come along."""
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "scenarios": _scenarios(),
         "operating_points": _operating_points(),
         "sweeps": _sweeps(),
+        "drive_cycles": _drive_cycles(),
         "motors": _motors(),
     }
     return Outcome(document, lambda console: _show(console, document))
@@ -77,6 +78,22 @@ def _sweeps() -> list[dict[str, Any]]:
     ]
 
 
+def _drive_cycles() -> list[dict[str, Any]]:
+    from drivegate_cases.drive_cycle import cycle_names, load_drive_cycle
+
+    return [
+        {
+            "name": name,
+            "description": cycle.description,
+            "source": cycle.source,
+            "duration_s": cycle.duration_s,
+            "distance_m": cycle.distance_m,
+        }
+        for name in cycle_names()
+        for cycle in [load_drive_cycle(name)]
+    ]
+
+
 def _motors() -> list[dict[str, Any]]:
     from drivegate_cases.motor import load_motor, motor_names
 
@@ -98,6 +115,7 @@ def _show(console: Console, document: dict[str, Any]) -> None:
         ("scenarios", "scenario"),
         ("operating_points", "operating point"),
         ("sweeps", "sweep"),
+        ("drive_cycles", "drive cycle"),
         ("motors", "motor"),
     ):
         listed = table(heading, "description")
@@ -106,7 +124,8 @@ def _show(console: Console, document: dict[str, Any]) -> None:
         console.print(listed)
     console.print(
         plain(
-            "next: drivegate simulate reference --case NAME runs a scenario, --motor NAME takes a motor",
+            "next: drivegate simulate reference --case NAME runs a scenario, --motor NAME takes a motor, "
+            "drivegate compare A B --cycle NAME drives a cycle",
             "dim",
         )
     )

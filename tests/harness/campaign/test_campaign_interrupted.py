@@ -36,7 +36,8 @@ def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(write, start, finish_
         wait_for(output, stop, process)
         time.sleep(chance.uniform(0.0, 0.3))
         os.kill(process.pid, signal.SIGKILL)
-        process.communicate()
+        # Its workers hold its output open as long as they live.
+        process.communicate(timeout=20)
         kept = results(output)
         assert {path: kept.get(path) for path in before} == before, "finished files must not be touched"
         assert (output / LOCK).exists(), "a killed campaign cannot tidy up, and the next one must cope"

@@ -1,6 +1,7 @@
 """`drivegate checks`, `drivegate cases` and `drivegate calibrate`: what there is, and where it comes from."""
 
 from drivegate.catalogue import CHECKS
+from drivegate_cases.drive_cycle import cycle_names
 from drivegate_cases.motor import motor_names
 from drivegate_cases.operating_point import operating_point_names, power_sweep_names
 from drivegate_cases.scenario import scenario_names
@@ -20,6 +21,7 @@ def test_cases_are_listed_by_the_names_that_other_commands_take(command):
         "scenarios": scenario_names(),
         "operating_points": operating_point_names(),
         "sweeps": power_sweep_names(),
+        "drive_cycles": cycle_names(),
         "motors": motor_names(),
     }
     text = command("cases").out
