@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from collections.abc import Callable, Iterator
 from importlib.resources import files
@@ -11,7 +12,9 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from drivegate.comparison_gate import COMPARISON_FILE, write_tables
 from drivegate.result_reports import report_formats, write_reports
+from drivegate_reports import comparison
 from drivegate_reports.reproduction import PAGE_FILE, reproduce
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
@@ -50,14 +53,23 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory, recorded: dict[str, Any]) -> dict[str, Path]:
+def pages(
+    tmp_path_factory: pytest.TempPathFactory, recorded: dict[str, Any], made_up: Callable[..., dict[str, Any]]
+) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pages")
     conformance, reproduction = folder / "conformance", folder / "reproduction"
     for part in (conformance, reproduction):
         part.mkdir()
     (page,) = write_reports(recorded, conformance, report_formats(["conformance"]))
     reproduce(reproduction)
-    return {"conformance": conformance / page, "reproduction": reproduction / PAGE_FILE}
+    document = json.loads(json.dumps(made_up(faulted=True)))
+    write_tables(document, folder)
+    (folder / COMPARISON_FILE).write_text(json.dumps(document), encoding="utf-8")
+    return {
+        "conformance": conformance / page,
+        "reproduction": reproduction / PAGE_FILE,
+        "comparison": comparison.write(document, folder),
+    }
 
 
 Open = Callable[..., Page]
@@ -85,10 +97,10 @@ def opened(browser: Browser, pages: dict[str, Path]) -> Iterator[Open]:
     assert told == [], f"the browser complains: {told}"
 
 
-BOTH = pytest.mark.parametrize("name", ["conformance", "reproduction"])
+EACH = pytest.mark.parametrize("name", ["conformance", "reproduction", "comparison"])
 
 
-@BOTH
+@EACH
 def test_every_anchor_and_file_resolves(opened: Open, pages: dict[str, Path], name: str) -> None:
     page = opened(name)
     assert page.evaluate(MISSING) == [], "an anchor leads nowhere"
@@ -100,13 +112,13 @@ def test_every_anchor_and_file_resolves(opened: Open, pages: dict[str, Path], na
     assert all((box := drawing.bounding_box()) and box["height"] > 100 for drawing in drawings.all())
 
 
-@BOTH
+@EACH
 def test_nothing_scrolls_sideways_on_a_narrow_screen(opened: Open, name: str) -> None:
     page = opened(name, width=390)
     assert page.evaluate("document.documentElement.scrollWidth") == 390
 
 
-@BOTH
+@EACH
 def test_print_cuts_no_table(opened: Open, name: str) -> None:
     page = opened(name, width=A4_WIDTH)
     page.emulate_media(media="print")
@@ -115,7 +127,7 @@ def test_print_cuts_no_table(opened: Open, name: str) -> None:
     assert page.pdf(format="A4").startswith(b"%PDF")
 
 
-@BOTH
+@EACH
 def test_axe_finds_no_fault(opened: Open, name: str) -> None:
     # The content policy lets no other script in, and axe is one.
     page = opened(name, bypass_csp=True)
@@ -161,7 +173,7 @@ def test_tables_filter_by_words(opened: Open) -> None:
     assert rows.count() == before
 
 
-@BOTH
+@EACH
 def test_without_script_the_page_reads_the_same(opened: Open, name: str) -> None:
     scripted, plain = opened(name), opened(name, java_script_enabled=False)
     assert plain.locator("button, input").count() == 0, "a control that does nothing"

@@ -8,13 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from drivegate.candidate_resolution import resolve_candidate
-from drivegate.comparison_document import comparison_document
-from drivegate.comparison_engine import Compared
-from drivegate.comparison_plan import EFFORTS, planned_runs
-from drivegate.fault import Fault, FaultKind
-from drivegate_cases.drive_cycle import load_drive_cycle
-from drivegate_cases.motor import load_motor
+from drivegate.comparison_plan import EFFORTS
 from drivegate_models.errors import InputError
 from drivegate_reports.comparison import page, write
 from drivegate_reports.comparison_cells import written
@@ -33,91 +27,11 @@ from drivegate_reports.style import house_style
 HOSTILE = (
     "<script>alert(1)</script><img src=x onerror=alert(2)>\"'&{{7*7}}</style>$x^2$\u202e\x00" + "long" * 60
 )
-MOTOR, CYCLE = load_motor("paper-5-phase"), load_drive_cycle("ece-15")
-PLAN = planned_runs(MOTOR, CYCLE, "quick", 0)
 NAMES = ("thrifty", "wasteful", "loses")
 
 
-def figures_of(planned, extra_w, held):
-    """What a candidate might have been measured as; seeds add the same noise to all candidates."""
-    if planned.group == "cycle":
-        times = [0.0, 60.0, 120.0, 194.0]
-        return {
-            "energy_wh": 15.0 + extra_w / 10.0,
-            "distance_km": 1.0,
-            "energy_wh_per_km": 15.0 + extra_w / 10.0 + 0.01 * (planned.seed or 0),
-            "shaft_energy_wh": 14.0,
-            "energy_wh_by_phase": {"accelerating": 8.0, "cruising": 6.5, "slowing": 0.1, "standing": 0.4},
-            "current_sum_mean_a": 11.0,
-            "tracking_error_rms_km_h": 0.1,
-            "tracking_error_worst_km_h": 0.2 if held else -9.0,
-            "outside_tolerance_s": 0.0 if held else 14.0,
-            "samples": {
-                "time_s": times,
-                "speed_reference_km_h": [0.0, 15.0, 35.0, 0.0],
-                "speed_km_h": [0.0, 15.0, 35.0 if held else 26.0, 0.0],
-                "input_power_w": [0.0, 100.0, 900.0, 0.0],
-                "energy_wh": [0.0, 3.0 + extra_w / 40.0, 8.0 + extra_w / 20.0, 15.0 + extra_w / 10.0],
-            },
-        }
-    power = 1000.0 + 0.1 * (planned.seed or 0) * (1.0 + 0.01 * extra_w)
-    common = {
-        "held": held,
-        "speed_error_rpm": 1.0 if held else 200.0,
-        "speed_mean_rpm": 1000.0,
-        "torque_mean_nm": 5.0,
-        "input_power_w": power + extra_w,
-        "current_sum_a": 30.0 + extra_w / 10.0,
-        "ripple_percent": 12.0,
-        "advance_deg": 40.0 + extra_w,
-        "current_peak_a": 20.0,
-    }
-    if planned.group != "disturbances":
-        return common | {"converged_after_s": 2.0}
-    curve = {"time_s": [9.5, 10.0, 12.0], "speed_error_rpm": [0.0, -20.0, 0.0]}
-    curve |= {"advance_deg": [40.0, 50.0, 45.0], "current_sum_a": [20.0, 40.0, 30.0]}
-    recovery = {"held_before": True, "worst_error_rpm": 20.0, "recovery_s": 0.2 if held else None}
-    return common | recovery | {"trajectory": curve}
-
-
-def made_up(names=NAMES, *, faulted=False):
-    plan = PLAN
-    everybody = []
-    for place, name in enumerate(names):
-        made = Compared(name, name, resolve_candidate("initial"))
-        for index, planned in enumerate(plan):
-            loses = place == 2 and (planned.share == 1.0 or planned.group == "cycle")
-            made.figures[index] = figures_of(planned, 20.0 * (place == 1), not loses)
-        made.timing = {"step_us": 0.1, "share_of_period_percent": 0.02, "state_bytes": 320}
-        everybody.append(made)
-    if faulted:
-        fault = Fault(FaultKind.EXCEPTION, "ValueError: <b>no</b>", "step", traceback="line 1 <script>")
-        broken = Compared("broken", "broken", resolve_candidate("initial"), faults=[fault], complete=False)
-        everybody += [broken, Compared("gone", "gone", error=InputError("gone does not exist"))]
-    count = sum(planned.group == "points" for planned in plan)
-    best = {
-        "feasible": True,
-        "edge_deg": 35.0,
-        "torques_nm": [4.0, 6.0],
-        "least_current_sums_a": [20.0, 30.0],
-        "least_input_powers_w": [900.0, 1000.0],
-    }
-    envelope = [{"speed_rpm": speed, "torque_nm": 1e4 / speed} for speed in EFFORTS["quick"].speeds_rpm]
-    return comparison_document(
-        everybody,
-        plan,
-        {"points": [best] * count, "envelope": envelope},
-        motor=MOTOR,
-        cycle=CYCLE,
-        effort="quick",
-        seed=0,
-        checks=False,
-        timing={"started_utc": "2030-01-01", "seconds": 1.0},
-    )
-
-
 @pytest.fixture(scope="module")
-def document():
+def document(made_up):
     return json.loads(json.dumps(made_up()))
 
 
@@ -216,7 +130,7 @@ def test_the_same_document_gives_the_same_bytes(document, text, tmp_path):
     assert path.read_text(encoding="utf-8") == text
 
 
-def test_hostile_names_stay_text_also_of_candidates_that_fail():
+def test_hostile_names_stay_text_also_of_candidates_that_fail(made_up):
     document = made_up((HOSTILE, "<b>bold</b>", "$\\frac{a"), faulted=True)
     assert [row["status"] for row in document["tables"]["ranking"]][-2:] == ["faulted", "refused"]
     text = page(document)
@@ -231,14 +145,14 @@ def test_hostile_names_stay_text_also_of_candidates_that_fail():
     assert "gone does not exist" in text
 
 
-def test_a_single_candidate_can_be_reported():
+def test_a_single_candidate_can_be_reported(made_up):
     view = view_of(made_up(NAMES[:1]))
     assert view.headline == "thrifty ranks first"
     assert view.differences.rows == ()
     assert measured_differences(made_up(NAMES[:1])) == ()
 
 
-def test_times_are_outside_of_the_hash(document):
+def test_times_are_outside_of_the_hash(document, made_up):
     other = made_up()
     for entry in (document, other):
         assert entry["timing"]["steps"][0]["state_bytes"] == 320
