@@ -82,7 +82,8 @@ def test_the_map_of_the_best_is_the_oracle_and_nothing_where_no_angle_will_do():
     drive = load_motor("paper-5-phase").drive()
     first = frame.iloc[0]
     best = least_current_sum(drive, 700.0 * pi / 30.0, 9.8)
-    assert first["current_sum_a"] == best.current_sum
+    # The speed has gone through rpm, which may cost its last digit.
+    assert first["current_sum_a"] == pytest.approx(best.current_sum, rel=1e-12)
     assert first["advance_deg"] == pytest.approx(np.degrees(best.advance))
     edge = feasible_edge(drive, 1500.0 * pi / 30.0, 9.8)
     assert frame["edge_deg"][2] == pytest.approx(np.degrees(edge))
