@@ -97,6 +97,8 @@ def done_by(
             if backend.name == "dask":
                 stack.enter_context(_cluster(backend))
                 jobs = -1
+            else:
+                stack.callback(_end_local_workers)
             parallel = Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered")
             # Whoever kills the campaign means its workers too, which joblib would leave waiting for minutes.
             parent = None if backend.name == "dask" else os.getpid()
@@ -113,6 +115,13 @@ def done_by(
                         f"worker processes were killed {failures} times in a row, perhaps for want of memory; "
                         "take fewer with --workers"
                     ) from error
+
+
+def _end_local_workers() -> None:
+    """End the processes that joblib would keep for minutes, in case that more is to be done."""
+    from joblib.externals.loky import get_reusable_executor
+
+    get_reusable_executor(reuse=True).shutdown(wait=True, kill_workers=True)
 
 
 def _kept(

@@ -42,6 +42,9 @@ class Activity(IntEnum):
     RUNNING = 4
 
 
+_ACTIVITIES: Final = frozenset(int(activity) for activity in Activity)
+
+
 class SharedProgress:
     """The shared memory, seen from either side.
 
@@ -89,8 +92,9 @@ class SharedProgress:
 
     @property
     def activity(self) -> Activity:
-        """What the worker is doing."""
-        return Activity(int(self._activity[0]))
+        """What the worker is doing; only a candidate that runs writes over it, so any other number means that."""
+        number = int(self._activity[0])
+        return Activity(number) if number in _ACTIVITIES else Activity.RUNNING
 
     @property
     def state(self) -> tuple[int, int]:

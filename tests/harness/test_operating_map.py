@@ -5,6 +5,7 @@ from math import isfinite, pi, radians
 
 import numpy as np
 import pandas
+import psutil
 import pytest
 
 from drivegate.campaign_backend import Backend
@@ -124,6 +125,13 @@ def test_a_fault_of_the_candidate_is_a_verdict_at_its_point(tmp_path):
     frame = frame_of("loop", axes, resolve_candidate(f"{tmp_path}/own.py:Mine"))
     assert frame["verdict"].tolist() == ["not converged", "exception"]
     assert frame["current_sum_a"].isna().tolist() == [False, True]
+
+
+def test_no_worker_outlives_a_map():
+    frame_of("points", {"speed_rpm": (300.0,), "advance_deg": (0.0, 9.0), "current_a": (5.0,)}, workers=2)
+    # What keeps account of joblib's shared memory stays until this process ends.
+    names = [" ".join(child.cmdline()) for child in psutil.Process().children(recursive=True)]
+    assert [name for name in names if "LokyProcess" in name] == []
 
 
 def test_the_command_writes_the_same_files_whatever_the_workers(command, tmp_path):

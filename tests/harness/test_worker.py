@@ -37,8 +37,10 @@ def surroundings(monkeypatch, tmp_path):
     monkeypatch.setattr(tempfile, "tempdir", str(scratch))
     monkeypatch.setenv("TMPDIR", str(scratch))
     open_before = psutil.Process().num_fds()
+    children_before = psutil.Process().children(recursive=True)
     yield
-    assert psutil.Process().children(recursive=True) == [], "a worker process is left"
+    left = [child for child in psutil.Process().children(recursive=True) if child not in children_before]
+    assert left == [], "a worker process is left"
     assert list(scratch.iterdir()) == [], "a temporary file is left"
     assert psutil.Process().num_fds() <= open_before, "a file is left open"
 

@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from drivegate_models.angle_confirmation import begin_confirmation, continue_confirmation
 from drivegate_models.angle_probe import aim, approach
+from drivegate_models.angle_rest import begin_watch, stands_still
 from drivegate_models.design_search import MOST_DECISIONS, begin_search, next_probe, note_cheapest, settle_for
 from drivegate_models.design_state import (
     DESIGN_STATE,
@@ -77,6 +79,37 @@ def test_a_search_rests_close_above_an_edge(design: int, edge_deg: float) -> Non
 def test_searches_probe_different_angles() -> None:
     probed = [tuple(searched(design, 30.0, 0.0)[1]) for design in SEARCHES]
     assert len(set(probed)) == len(SEARCHES), probed
+
+
+@pytest.mark.parametrize("design", SEARCHES)
+@pytest.mark.parametrize("found_deg", [23.0, 28.0, 36.0])
+def test_what_was_found_under_another_load_is_left_for_a_cheaper_neighbour(
+    design: int, found_deg: float
+) -> None:
+    state = design_state(design)
+    optimum = math.radians(30.0)
+    state.best_offset = math.radians(found_deg) - LINE
+    state.controller.offset = begin_confirmation(state)
+    probes = 0
+    while state.finished == 0 and probes < MOST_DECISIONS:
+        state.controller.last_power = current_sum(LINE + state.controller.offset, optimum)
+        state.controller.offset = continue_confirmation(state, float(state.controller.last_power))
+        probes += 1
+    assert state.finished == 1
+    assert math.degrees(LINE + state.best_offset) == pytest.approx(30.0, abs=1.6), probes
+
+
+def test_a_speed_that_never_calms_is_no_place_to_rest() -> None:
+    state = design_state(GOLDEN_SECTION)
+    state.controller.conducting_phases, state.controller.current_limit = 4.0, 26.0
+    state.controller.last_power = 3.4
+    state.controller.worst_error = 0.07 * math.pi / 30.0
+    begin_watch(state)
+    rests = [stands_still(state) for _ in range(3)]
+    assert rests == [False, False, False]
+    assert state.target > 0.0, "an angle a little higher is tried"
+    state.controller.worst_error = 0.01 * math.pi / 30.0
+    assert [stands_still(state) for _ in range(3)] == [False, False, True]
 
 
 def test_an_angle_is_approached_by_steps_that_can_be_given_back() -> None:
