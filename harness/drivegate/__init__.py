@@ -7,11 +7,11 @@ until it is used.
 from typing import TYPE_CHECKING, Any
 
 from drivegate.conformance import conformance_tests
-from drivegate.numba_controller import NumbaController
+from drivegate.native.numba_controller import NumbaController
 from drivegate_models.signals import Command, Nameplate, Sense
 
 if TYPE_CHECKING:
-    from drivegate.numba_loading import phase_current
+    from drivegate.native.numba_loading import phase_current
 
 __all__ = [
     "Command",
@@ -30,6 +30,6 @@ def __getattr__(name: str) -> Any:
     """Import what needs numba, when it is asked for."""
     if name != "phase_current":
         raise AttributeError(f"module 'drivegate' has no attribute '{name}'")
-    from drivegate.numba_loading import phase_current
+    from drivegate.native.numba_loading import phase_current
 
     return phase_current

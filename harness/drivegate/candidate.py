@@ -12,8 +12,8 @@ from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.composed_candidate import Composition
-    from drivegate.exec_candidate import Program
-    from drivegate.native_candidate import NativeBuild
+    from drivegate.native.candidate import NativeBuild
+    from drivegate.program.candidate import Program
 
 CandidateKind: TypeAlias = Literal["builtin", "python", "c", "so", "fmu", "exec", "compose"]
 

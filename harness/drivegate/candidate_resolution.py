@@ -64,7 +64,7 @@ def resolve_candidate(text: str) -> Candidate:
             f"the candidate '{one_line(specification)}' has a zero byte in it, but must be {_WAYS}"
         )
     if specification.startswith(EXEC_PREFIX):
-        from drivegate.exec_candidate import exec_candidate
+        from drivegate.program.candidate import exec_candidate
 
         return exec_candidate(specification)
     if specification.startswith(FAULTY_PREFIX):
@@ -74,11 +74,11 @@ def resolve_candidate(text: str) -> Candidate:
         return _builtin_candidate(specification, specification, specification, declaration)
     suffix = Path(specification).suffix.lower()
     if suffix in (".c", ".so"):
-        from drivegate.native_candidate import native_candidate
+        from drivegate.native.candidate import native_candidate
 
         return native_candidate(specification)
     if suffix == ".fmu":
-        from drivegate.fmu_candidate import fmu_candidate
+        from drivegate.fmu.candidate import fmu_candidate
 
         return fmu_candidate(specification)
     if suffix == ".toml":
@@ -169,15 +169,15 @@ def _from_manifest(specification: str) -> Candidate:
     if manifest.kind == "builtin":
         return _builtin_from_manifest(manifest, specification)
     if manifest.kind in ("c", "so"):
-        from drivegate.native_candidate import native_from_manifest
+        from drivegate.native.candidate import native_from_manifest
 
         return native_from_manifest(manifest, specification, folder)
     if manifest.kind == "fmu":
-        from drivegate.fmu_candidate import fmu_from_manifest
+        from drivegate.fmu.candidate import fmu_from_manifest
 
         return fmu_from_manifest(manifest, specification, folder)
     if manifest.kind == "exec":
-        from drivegate.exec_candidate import exec_from_manifest
+        from drivegate.program.candidate import exec_from_manifest
 
         return exec_from_manifest(manifest, specification, folder)
     if manifest.kind == "compose":

@@ -30,15 +30,15 @@ def load_controller(candidate: Candidate) -> Controller:
 
         return load_builtin_controller(candidate)
     if candidate.kind in ("c", "so"):
-        from drivegate.native_loading import load_native_controller
+        from drivegate.native.loading import load_native_controller
 
         return load_native_controller(candidate)
     if candidate.kind == "fmu":
-        from drivegate.fmu_loading import load_fmu_controller
+        from drivegate.fmu.loading import load_fmu_controller
 
         return load_fmu_controller(candidate)
     if candidate.kind == "exec":
-        from drivegate.exec_loading import load_exec_controller
+        from drivegate.program.loading import load_exec_controller
 
         return load_exec_controller(candidate)
     if candidate.kind == "compose":

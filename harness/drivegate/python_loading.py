@@ -17,7 +17,7 @@ from types import ModuleType
 from drivegate.candidate import Candidate
 from drivegate.controller import Controller
 from drivegate.fault import CandidateFault, exception_fault
-from drivegate.numba_controller import NumbaController
+from drivegate.native.numba_controller import NumbaController
 from drivegate.python_controller import PythonController
 from drivegate_cases.wording import nearest, one_line, shown_path
 from drivegate_models.errors import InputError
@@ -49,7 +49,7 @@ def load_python_controller(candidate: Candidate) -> Controller:
     """
     chosen = _chosen_by(candidate, _module_of(candidate))
     if isinstance(chosen, NumbaController):
-        from drivegate.numba_loading import load_numba_controller
+        from drivegate.native.numba_loading import load_numba_controller
 
         return load_numba_controller(chosen, one_line(candidate.name))
     try:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from drivegate.comparison_document import KIND, SCHEMA
+from drivegate.comparison.document import KIND, SCHEMA
 from drivegate_models.errors import InputError
 from drivegate_reports.comparison_cells import Sheet, name, written
 from drivegate_reports.comparison_run_sheets import (

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegate.comparison_plan import EFFORTS, planned_runs
+from drivegate.comparison.plan import EFFORTS, planned_runs
 from drivegate.feasibility import is_fair
 from drivegate_cases.drive_cycle import load_drive_cycle
 from drivegate_cases.motor import load_motor

@@ -3,9 +3,9 @@
 import pytest
 
 from drivegate.candidate_resolution import resolve_candidate
-from drivegate.comparison_differences import difference_rows
-from drivegate.comparison_engine import Compared, labelled
-from drivegate.comparison_ranking import ranking_rows, region_rows
+from drivegate.comparison.differences import difference_rows
+from drivegate.comparison.engine import Compared, labelled
+from drivegate.comparison.ranking import ranking_rows, region_rows
 from drivegate.fault import Fault, FaultKind
 from drivegate.result import CheckOutcome
 from drivegate_models.errors import InputError

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivegate.comparison_run import converged_after, recovery_figures
+from drivegate.comparison.run import converged_after, recovery_figures
 
 TIMES = np.arange(0.0, 20.0, 0.01)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drivegate.builtin_loading import BuiltinController
-from drivegate.drive_cycle_run import VEHICLE, braking_grade, cycle_figures, cycle_scenario
+from drivegate.comparison.drive_cycle_run import VEHICLE, braking_grade, cycle_figures, cycle_scenario
 from drivegate.scenario_run import RADIANS_PER_RPM, run_scenario
 from drivegate_cases.drive_cycle import DriveCycle, load_drive_cycle
 from drivegate_cases.load import GRAVITY

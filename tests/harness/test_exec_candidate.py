@@ -13,10 +13,10 @@ import pytest
 
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.controller_loading import load_controller
-from drivegate.exec_candidate import Program
-from drivegate.exec_process import ProgramProcess
-from drivegate.exec_protocol import HELLO, LONGEST_LINE, command_of, reset_message, sense_message
 from drivegate.fixed_scenarios import fixed_scenarios
+from drivegate.program.candidate import Program
+from drivegate.program.process import ProgramProcess
+from drivegate.program.protocol import HELLO, LONGEST_LINE, command_of, reset_message, sense_message
 from drivegate.scenario_run import run_scenario
 from drivegate_cases.scenario import Scenario
 from drivegate_models.contract import command_record, sense_record

@@ -16,10 +16,10 @@ import pytest
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.controller_loading import load_controller
 from drivegate.fault import CandidateFault, FaultKind
-from drivegate.fmu_archive import unpack
-from drivegate.fmu_instance import FmuError
-from drivegate.fmu_loading import _unpacked
-from drivegate.fmu_variables import (
+from drivegate.fmu.archive import unpack
+from drivegate.fmu.instance import FmuError
+from drivegate.fmu.loading import _unpacked
+from drivegate.fmu.variables import (
     INPUT_POWER,
     PARAMETERS,
     PHASE_CURRENTS,

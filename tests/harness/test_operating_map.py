@@ -8,12 +8,12 @@ import pandas
 import psutil
 import pytest
 
-from drivegate.campaign_backend import Backend
+from drivegate.campaign.backend import Backend
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.command_line import main
-from drivegate.operating_map import computed
-from drivegate.operating_map_axes import MapAxes, axis_within, parameter_axis
-from drivegate.operating_map_plan import MapPlan
+from drivegate.operating_map.axes import MapAxes, axis_within, parameter_axis
+from drivegate.operating_map.operating_map import computed
+from drivegate.operating_map.plan import MapPlan
 from drivegate_cases.motor import load_motor
 from drivegate_models.errors import InputError
 from drivegate_models.oracle import feasible_edge, least_current_sum

@@ -7,12 +7,18 @@ import pytest
 
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.controller_loading import load_controller
-from drivegate.plant_playback import plant_at
 from drivegate.scenario_run import run_scenario
-from drivegate.step_comparison import FIRST, SECOND, compared
-from drivegate.step_comparison_document import units_in_the_last_place
-from drivegate.step_comparison_jobs import Rule
-from drivegate.step_record import RecordingController, commands_of, recorded_rows, row_count, some_rows
+from drivegate.step_comparison.comparison import FIRST, SECOND, compared
+from drivegate.step_comparison.document import units_in_the_last_place
+from drivegate.step_comparison.jobs import Rule
+from drivegate.step_comparison.plant_playback import plant_at
+from drivegate.step_comparison.record import (
+    RecordingController,
+    commands_of,
+    recorded_rows,
+    row_count,
+    some_rows,
+)
 from drivegate_cases.scenario import load_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.observation import TRACE_COLUMNS

@@ -10,9 +10,9 @@ import pytest
 
 from drivegate.builtin_loading import BuiltinController
 from drivegate.candidate_resolution import resolve_candidate
-from drivegate.comparison_document import comparison_document
-from drivegate.comparison_engine import Compared
-from drivegate.comparison_plan import EFFORTS, PlannedRun, planned_runs
+from drivegate.comparison.document import comparison_document
+from drivegate.comparison.engine import Compared
+from drivegate.comparison.plan import EFFORTS, PlannedRun, planned_runs
 from drivegate.fault import Fault, FaultKind
 from drivegate.recording import thinned
 from drivegate.scenario_run import run_scenario

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from drivegate.comparison_gate import COMPARISON_FILE, write_tables
+from drivegate.comparison.gate import COMPARISON_FILE, write_tables
 from drivegate.result_reports import report_formats, write_reports
 from drivegate_reports import comparison
 from drivegate_reports.reproduction import PAGE_FILE, reproduce

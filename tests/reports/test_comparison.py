@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from drivegate.comparison_plan import EFFORTS
+from drivegate.comparison.plan import EFFORTS
 from drivegate_models.errors import InputError
 from drivegate_reports.comparison import page, write
 from drivegate_reports.comparison_cells import written

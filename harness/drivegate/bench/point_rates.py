@@ -38,7 +38,7 @@ def steady_rate(bench: Workbench, band: float) -> Value:
     """
     import numpy as np
 
-    from drivegate.operating_map_kernel import POINT_COLUMNS, solve_points
+    from drivegate.operating_map.kernel import POINT_COLUMNS, solve_points
     from drivegate_cases.motor import load_motor
     from drivegate_models.plant import make_phases
     from drivegate_models.steady_state import KEPT_TIME

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.bounded_command import COMPILATION, run_bounded
-from drivegate.native_compiler import c_compiler, include_folder
+from drivegate.native.bounded_command import COMPILATION, run_bounded
+from drivegate.native.compiler import c_compiler, include_folder
 from drivegate.scenario_run import RADIANS_PER_RPM, plant_load, plant_schedule
 from drivegate_cases.wording import one_line, shown_path
 from drivegate_models.errors import HarnessFault, InputError

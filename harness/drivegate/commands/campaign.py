@@ -60,20 +60,20 @@ def command(
     """
     _check_options(backend, scheduler, workers)
 
-    from drivegate.campaign_backend import Backend
-    from drivegate.campaign_file import read_campaign
-    from drivegate.campaign_table import require_parquet
+    from drivegate.campaign.backend import Backend
+    from drivegate.campaign.file import read_campaign
+    from drivegate.campaign.table import require_parquet
 
     require_parquet("a campaign")
     where = Backend(backend, workers, scheduler)
     where.require()
     campaign = read_campaign(file)
 
-    from drivegate.campaign_engine import make_runs
-    from drivegate.campaign_folder import CampaignFolder
-    from drivegate.campaign_plan import planned
-    from drivegate.campaign_progress import campaign_progress_on
-    from drivegate.campaign_summary import broken_harness, summarised
+    from drivegate.campaign.engine import make_runs
+    from drivegate.campaign.folder import CampaignFolder
+    from drivegate.campaign.plan import planned
+    from drivegate.campaign.progress import campaign_progress_on
+    from drivegate.campaign.summary import broken_harness, summarised
 
     plan = planned(campaign, Path(file).resolve().parent)
     began = time.monotonic()

@@ -84,9 +84,9 @@ def command(
     scenario = chosen_scenario(case, motor, settings)
     check_targets(None, None, plot)
 
-    from drivegate.step_comparison import compared
-    from drivegate.step_comparison_document import document_of
-    from drivegate.step_comparison_jobs import BITWISE, Rule
+    from drivegate.step_comparison.comparison import compared
+    from drivegate.step_comparison.document import document_of
+    from drivegate.step_comparison.jobs import BITWISE, Rule
 
     judged = tuple(name for name in _FIELDS if name not in ignore)
     rule = Rule(BITWISE if tolerance is None else tolerance, judged)
@@ -98,7 +98,7 @@ def command(
         found["before"] = found["before"][len(found["before"]) - min(before, len(found["before"])) :]
         del found["after"]
     if plot is not None and comparison.difference is not None:
-        from drivegate.step_comparison_figure import draw
+        from drivegate.step_comparison.figure import draw
 
         names = (candidates[0].name, candidates[1].name)
         draw(comparison.difference, names, plot, f"{names[0]} and {names[1]}: {scenario.name}")
@@ -133,7 +133,7 @@ def _show(console: Console, document: dict[str, Any], words: str) -> None:
 
 def _show_difference(console: Console, found: dict[str, Any]) -> None:
     from drivegate.console import plain, table
-    from drivegate.step_comparison_document import in_words
+    from drivegate.step_comparison.document import in_words
 
     told = table("both were told", "value", "unit", right=("value",))
     for key, unit in _SENSE:

@@ -17,8 +17,8 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from drivegate.operating_map import OperatingMap
-    from drivegate.operating_map_plan import MapPlan
+    from drivegate.operating_map.operating_map import OperatingMap
+    from drivegate.operating_map.plan import MapPlan
 
 SCHEMA = 1
 DEFAULT_MOTOR = "paper-5-phase"
@@ -85,10 +85,10 @@ def command(
     check_targets(csv, parquet, plot)
     plan = _planned(kind, candidate, axes, parameters, motor, settings)
 
-    from drivegate.campaign_backend import Backend
-    from drivegate.campaign_progress import campaign_progress_on
-    from drivegate.operating_map import computed
-    from drivegate.operating_map_files import write_figure, write_tables
+    from drivegate.campaign.backend import Backend
+    from drivegate.campaign.progress import campaign_progress_on
+    from drivegate.operating_map.files import write_figure, write_tables
+    from drivegate.operating_map.operating_map import computed
 
     _warm_up()
     began = time.monotonic()
@@ -114,7 +114,7 @@ def _kind(candidate: str | None, torque: str | None, advance: str | None, curren
 
 
 def _axes(kind: str, texts: dict[str, str | None]) -> dict[str, tuple[float, ...]]:
-    from drivegate.operating_map_axes import axis_within
+    from drivegate.operating_map.axes import axis_within
 
     readers: dict[str, tuple[Callable[[str], tuple[float, ...]], str]] = {
         "speed_rpm": (axis_within(0.0, 1e5, above=True), _SPEEDS[kind])
@@ -147,8 +147,8 @@ def _planned(
     resolved = None if candidate is None else resolve_candidate(candidate)
     nominal = chosen_motor(motor, settings, lambda: load_motor(DEFAULT_MOTOR))
 
-    from drivegate.operating_map_axes import MapAxes, parameter_axis
-    from drivegate.operating_map_plan import PARAMETERS, MapPlan
+    from drivegate.operating_map.axes import MapAxes, parameter_axis
+    from drivegate.operating_map.plan import PARAMETERS, MapPlan
 
     further = dict(parameter_axis(text, PARAMETERS) for text in parameters)
     if len(further) < len(parameters):

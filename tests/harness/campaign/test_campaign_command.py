@@ -9,8 +9,8 @@ from pathlib import Path
 import pandas
 import pytest
 
-from drivegate.campaign_folder import LOCK
-from drivegate.campaign_manifest import MANIFEST
+from drivegate.campaign.folder import LOCK
+from drivegate.campaign.manifest import MANIFEST
 
 
 def test_the_bytes_do_not_depend_on_the_number_of_workers(write, finish_alone, folder, bytes_of):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegate.campaign_file import read_campaign
+from drivegate.campaign.file import read_campaign
 from drivegate_models.errors import InputError
 
 NORMAL = {"kind": "normal", "mean": 1.0, "sigma": 0.1, "lowest": 0.5, "highest": 1.5}

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from drivegate.campaign_file import read_campaign
-from drivegate.campaign_folder import LOCK, CampaignFolder
-from drivegate.campaign_plan import planned
+from drivegate.campaign.file import read_campaign
+from drivegate.campaign.folder import LOCK, CampaignFolder
+from drivegate.campaign.plan import planned
 from drivegate_models.errors import InputError
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from drivegate.campaign_file import NormalSpread, UniformSpread, read_campaign
-from drivegate.campaign_parameters import drawn
-from drivegate.campaign_plan import beside, planned
+from drivegate.campaign.file import NormalSpread, UniformSpread, read_campaign
+from drivegate.campaign.parameters import drawn
+from drivegate.campaign.plan import beside, planned
 from drivegate_models.errors import InputError
 
 

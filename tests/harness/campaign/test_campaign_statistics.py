@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drivegate.campaign_statistics import proportion, quantiles_of
+from drivegate.campaign.statistics import proportion, quantiles_of
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,8 @@ import json
 
 import pytest
 
-from drivegate import comparison_plan
-from drivegate.comparison_gate import table_text
+from drivegate.comparison import plan as comparison_plan
+from drivegate.comparison.gate import table_text
 
 SMALL = comparison_plan.ComparisonEffort((700.0, 1500.0), (0.25, 1.0), 1, 1, 3)
 CYCLE = "time_s,speed_km_h\n0,0\n1,0\n5,15\n7,15\n11,0\n12,0\n"
@@ -52,7 +52,7 @@ def test_the_built_in_candidates_are_compared_the_same_on_any_number_of_workers(
     assert rows[0]["candidate"] == "reference"
 
     # The page is a function of the document, and what a candidate is measured as does not depend on the others.
-    monkeypatch.setattr("drivegate.comparison_gate.entry_points", lambda group: [])
+    monkeypatch.setattr("drivegate.comparison.gate.entry_points", lambda group: [])
     alone = compare("initial", "--workers", 1, "--output", "one", "--json").document
     for table in ("operating_points", "disturbances", "repetitions", "drive_cycle"):
         rows = [row for row in document["tables"][table] if row["candidate"] == "initial"]

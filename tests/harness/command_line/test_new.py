@@ -12,8 +12,8 @@ import pytest
 
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.new_candidate import KINDS, WAIVED, write_candidate
-from drivegate.step_comparison import compared
-from drivegate.step_comparison_jobs import Rule
+from drivegate.step_comparison.comparison import compared
+from drivegate.step_comparison.jobs import Rule
 from drivegate.waivers import read_waivers
 from drivegate_cases.scenario import load_scenario
 from drivegate_models.errors import InputError

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from drivegate.bounded_command import Bounds, run_bounded
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.controller_loading import load_controller
 from drivegate.declaration import Declaration
-from drivegate.native_build import FOLDER, built_library
-from drivegate.native_candidate import NativeBuild
-from drivegate.native_compiler import Compilation, include_folder
+from drivegate.native.bounded_command import Bounds, run_bounded
+from drivegate.native.build import FOLDER, built_library
+from drivegate.native.candidate import NativeBuild
+from drivegate.native.compiler import Compilation, include_folder
 from drivegate_models.errors import InputError
 
 

@@ -254,7 +254,7 @@ def test_what_a_library_does_to_the_rounding_is_undone(loaded, monkeypatch):
 
 def test_the_command_line_tells_where_the_header_is(capsys):
     from drivegate.command_line import main
-    from drivegate.native_compiler import include_folder
+    from drivegate.native.compiler import include_folder
 
     with pytest.raises(SystemExit) as ended:
         main(["include-dir"])

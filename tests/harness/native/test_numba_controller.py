@@ -13,7 +13,7 @@ from drivegate import NumbaController, phase_current
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.controller_loading import load_controller
 from drivegate.fault import CandidateFault, FaultKind
-from drivegate.numba_loading import load_numba_controller
+from drivegate.native.numba_loading import load_numba_controller
 from drivegate.scenario_run import run_scenario
 from drivegate_cases.scenario import load_scenario
 from drivegate_models.contract import COMMAND, NAMEPLATE, SENSE

@@ -1,0 +1,1 @@
+"""Campaigns: many runs over grids and drawn drives, kept as a dataset."""

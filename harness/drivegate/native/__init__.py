@@ -1,0 +1,1 @@
+"""Candidates of machine code: C, shared libraries, and functions that numba compiles."""
