@@ -11,7 +11,7 @@ from drivegate_cases.wording import shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
-    from drivegate.composed_candidate import Composition
+    from drivegate.composed.candidate import Composition
     from drivegate.native.candidate import NativeBuild
     from drivegate.program.candidate import Program
 

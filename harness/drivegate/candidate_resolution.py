@@ -181,7 +181,7 @@ def _from_manifest(specification: str) -> Candidate:
 
         return exec_from_manifest(manifest, specification, folder)
     if manifest.kind == "compose":
-        from drivegate.composed_candidate import composed_from_manifest
+        from drivegate.composed.candidate import composed_from_manifest
 
         return composed_from_manifest(manifest, specification, folder)
     if ":" not in manifest.entry:

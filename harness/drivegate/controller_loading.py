@@ -42,7 +42,7 @@ def load_controller(candidate: Candidate) -> Controller:
 
         return load_exec_controller(candidate)
     if candidate.kind == "compose":
-        from drivegate.composed_loading import load_composed_controller
+        from drivegate.composed.loading import load_composed_controller
 
         return load_composed_controller(candidate)
     from drivegate.python_loading import load_python_controller

@@ -12,6 +12,7 @@ from typing import Any, Final
 from drivegate.baseline import Baseline, Comparison, compared
 from drivegate.candidate import Candidate
 from drivegate.catalogue import CHECKS
+from drivegate.containment.pool import WorkerPool
 from drivegate.controller_loading import load_controller
 from drivegate.counterexample import Counterexample
 from drivegate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
@@ -28,7 +29,6 @@ from drivegate.verdict import candidate_verdict, check_outcomes, machine_depende
 from drivegate.waivers import Waiver, present_day, under_waivers
 from drivegate.warm_up import compile_kernels, missing_marker
 from drivegate.work_plan import EXAMPLES, REPEATED, Origin, Work, planned_work
-from drivegate.worker_pool import WorkerPool
 from drivegate_models.errors import InputError
 
 _REQUIRED: Final = frozenset(check.id for check in CHECKS if check.level == "required")

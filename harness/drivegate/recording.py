@@ -9,11 +9,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.fault import Fault
 from drivegate.replay import judged_window
 from drivegate.result import CheckOutcome, Recording
 from drivegate.run_record import recorded
-from drivegate.worker_messages import Job, LoadedCandidate
 from drivegate_cases.document import parse_document
 from drivegate_cases.scenario import Scenario
 from drivegate_models.observation import TRACE_COLUMNS

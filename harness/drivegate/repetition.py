@@ -6,13 +6,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.pool import WorkerPool
 from drivegate.fault import Fault
 from drivegate.margin import Margin
 from drivegate.run_record import recorded
 from drivegate.search_shard import JudgedRun
 from drivegate.work_plan import REPEATED
-from drivegate.worker_messages import Job, LoadedCandidate
-from drivegate.worker_pool import WorkerPool
 from drivegate_cases.document import parse_document
 from drivegate_cases.scenario import Scenario
 

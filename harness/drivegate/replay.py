@@ -15,6 +15,8 @@ from drivegate.candidate import Candidate
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.catalogue import CHECKS
 from drivegate.check import Check
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.counterexample import Counterexample
 from drivegate.fault import Fault
@@ -25,8 +27,6 @@ from drivegate.scenario_run import observed_windows
 from drivegate.script_judging import judge_script
 from drivegate.simulation import MOST_ROWS
 from drivegate.work_plan import REPEATED
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job, LoadedCandidate
 from drivegate_cases.scenario import Scenario
 from drivegate_cases.script import Script
 from drivegate_cases.wording import one_line

@@ -10,10 +10,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.containment.messages import LoadedCandidate
 from drivegate.controller import Controller
 from drivegate.declaration import Declaration
 from drivegate.scenario_run import RADIANS_PER_RPM, observed_windows, run_scenario
-from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.circumstance import Circumstance, circumstance
 from drivegate_cases.load import LockedLoad
 from drivegate_cases.profile import Dwell, dwell_scales, dwell_torque, dwells, is_after_change

@@ -29,7 +29,7 @@ from drivegate_models.schedule import Course, Schedule
 from drivegate_models.signals import Sense
 
 if TYPE_CHECKING:
-    from drivegate.shared_progress import SharedProgress
+    from drivegate.containment.shared_progress import SharedProgress
 
 SETTLING_TIME = 6.0
 """Time within which a search has to converge at a steady reference (s)."""

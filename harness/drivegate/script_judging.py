@@ -26,7 +26,7 @@ from drivegate_cases.script import Script, ScriptRow
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
-    from drivegate.shared_progress import SharedProgress
+    from drivegate.containment.shared_progress import SharedProgress
 
 CHECK: Final = "FLO-1"
 ANGLE_ROUNDING: Final = 1e-9

@@ -11,6 +11,8 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis.configuration import set_hypothesis_home_dir
 from hypothesis.strategies import SearchStrategy
 
+from drivegate.containment.messages import LoadedCandidate
+from drivegate.containment.shared_progress import SharedProgress
 from drivegate.controller import Controller
 from drivegate.declaration import FlowchartProfile
 from drivegate.drawn_scripts import drawn_scripts
@@ -18,8 +20,6 @@ from drivegate.margin import Margin
 from drivegate.script_judging import judge_script
 from drivegate.scripts import fixed_scripts, usual_speed
 from drivegate.search_shard import JudgedRun, ShardOutcome
-from drivegate.shared_progress import SharedProgress
-from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.motor import load_motor
 from drivegate_cases.script import Script, ScriptRow
 

@@ -15,7 +15,7 @@ from drivegate_models.scripted_steps import ScriptedSteps
 from drivegate_models.signals import Nameplate, Sense
 
 if TYPE_CHECKING:
-    from drivegate.shared_progress import SharedProgress
+    from drivegate.containment.shared_progress import SharedProgress
 
 
 def prepared_steps(

@@ -15,6 +15,7 @@ from hypothesis.configuration import set_hypothesis_home_dir
 from hypothesis.errors import Unsatisfiable
 
 from drivegate.catalogue import CHECKS
+from drivegate.containment.messages import LoadedCandidate
 from drivegate.controller import Controller
 from drivegate.drawn_scenarios import drawn_scenarios
 from drivegate.fault import CandidateFault
@@ -22,7 +23,6 @@ from drivegate.feasibility import unfair_because
 from drivegate.fixed_scenarios import fixed_scenarios
 from drivegate.margin import Margin
 from drivegate.run_record import RunRecord, recorded
-from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.motor import load_motor
 from drivegate_cases.scenario import Scenario
 

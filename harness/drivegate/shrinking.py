@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from drivegate.catalogue import CHECKS
+from drivegate.containment.messages import LoadedCandidate
 from drivegate.fault import CandidateFault
 from drivegate.feasibility import is_fair
 from drivegate.margin import Margin
@@ -15,7 +16,6 @@ from drivegate.scenario_size import size_of
 from drivegate.scenario_title import titled
 from drivegate.search_shard import content_key
 from drivegate.simplification import SIMPLIFICATIONS, Simplification, simplified
-from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.document import parse_document
 from drivegate_cases.scenario import Scenario
 

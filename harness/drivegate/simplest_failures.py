@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from drivegate.containment.messages import Job
 from drivegate.fault import Fault
 from drivegate.margin import Margin
 from drivegate.result import CheckOutcome, Found
@@ -13,7 +14,6 @@ from drivegate.search_shard import JudgedRun
 from drivegate.shrinking import ShrinkPlan, Shrunk, run_shrink, size_of
 from drivegate.verdict import considered
 from drivegate.work_plan import REPEATED
-from drivegate.worker_messages import Job
 
 BUDGET: Final = {"quick": 15, "default": 40, "nightly": 200}
 """Runs that may be spent on making one counterexample simpler, by effort."""

@@ -7,11 +7,11 @@ from math import degrees, pi
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidate import Candidate
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.fault import Fault
 from drivegate.scenario_run import observed_windows, run_scenario
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job, LoadedCandidate
 from drivegate_cases.scenario import Scenario
 from drivegate_models import ledger, observation
 from drivegate_models.closed_loop import ClosedLoopRun

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.checks.timing import LARGEST_SHARE
+from drivegate.containment.messages import LoadedCandidate
 from drivegate.controller import Controller
 from drivegate.margin import Margin, below
 from drivegate.python_controller import PythonController
 from drivegate.scenario_run import RADIANS_PER_RPM, run_scenario
 from drivegate.scripted_run import advance, prepared_steps
 from drivegate.search_shard import JudgedRun, ShardOutcome
-from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.scenario import Scenario
 from drivegate_models.observation import TRACE_COLUMNS
 

@@ -7,15 +7,15 @@ from typing import Any
 
 from drivegate.builtin_candidates import BUILTIN_CANDIDATES
 from drivegate.candidate_resolution import resolve_candidate
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.fault import Fault
 from drivegate.feasibility import is_feasible
 from drivegate.fixed_scenarios import fixed_scenarios
 from drivegate.run_record import recorded
 from drivegate.search_shard import judged
-from drivegate.stall_watch import WorkerLimits
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job, LoadedCandidate
 from drivegate_models.compilation import choose_cache_folder
 from drivegate_models.errors import HarnessFault
 

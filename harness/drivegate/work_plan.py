@@ -8,6 +8,7 @@ from enum import Enum, auto
 from typing import Final
 
 from drivegate.baseline import Baseline, scenario_key
+from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.counterexample import Counterexample
 from drivegate.declaration import Declaration
 from drivegate.fixed_scenarios import REFERENCE_MOTOR, fixed_scenarios
@@ -15,7 +16,6 @@ from drivegate.script_run import ScriptRuns, run_scripts, script_margin
 from drivegate.scripts import fixed_scripts, usual_speed
 from drivegate.search_shard import DrawnRuns, FixedRuns, JudgedRun, ShardOutcome, run_drawn, run_fixed
 from drivegate.step_timing import TimedSteps, time_steps
-from drivegate.worker_messages import Job, LoadedCandidate
 from drivegate_cases.motor import load_motor
 from drivegate_cases.scenario import Scenario
 from drivegate_cases.script import Script

@@ -6,7 +6,7 @@ import pytest
 
 from drivegate.builtin_loading import BuiltinController
 from drivegate.candidate_resolution import resolve_candidate
-from drivegate.composed_loading import ComposedController, load_composed_controller
+from drivegate.composed.loading import ComposedController, load_composed_controller
 from drivegate.fault import CandidateFault
 from drivegate.scenario_run import run_scenario
 from drivegate_cases.scenario import load_scenario

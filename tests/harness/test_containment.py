@@ -12,10 +12,10 @@ import psutil
 import pytest
 
 from drivegate.candidate_resolution import resolve_candidate
+from drivegate.containment.environment import PASS_VARIABLE, worker_environment
+from drivegate.containment.messages import Job
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
-from drivegate.worker import CandidateWorker
-from drivegate.worker_environment import PASS_VARIABLE, worker_environment
-from drivegate.worker_messages import Job
 
 HERE = Path(__file__).parent
 MINE = """
@@ -98,8 +98,8 @@ HARNESS = """
 import worker_jobs
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.controller_loading import load_controller
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job
+from drivegate.containment.worker import CandidateWorker
+from drivegate.containment.messages import Job
 with CandidateWorker(resolve_candidate({specification!r}), load_controller) as worker:
     worker.run(Job(worker_jobs.drive, 7))
 """

@@ -6,10 +6,10 @@ import pytest
 
 from drivegate.builtin_candidates import BUILTIN_CANDIDATES
 from drivegate.candidate_resolution import resolve_candidate
+from drivegate.containment.messages import Job
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.python_controller import PythonController
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job
 from drivegate_models.builtin_controllers import SEARCHES
 
 HERE = Path(__file__).parent

@@ -14,6 +14,9 @@ import psutil
 import pytest
 
 from drivegate.candidate_resolution import resolve_candidate
+from drivegate.containment.messages import Job
+from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.fault import CandidateFault, FaultKind
 from drivegate.fmu.archive import unpack
@@ -28,9 +31,6 @@ from drivegate.fmu.variables import (
     TIME,
 )
 from drivegate.scenario_run import run_scenario
-from drivegate.stall_watch import WorkerLimits
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job
 from drivegate_cases.scenario import load_scenario
 from drivegate_models.contract import Nameplate, Sense
 from drivegate_models.errors import InputError

@@ -14,16 +14,16 @@ import pytest
 from drivegate import engine
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.command_line import main
+from drivegate.containment.messages import Job
+from drivegate.containment.pool import WorkerPool
+from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.fault import LONGEST_MESSAGE, LONGEST_TRACEBACK, Fault, FaultKind
 from drivegate.fixed_scenarios import fixed_scenarios
 from drivegate.repetition import repeated_elsewhere
 from drivegate.search_shard import FixedRuns, run_fixed
-from drivegate.stall_watch import WorkerLimits
 from drivegate.work_plan import REPEATED, planned_work
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job
-from drivegate.worker_pool import WorkerPool
 from drivegate_models.errors import InputError
 
 HERE = Path(__file__).parent

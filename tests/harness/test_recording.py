@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from drivegate.candidate_resolution import resolve_candidate
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.fault import Fault, FaultKind
 from drivegate.recording import (
@@ -21,7 +22,6 @@ from drivegate.recording import (
     with_recordings,
 )
 from drivegate.result import CheckOutcome, Recording
-from drivegate.worker import CandidateWorker
 from drivegate_cases.scenario import load_scenario
 from drivegate_models.observation import TRACE_COLUMNS
 

@@ -8,12 +8,12 @@ import pytest
 from drivegate import Command, Nameplate, Sense
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.checks.power import estimated_power
+from drivegate.containment.messages import LoadedCandidate
+from drivegate.containment.shared_progress import SharedProgress
 from drivegate.declaration import Declaration
 from drivegate.fixed_scenarios import fixed_scenarios
 from drivegate.python_controller import PythonController
 from drivegate.run_record import recorded
-from drivegate.shared_progress import SharedProgress
-from drivegate.worker_messages import LoadedCandidate
 
 STEPS = 40
 

@@ -7,6 +7,8 @@ import pytest
 
 from drivegate.candidate import Candidate
 from drivegate.candidate_resolution import resolve_candidate
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.shared_progress import SharedProgress
 from drivegate.fault import CandidateFault, Fault, FaultKind
 from drivegate.fixed_scenarios import fixed_scenarios
 from drivegate.margin import Margin
@@ -15,8 +17,6 @@ from drivegate.selftest import trial as trial_module
 from drivegate.selftest.mutations import find_mutation
 from drivegate.selftest.selftest_run import SelftestEffort, planned_trial
 from drivegate.selftest.trial import Trial, run_trial
-from drivegate.shared_progress import SharedProgress
-from drivegate.worker_messages import Job, LoadedCandidate
 
 SCENARIO = fixed_scenarios()[0].to_mapping()
 FAULTY = resolve_candidate("faulty:drifts")

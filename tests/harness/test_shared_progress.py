@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from drivegate.shared_progress import Activity, SharedProgress
+from drivegate.containment.shared_progress import Activity, SharedProgress
 
 
 @pytest.fixture

@@ -12,12 +12,12 @@ import psutil
 import pytest
 
 from drivegate.candidate_resolution import resolve_candidate
+from drivegate.containment.messages import Job
+from drivegate.containment.pool import WorkerPool
+from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.worker import CandidateWorker
 from drivegate.fault import FaultKind
 from drivegate.python_loading import load_python_controller
-from drivegate.stall_watch import WorkerLimits
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job
-from drivegate.worker_pool import WorkerPool
 from drivegate_models.errors import HarnessFault, InputError
 
 HERE = Path(__file__).parent
@@ -275,7 +275,7 @@ def test_a_worker_in_an_endless_loop_dies_with_its_parent(candidate):
     script = (
         "import worker_jobs; from drivegate.candidate_resolution import resolve_candidate; "
         "from drivegate.python_loading import load_python_controller; "
-        "from drivegate.worker import CandidateWorker; from drivegate.worker_messages import Job; "
+        "from drivegate.containment.worker import CandidateWorker; from drivegate.containment.messages import Job; "
         f"candidate = resolve_candidate({candidate('while True: pass').specification!r}); "
         "CandidateWorker(candidate, load_python_controller).run(Job(worker_jobs.drive, 7))"
     )

@@ -6,8 +6,8 @@ import sys
 import time
 from typing import Any
 
+from drivegate.containment.messages import LoadedCandidate
 from drivegate.fault import CandidateFault
-from drivegate.worker_messages import LoadedCandidate
 from drivegate_models.contract import SENSE, command_record
 from drivegate_models.errors import InputError
 from drivegate_models.signals import Nameplate

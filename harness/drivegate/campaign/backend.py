@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any, Final, TypeVar
 
-from drivegate.parent_death import end_with_parent
+from drivegate.containment.parent_death import end_with_parent
 from drivegate_cases.wording import one_line
 from drivegate_models.errors import HarnessFault, InputError
 

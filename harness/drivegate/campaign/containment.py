@@ -7,11 +7,11 @@ from functools import lru_cache
 from typing import TypeVar
 
 from drivegate.candidate import Candidate
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.shared_progress import SharedProgress
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.fault import CandidateFault, Fault
-from drivegate.shared_progress import SharedProgress
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job, LoadedCandidate
 
 PayloadT = TypeVar("PayloadT")
 ResultT = TypeVar("ResultT")

@@ -12,10 +12,10 @@ from drivegate.campaign.row import RowRequest, run_row
 from drivegate.campaign.run import packed, run_chunk
 from drivegate.campaign.table import table_bytes
 from drivegate.candidate_resolution import resolve_candidate
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.warm_up import compile_kernels, missing_marker
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job, LoadedCandidate
 
 _REHEARSED: Final = "published"
 """A candidate that fails checks, so that what only failures need is compiled too."""

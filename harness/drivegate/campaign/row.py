@@ -9,11 +9,11 @@ from typing import Any, Final
 from drivegate.catalogue import CHECKS
 from drivegate.check import judged_elsewhere
 from drivegate.checks.determinism import DET_1
+from drivegate.containment.messages import LoadedCandidate
 from drivegate.fault import Fault, bounded_line
 from drivegate.feasibility import is_fair
 from drivegate.margin import Margin
 from drivegate.run_record import RunRecord, recorded
-from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.scenario import Scenario
 from drivegate_models import ledger, observation
 from drivegate_models.errors import HarnessFault

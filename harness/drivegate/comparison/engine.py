@@ -12,6 +12,8 @@ from drivegate.candidate_resolution import resolve_candidate
 from drivegate.comparison.oracle import greatest_torque, oracle_point, solved
 from drivegate.comparison.plan import PlannedRun
 from drivegate.comparison.run import Figures, measured, timed
+from drivegate.containment.messages import Job
+from drivegate.containment.pool import WorkerPool
 from drivegate.controller_loading import load_controller
 from drivegate.events import CheckStarted, Compiling, Event, RunDone
 from drivegate.fault import Fault, FaultKind
@@ -20,8 +22,6 @@ from drivegate.search_shard import JudgedRun
 from drivegate.verdict import check_outcomes
 from drivegate.warm_up import compile_kernels, missing_marker
 from drivegate.work_plan import Origin, Work, planned_work
-from drivegate.worker_messages import Job
-from drivegate.worker_pool import WorkerPool
 from drivegate_models.errors import HarnessFault
 
 CHECKS_EFFORT: Final = "quick"

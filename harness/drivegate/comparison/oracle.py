@@ -9,8 +9,8 @@ from typing import Any, Final
 import numpy as np
 
 from drivegate.comparison.plan import PlannedRun
+from drivegate.containment.messages import LoadedCandidate
 from drivegate.scenario_run import RADIANS_PER_RPM
-from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.motor import Motor
 from drivegate_models.drive import Drive
 from drivegate_models.oracle import feasible_edge, least_current_sum, least_input_power

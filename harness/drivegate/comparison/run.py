@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from drivegate.comparison.drive_cycle_run import cycle_figures
 from drivegate.comparison.plan import PlannedRun
+from drivegate.containment.messages import LoadedCandidate
 from drivegate.controller import Controller
 from drivegate.scenario_changes import CHANGE_S
 from drivegate.scenario_run import RADIANS_PER_RPM, run_scenario
 from drivegate.scripted_run import advance, prepared_steps
-from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.scenario import Scenario
 from drivegate_models import observation
 from drivegate_models.closed_loop import ClosedLoopRun

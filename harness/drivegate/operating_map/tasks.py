@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from drivegate.campaign.containment import contained_runs
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.checks.convergence import window_convergence
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.fault import Fault
 from drivegate.operating_map import kernel as operating_map_kernel
@@ -34,8 +36,6 @@ from drivegate.operating_map.plan import (
 from drivegate.run_record import RunRecord, Window, recorded
 from drivegate.scenario_building import DWELL_S, LOAD_RAMP_S
 from drivegate.scenario_run import RADIANS_PER_RPM
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job, LoadedCandidate
 from drivegate_cases.load import ConstantTorqueLoad
 from drivegate_cases.motor import Motor
 from drivegate_cases.profile import dwells

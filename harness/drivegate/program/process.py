@@ -9,7 +9,7 @@ import weakref
 from contextlib import suppress
 from pathlib import Path
 
-from drivegate.process_ending import ending_in_words
+from drivegate.containment.process_ending import ending_in_words
 from drivegate.program.candidate import Program
 from drivegate.program.protocol import LONGEST_LINE, WrongAnswer
 from drivegate_cases.wording import shown_path

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from drivegate.candidate_resolution import FAULTY_PREFIX, resolve_candidate
+from drivegate.containment.messages import Job
+from drivegate.containment.pool import WorkerPool
 from drivegate.controller_loading import load_controller
 from drivegate.engine import check_candidate
 from drivegate.events import Event
@@ -20,8 +22,6 @@ from drivegate.selftest.mutations import Mutation
 from drivegate.selftest.trial import Trial, TrialOutcome, run_trial
 from drivegate.warm_up import compile_kernels, missing_marker
 from drivegate.work_plan import Origin, Work, planned_work
-from drivegate.worker_messages import Job
-from drivegate.worker_pool import WorkerPool
 
 HOST: Final = "reference"
 """Candidate that the worker processes are started for; the faulty controllers are loaded beside it."""

@@ -8,12 +8,12 @@ from typing import Any
 
 from drivegate.candidate import Candidate
 from drivegate.catalogue import CHECKS
+from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.fault import CandidateFault
 from drivegate.margin import Margin
 from drivegate.search_shard import DrawnRuns, FixedRuns, JudgedRun, ShardOutcome, content_key, run_fixed
 from drivegate.shrinking import ShrinkPlan, run_shrink, size_of
 from drivegate.work_plan import REPEATED
-from drivegate.worker_messages import Job, LoadedCandidate
 from drivegate_cases.document import parse_document
 from drivegate_cases.scenario import Scenario
 

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from drivegate.candidate import Candidate
 from drivegate.candidate_resolution import resolve_candidate
+from drivegate.containment.messages import Job
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.fault import Fault
 from drivegate.step_comparison.jobs import (
@@ -29,8 +31,6 @@ from drivegate.step_comparison.record import (
     row_count,
     some_rows,
 )
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job
 from drivegate_cases.scenario import Scenario
 from drivegate_models.errors import HarnessFault
 from drivegate_models.signals import Sense

@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.containment.messages import LoadedCandidate
 from drivegate.fault import CandidateFault, Fault, FaultKind
 from drivegate.scenario_run import run_scenario
 from drivegate.step_comparison.plant_playback import PlantState, plant_at
 from drivegate.step_comparison.record import RecordingController, recorded_rows
-from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.scenario import Scenario
 from drivegate_models.signals import Sense
 from drivegate_models.step_recording import DIFFERS, NOT_FINITE, OUTPUTS, STOPPED, Shadow

@@ -16,7 +16,7 @@ from drivegate_models.errors import HarnessFault
 from drivegate_models.signals import Command, Nameplate, Sense
 
 if TYPE_CHECKING:
-    from drivegate.shared_progress import SharedProgress
+    from drivegate.containment.shared_progress import SharedProgress
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,8 @@ import pytest
 
 from drivegate import Command
 from drivegate.candidate_resolution import resolve_candidate
+from drivegate.containment.messages import LoadedCandidate
+from drivegate.containment.shared_progress import SharedProgress
 from drivegate.controller_loading import load_controller
 from drivegate.declaration import FlowchartProfile
 from drivegate.fault import CandidateFault, FaultKind
@@ -15,8 +17,6 @@ from drivegate.python_controller import PythonController
 from drivegate.script_judging import judge_script
 from drivegate.script_run import ScriptRuns, run_scripts, script_margin, shortened
 from drivegate.scripts import Event, fixed_scripts, script_of, usual_speed
-from drivegate.shared_progress import SharedProgress
-from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.document import parse_document
 from drivegate_cases.motor import load_motor
 from drivegate_cases.script import Script

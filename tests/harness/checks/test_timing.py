@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from drivegate.candidate_resolution import resolve_candidate
+from drivegate.containment.messages import LoadedCandidate
+from drivegate.containment.shared_progress import Activity, SharedProgress
 from drivegate.controller_loading import load_controller
 from drivegate.python_controller import PythonController
-from drivegate.shared_progress import Activity, SharedProgress
 from drivegate.step_timing import TimedSteps, time_steps, timing_margin, way_of_running
-from drivegate.worker_messages import LoadedCandidate
 from drivegate_cases.scenario import load_scenario
 
 LIMIT = 0.1 * 0.0005

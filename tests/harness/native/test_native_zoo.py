@@ -6,15 +6,15 @@ import math
 import pytest
 
 from drivegate.candidate_resolution import resolve_candidate
+from drivegate.containment.messages import Job
+from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.fault import CandidateFault, Fault, FaultKind
 from drivegate.run_record import RunRecord
 from drivegate.scenario_run import run_scenario
 from drivegate.search_shard import judged
 from drivegate.simulation import Plan, run_plan
-from drivegate.stall_watch import WorkerLimits
-from drivegate.worker import CandidateWorker
-from drivegate.worker_messages import Job
 from drivegate_cases.scenario import load_scenario
 from drivegate_models.closed_loop import ClosedLoopRun
 from drivegate_models.errors import InputError

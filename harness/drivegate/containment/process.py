@@ -15,10 +15,7 @@ from typing import Any
 
 import psutil
 
-from drivegate.fault import CandidateFault, Fault, Phase, exception_fault
-from drivegate.parent_death import end_with_parent
-from drivegate.shared_progress import Activity, SharedProgress
-from drivegate.worker_messages import (
+from drivegate.containment.messages import (
     LOST_CONNECTION,
     Broken,
     Faulted,
@@ -30,6 +27,9 @@ from drivegate.worker_messages import (
     Reply,
     Setup,
 )
+from drivegate.containment.parent_death import end_with_parent
+from drivegate.containment.shared_progress import Activity, SharedProgress
+from drivegate.fault import CandidateFault, Fault, Phase, exception_fault
 from drivegate_models.errors import InputError
 
 STACK_SIGNAL = signal.SIGUSR1

@@ -10,12 +10,8 @@ from types import TracebackType
 from typing import Any, Self
 
 from drivegate.candidate import Candidate
-from drivegate.fault import Fault, FaultKind, bounded_text
-from drivegate.process_ending import ending_in_words
-from drivegate.shared_progress import Activity
-from drivegate.stall_watch import StallWatch, WorkerLimits
-from drivegate.worker_handle import UnreadableReply, WorkerHandle
-from drivegate.worker_messages import (
+from drivegate.containment.handle import UnreadableReply, WorkerHandle
+from drivegate.containment.messages import (
     LOST_CONNECTION,
     Broken,
     Faulted,
@@ -28,6 +24,10 @@ from drivegate.worker_messages import (
     ResultT,
     Setup,
 )
+from drivegate.containment.process_ending import ending_in_words
+from drivegate.containment.shared_progress import Activity
+from drivegate.containment.stall_watch import StallWatch, WorkerLimits
+from drivegate.fault import Fault, FaultKind, bounded_text
 from drivegate_models.errors import HarnessFault, InputError
 
 LOOK_EVERY = 0.05

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 from drivegate.candidate import Candidate
+from drivegate.containment.shared_progress import SharedProgress
 from drivegate.controller import Controller
 from drivegate.fault import Fault
-from drivegate.shared_progress import SharedProgress
 
 ResultT = TypeVar("ResultT")
 

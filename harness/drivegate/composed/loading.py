@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidate import Candidate
-from drivegate.composed_blocks import BLOCK_STEPS, Exchanged
-from drivegate.composed_candidate import Composition
+from drivegate.composed.blocks import BLOCK_STEPS, Exchanged
+from drivegate.composed.candidate import Composition
 from drivegate.controller import Controller
 from drivegate.fault import Fault
 from drivegate.python_controller import PythonController

@@ -10,11 +10,11 @@ import tempfile
 from contextlib import suppress
 from pathlib import Path
 
-from drivegate.worker_environment import worker_environment
+from drivegate.containment.environment import worker_environment
 
 _BOOTSTRAP = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from drivegate.worker_keeper import keep; keep(*sys.argv[2:])"
+    "from drivegate.containment.keeper import keep; keep(*sys.argv[2:])"
 )
 _KEEPER_PATIENCE = 20.0
 

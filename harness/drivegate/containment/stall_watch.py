@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from drivegate.shared_progress import Activity
+from drivegate.containment.shared_progress import Activity
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from types import TracebackType
 from typing import Any, Generic, Self
 
 from drivegate.candidate import Candidate
+from drivegate.containment.messages import Faulted, Finished, Job, LoadController, ResultT
+from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.worker import LOOK_EVERY, CandidateWorker, is_hang, unwrapped
 from drivegate.fault import Fault
-from drivegate.stall_watch import WorkerLimits
-from drivegate.worker import LOOK_EVERY, CandidateWorker, is_hang, unwrapped
-from drivegate.worker_messages import Faulted, Finished, Job, LoadController, ResultT
 
 
 class WorkerPool:

@@ -73,7 +73,7 @@ def _become_worker(connection: int, progress: int, keeper: int) -> None:
     os.close(nothing)
     os.dup2(2, 1)
     # Only the worker needs the libraries that this brings.
-    from drivegate.worker_process import main
+    from drivegate.containment.process import main
 
     main(connection, progress, keeper)
 

@@ -1,0 +1,1 @@
+"""Candidates that replace a block of a built-in controller."""
