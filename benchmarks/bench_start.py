@@ -9,7 +9,9 @@ BAR = 0.3
 
 def _help() -> None:
     subprocess.run(
-        [sys.executable, "-m", "drivegate.command_line", "--help"], check=True, capture_output=True
+        [sys.executable, "-c", "from drivegate.command_line import main; main(['--help'])"],
+        check=True,
+        capture_output=True,
     )
 
 

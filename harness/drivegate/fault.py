@@ -8,20 +8,19 @@ import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal
+from typing import Any, Literal
 
 from drivegate_cases.wording import one_line
+from drivegate_models.signals import Sense
 
 Phase = Literal["loading", "reset", "step"]
 
 LONGEST_MESSAGE = 2_000
 LONGEST_TRACEBACK = 20_000
 
-OVERWRITTEN_SIZE = (
+_OVERWRITTEN_SIZE = (
     "the command's struct_size was overwritten with a negative number; the harness sets it, leave it as it is"
 )
-"""What is told of a controller in compiled code that ends the run without having a fault to tell."""
-
 _ADDRESS = re.compile(r"\b0x[0-9a-fA-F]{6,}\b")
 _CALLERS = ("drivegate", "importlib", "_frozen_importlib", "_frozen_importlib_external")
 _CUT = "\n[...]\n"
@@ -108,6 +107,30 @@ def exception_fault(error: BaseException, phase: Phase) -> Fault:
         text, trace = f"(its text cannot be had: {type(unprintable).__name__})", ""
     message = bounded_line(f"{name}: {text}" if text else name)
     return Fault(FaultKind.EXCEPTION, message, phase, error=name, traceback=trace)
+
+
+def refused_command(command: Any, *, finite: bool, step: int, sense: Sense) -> Fault:
+    """Describe a command at which a run ended without the controller having a fault to tell.
+
+    Parameters
+    ----------
+    command : record of COMMAND
+        The command.
+    finite : bool
+        Whether its numbers are; if so, compiled code has overwritten its size to end the run.
+    step : int
+        Number of steps completed before.
+    sense : Sense
+        What the controller had been told.
+
+    Returns
+    -------
+    Fault
+        The verdict.
+    """
+    values = ", ".join(f"{name} = {command[name]}" for name in (command.dtype.names or ())[1:])
+    message = _OVERWRITTEN_SIZE if finite else f"the command is not finite: {values}"
+    return Fault(FaultKind.INVALID_OUTPUT, message, "step", step=step, time=sense.time, sense=sense._asdict())
 
 
 def bounded_line(text: str) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drivegate.controller import Controller
-from drivegate.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, FaultKind
+from drivegate.fault import CandidateFault, refused_command
 from drivegate_cases.load import (
     GRAVITY,
     ConstantPowerLoad,
@@ -233,15 +233,8 @@ def _raise_ending(run: closed_loop.ClosedLoopRun, controller: Controller) -> Non
             fault if told else replace(fault, step=step, time=sense.time, sense=sense._asdict())
         )
     if run.status in (closed_loop.STOPPED, closed_loop.NOT_FINITE):
-        command = run.last_command[0]
-        values = ", ".join(f"{name} = {command[name]}" for name in (command.dtype.names or ())[1:])
-        not_finite = f"the command is not finite: {values}"
-        message = not_finite if run.status == closed_loop.NOT_FINITE else OVERWRITTEN_SIZE
-        raise CandidateFault(
-            Fault(
-                FaultKind.INVALID_OUTPUT, message, "step", step=step, time=sense.time, sense=sense._asdict()
-            )
-        )
+        finite = run.status != closed_loop.NOT_FINITE
+        raise CandidateFault(refused_command(run.last_command[0], finite=finite, step=step, sense=sense))
     raise HarnessFault(f"the plant ended with status {run.status} at step {step}, {sense.time:g} s")
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.controller import Controller
-from drivegate.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, FaultKind
+from drivegate.fault import CandidateFault, refused_command
 from drivegate_models import scripted_steps
 from drivegate_models.scripted_steps import ScriptedSteps
 from drivegate_models.signals import Nameplate, Sense
@@ -85,13 +85,8 @@ def advance(steps: ScriptedSteps, controller: Controller, begin: int = 0, end: i
     if status == scripted_steps.STOPPED and controller.fault is not None:
         raise CandidateFault(controller.fault)
     sense = _last_sense(steps)
-    command = steps.command[0]
-    values = ", ".join(f"{name} = {command[name]}" for name in (command.dtype.names or ())[1:])
-    not_finite = f"the command is not finite: {values}"
-    message = not_finite if status == scripted_steps.NOT_FINITE else OVERWRITTEN_SIZE
-    raise CandidateFault(
-        Fault(FaultKind.INVALID_OUTPUT, message, "step", step=step, time=sense.time, sense=sense._asdict())
-    )
+    finite = status != scripted_steps.NOT_FINITE
+    raise CandidateFault(refused_command(steps.command[0], finite=finite, step=step, sense=sense))
 
 
 def scripted_angles(
