@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import radians
 from typing import Any
 
+from drivegate_models.angle_confirmation import is_worth_confirming
 from drivegate_models.compilation import unfused
 from drivegate_models.design_state import LOWEST_ANGLE
 
@@ -12,7 +13,7 @@ _COARSE = radians(2.0)
 _FINE = radians(0.5)
 _COARSE_RISE = 1.05
 _FINE_RISE = 1.01
-_AROUND = radians(2.0)
+_AROUND = radians(1.25)
 
 
 @unfused
@@ -59,7 +60,7 @@ def continue_sweep(state: Any, power: float) -> float:
     ended = power > state.left_power * (_COARSE_RISE if state.stage == 0 else _FINE_RISE)
     step = _COARSE if state.stage == 0 else _FINE
     ended = ended or state.right - step < state.low
-    if state.stage == 0 and ended:
+    if state.stage == 0 and ended and is_worth_confirming(state):
         state.stage = 1
         state.low = max(state.low, state.left - _AROUND)
         state.right = min(state.left + _AROUND, state.home)

@@ -13,6 +13,7 @@ import numpy as np
 
 from drivegate_models.angle_table_values import ANGLES_DEG, CURRENT_SUMS, FIRST_SPEED_RPM, SPEED_STEP_RPM
 from drivegate_models.compilation import unfused
+from drivegate_models.design_state import LOWEST_ANGLE
 
 MOST_LOOKUPS: Final = 14
 """Look-ups after which the angle is kept whatever the current sum."""
@@ -97,7 +98,7 @@ def look_up(state: Any, power: float) -> float:
         state.best_offset = controller.offset
         state.best_power = power
         speed = state.speed * controller.nominal_voltage / controller.supply_voltage
-        state.left = table_angle(speed, power) - state.line
+        state.left = max(table_angle(speed, power), LOWEST_ANGLE) - state.line
     else:
         # The plant is not the table's: stay above what has lost the torque.
         state.left = min(max(state.left, controller.forbidden) + _AWAY, state.home)

@@ -67,6 +67,7 @@ def reset_design(state: Any, nameplate: Any, design: int) -> None:
     state.waited = 0
     state.decisions = 0
     state.finished = 0
+    state.confirming = 0
 
 
 @unfused

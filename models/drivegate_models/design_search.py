@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-from math import inf, radians
+from math import inf
 from typing import Any, Final
 
+from drivegate_models.angle_confirmation import (
+    OFF_EDGE,
+    UNCONFIRMED,
+    begin_confirmation,
+    continue_confirmation,
+    is_worth_confirming,
+)
 from drivegate_models.angle_probe import aim, approach, is_reached, is_read
+from drivegate_models.angle_rest import begin_watch, keep_off_edge, stands_still
 from drivegate_models.angle_sweep import begin_sweep, continue_sweep
 from drivegate_models.angle_table import look_up
 from drivegate_models.compilation import unfused
@@ -20,10 +28,11 @@ from drivegate_models.quadratic_interpolation import (
     begin_quadratic_interpolation,
     continue_quadratic_interpolation,
 )
-from drivegate_models.search_protection import MARGIN, forget_other_load, rearm
+from drivegate_models.search_protection import HOLDING, MARGIN, forget_other_load
 from drivegate_models.search_watch import (
     BEGINNING,
     CONTINUING,
+    LOAD_CHANGED,
     WAITING,
     begin_holding,
     is_uneasy,
@@ -31,11 +40,15 @@ from drivegate_models.search_watch import (
 )
 from drivegate_models.slope_bisection import begin_slope_bisection, continue_slope_bisection
 
-MOST_DECISIONS: Final = 46
+MOST_DECISIONS: Final = 44
 """Decisions after which a search ends with the cheapest angle so far."""
+LATEST_DECISION: Final = 50
+"""Decisions after which the confirmation ends, too."""
 
-# Farther from the edge than a search goes: at rest, noise alone must not lead over it.
-_OFF_EDGE = radians(0.8)
+# Steps of two degrees explain more than one of a degree; upward they are rarer.
+_FALL = 0.25
+_RISE = 0.135
+_LATEST_TO_CONFIRM = 38
 _LOAD_CHANGED = 0.03
 _SMALLEST_CHANGE = 0.2
 
@@ -67,7 +80,7 @@ def first_probe(state: Any) -> float:
 
 @unfused
 def next_probe(state: Any, power: float) -> float:
-    """Let the design choose its next angle.
+    """Let the design choose its next angle, and confirm the one it has found.
 
     Parameters
     ----------
@@ -81,15 +94,22 @@ def next_probe(state: Any, power: float) -> float:
     float
         Offset from the initial angle (rad electrical).
     """
-    if state.design == GOLDEN_SECTION:
-        return continue_golden_section(state, power)
-    if state.design == QUADRATIC_INTERPOLATION:
-        return continue_quadratic_interpolation(state, power)
+    if state.confirming != UNCONFIRMED:
+        return continue_confirmation(state, power)
     if state.design == ANGLE_TABLE:
+        # A table is asked, not searched: there is nothing to confirm.
         return look_up(state, power)
-    if state.design == SWEEP:
-        return continue_sweep(state, power)
-    return continue_slope_bisection(state, power)
+    if state.design == GOLDEN_SECTION:
+        probe = continue_golden_section(state, power)
+    elif state.design == QUADRATIC_INTERPOLATION:
+        probe = continue_quadratic_interpolation(state, power)
+    elif state.design == SWEEP:
+        probe = continue_sweep(state, power)
+    else:
+        probe = continue_slope_bisection(state, power)
+    # What took long is not worth the time: the search must come to rest.
+    confirm = state.finished == 1 and state.decisions < _LATEST_TO_CONFIRM and is_worth_confirming(state)
+    return begin_confirmation(state) if confirm else probe
 
 
 @unfused
@@ -111,6 +131,7 @@ def begin_search(state: Any) -> float:
     state.best_offset = state.home
     state.best_power = state.home_power
     state.finished = 0
+    state.confirming = UNCONFIRMED
     state.stage = 0
     state.probes = 0
     state.decisions = 0
@@ -127,6 +148,8 @@ def note_cheapest(state: Any) -> None:
         Updated.
     """
     power = state.controller.last_power
+    if state.confirming != UNCONFIRMED:
+        return
     # Where the torque is about to be lost, a speed that falls makes the current cheaper than it is.
     if power < state.best_power and not is_uneasy(state.controller):
         state.best_power = power
@@ -148,13 +171,54 @@ def settle_for(state: Any, offset: float) -> None:
     while state.finished == 0 and wanted < state.controller.forbidden + MARGIN:
         wanted = next_probe(state, inf)
     if state.finished == 1:
-        wanted = max(state.best_offset, state.controller.forbidden + _OFF_EDGE)
+        wanted = max(state.best_offset, state.controller.forbidden + OFF_EDGE)
+        begin_watch(state)
     aim(state, wanted)
 
 
 @unfused
+def is_late(state: Any) -> bool:
+    """Return whether the search, or its confirmation, has taken too long.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        The state.
+
+    Returns
+    -------
+    bool
+        About the decisions made since it began.
+    """
+    late: bool = state.decisions >= (MOST_DECISIONS if state.confirming == UNCONFIRMED else LATEST_DECISION)
+    return late
+
+
+@unfused
+def go_on(state: Any) -> float:
+    """Go on from the present angle, since the load has changed.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+
+    Returns
+    -------
+    float
+        Offset to probe (rad electrical).
+    """
+    if state.design == ANGLE_TABLE:
+        state.finished = 0
+        state.probes = 0
+        return look_up(state, state.controller.last_power)
+    state.best_offset = state.controller.offset
+    return begin_confirmation(state)
+
+
+@unfused
 def conclude(state: Any) -> None:
-    """Rest at the angle found; search anew where the load was another one when it was found.
+    """Rest at the angle found; go on from it where the load was another one when it was found.
 
     Parameters
     ----------
@@ -163,10 +227,11 @@ def conclude(state: Any) -> None:
     """
     controller = state.controller
     power = controller.last_power
-    there = abs(controller.offset - state.best_offset) < _OFF_EDGE
-    if there and abs(power - state.best_power) > _LOAD_CHANGED * power + _SMALLEST_CHANGE:
-        rearm(controller)
-    else:
+    there = abs(controller.offset - state.best_offset) < OFF_EDGE
+    changed = there and abs(power - state.best_power) > _LOAD_CHANGED * power + _SMALLEST_CHANGE
+    if changed and state.decisions < MOST_DECISIONS:
+        settle_for(state, go_on(state))
+    elif stands_still(state):
         begin_holding(controller, power)
 
 
@@ -181,14 +246,18 @@ def decide_design(state: Any) -> None:
     """
     controller = state.controller
     state.decisions += 1
-    work, change = watch_search(controller)
+    # At light load a step's transient explains as much upward; a table takes no such steps.
+    rise = LOAD_CHANGED if state.design == ANGLE_TABLE else _RISE if is_worth_confirming(state) else _FALL
+    work, change = watch_search(controller, _FALL, rise)
     if work == WAITING:
+        if controller.mode == HOLDING:
+            keep_off_edge(state)
         return
     forget_other_load(controller, controller.last_power)
     if controller.good_power == inf:
         # Without a good angle: command, supply or load has changed.
         settle_for(state, begin_search(state))
-    elif state.finished == 0 and state.decisions >= MOST_DECISIONS:
+    elif state.finished == 0 and is_late(state):
         state.finished = 1
         settle_for(state, state.best_offset)
     elif not is_reached(state):
@@ -204,7 +273,8 @@ def decide_design(state: Any) -> None:
         return
     elif state.finished == 1:
         conclude(state)
-        return
+        if is_reached(state):
+            return
     else:
         note_cheapest(state)
         settle_for(state, next_probe(state, controller.last_power))

@@ -41,6 +41,15 @@ DESIGN_STATE: Final = np.dtype(
         ("decisions", np.int64),
         # The search itself; each design uses what it needs.
         ("finished", np.int64),
+        ("confirming", np.int64),
+        ("stride", np.float64),
+        # Watching the rest.
+        ("watched", np.int64),
+        ("still", np.int64),
+        ("restless", np.int64),
+        ("rest_integral", np.float64),
+        ("least", np.float64),
+        ("most", np.float64),
         ("stage", np.int64),
         ("probes", np.int64),
         ("low", np.float64),

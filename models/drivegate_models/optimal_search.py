@@ -10,7 +10,14 @@ from typing import Any
 
 from drivegate_models.compilation import unfused
 from drivegate_models.search_protection import MARGIN, SMALLEST_STEP, forget_other_load, take_step
-from drivegate_models.search_watch import BEGINNING, WAITING, begin_holding, noise_of_power, watch_search
+from drivegate_models.search_watch import (
+    BEGINNING,
+    LOAD_CHANGED,
+    WAITING,
+    begin_holding,
+    noise_of_power,
+    watch_search,
+)
 
 _IMPROVEMENTS = 3
 
@@ -74,7 +81,7 @@ def decide_guarded(state: Any) -> None:
     state : record of CONTROLLER_STATE
         Updated; its decision interval is complete.
     """
-    work, change = watch_search(state)
+    work, change = watch_search(state, LOAD_CHANGED, LOAD_CHANGED)
     if work == WAITING:
         return
     power = state.last_power

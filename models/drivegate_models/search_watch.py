@@ -29,9 +29,11 @@ BEGINNING: Final = 1
 CONTINUING: Final = 2
 """What the search has to do: go on from its last step."""
 
+LOAD_CHANGED: Final = 0.12
+"""Share of the current sum beyond which a search by steps of a degree takes a difference for another load."""
+
 _SETTLED = 0.01
 _CHANGED = 0.03
-_LOAD_CHANGED = 0.12
 _SMALLEST_POWER = 1.0
 _UNEASY = 0.1
 _CALM = 1.5
@@ -84,6 +86,25 @@ def is_uneasy(state: Any) -> bool:
 
 
 @unfused
+def noise_of_regulator(state: Any) -> float:
+    """Return what the regulator's answer to the speed sensor's errors makes of the power.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    float
+        Current sum (A).
+    """
+    error = min(state.calm_error, _UNEASY * state.speed_tolerance)
+    noise: float = _ANSWER * state.proportional * error
+    return noise
+
+
+@unfused
 def noise_of_power(state: Any) -> float:
     """Return what the converter, and the regulator's answer to the speed sensor's errors, make of the power.
 
@@ -97,8 +118,7 @@ def noise_of_power(state: Any) -> float:
     float
         Current sum (A).
     """
-    error = min(state.calm_error, _UNEASY * state.speed_tolerance)
-    noise: float = state.least_change + _ANSWER * state.proportional * error
+    noise: float = state.least_change + noise_of_regulator(state)
     return noise
 
 
@@ -128,7 +148,7 @@ def is_creeping(state: Any, power: float) -> bool:
 
 
 @unfused
-def load_has_changed(state: Any, power: float) -> bool:
+def load_has_changed(state: Any, power: float, fall: float, rise: float) -> bool:
     """Return whether the current sum differs from that of the last good angle by more than angles explain.
 
     Parameters
@@ -137,6 +157,8 @@ def load_has_changed(state: Any, power: float) -> bool:
         The state.
     power : float
         Mean current sum of the decision interval (A).
+    fall, rise : float
+        What steps toward less and toward more angle explain, as shares of the current sum.
 
     Returns
     -------
@@ -144,7 +166,8 @@ def load_has_changed(state: Any, power: float) -> bool:
         False as long as no good angle is known, and away from it.
     """
     near = abs(state.offset - state.good_offset) <= 3.0 * state.first_step
-    changed: bool = near and abs(power - state.good_power) > _LOAD_CHANGED * power + 0.2
+    share = fall if power < state.good_power else rise
+    changed: bool = near and abs(power - state.good_power) > share * power + 0.2
     return changed and state.good_power < inf
 
 
@@ -178,13 +201,15 @@ def decide_holding(state: Any, power: float, change: float) -> None:
 
 
 @unfused
-def watch_search(state: Any) -> tuple[int, float]:
+def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
     """Make the part of a decision that is the same for every search.
 
     Parameters
     ----------
     state : record of CONTROLLER_STATE
         Updated; its decision interval is complete, its mean current sum becomes `last_power`.
+    fall, rise : float
+        Changes of the current sum that one step of this search explains, as shares; more is another load.
 
     Returns
     -------
@@ -219,7 +244,7 @@ def watch_search(state: Any) -> tuple[int, float]:
         begin_settling(state)
         return WAITING, change
     settled = abs(change) <= _SETTLED * power
-    if (settled or state.mode != SETTLING) and load_has_changed(state, power):
+    if (settled or state.mode != SETTLING) and load_has_changed(state, power, fall, rise):
         rearm(state)
         return WAITING, change
     if state.mode == SETTLING:
