@@ -209,6 +209,27 @@ def begin_interval(state: Any) -> None:
 
 
 @unfused
+def search(state: Any, sense: Any, reference: float) -> None:
+    """Make one step of the search: observe, and decide where a decision is due.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    reference : float
+        Current reference (A).
+    """
+    if observe(state, sense, reference):
+        if state.search == FLOWCHART:
+            decide_by_flowchart(state, sense.speed_reference - sense.speed)
+        else:
+            decide_guarded(state)
+        begin_interval(state)
+
+
+@unfused
 def answer(state: Any, sense: Any, reference: float, command: Any) -> None:
     """Write the command.
 
@@ -242,12 +263,8 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
         Receives the answer.
     """
     reference = current_reference(state, sense)
-    if state.search != NO_SEARCH and state.advancing == 1 and observe(state, sense, reference):
-        if state.search == FLOWCHART:
-            decide_by_flowchart(state, sense.speed_reference - sense.speed)
-        else:
-            decide_guarded(state)
-        begin_interval(state)
+    if state.search != NO_SEARCH and state.advancing == 1:
+        search(state, sense, reference)
     answer(state, sense, reference, command)
 
 

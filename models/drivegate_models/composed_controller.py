@@ -10,14 +10,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from drivegate_models.builtin_controllers import advance_angle
+from drivegate_models.builtin_controllers import answer, current_reference, search
 from drivegate_models.compilation import KEEPS_CACHE, unfused
 from drivegate_models.contract import COMMAND, SENSE
-from drivegate_models.controller_state import CONTROLLER_STATE, FLOWCHART, GUARDED, NO_SEARCH
+from drivegate_models.controller_state import CONTROLLER_STATE, GUARDED, NO_SEARCH
 from drivegate_models.native_call import call_step
-from drivegate_models.optimal_search import decide_by_flowchart, decide_guarded
-from drivegate_models.search_protection import guard_regulation
-from drivegate_models.speed_regulator import regulate_speed
 
 COMPOSED_STATE: Final = np.dtype(
     [
@@ -62,47 +59,6 @@ def initial_line_speed(state: Any, speed: float) -> float:
     return speed
 
 
-@unfused
-def search_by_itself(state: Any, sense: Any, error: float, reference: float) -> None:
-    """Make one step of the built-in search.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    sense : record of SENSE
-        What the sensors saw.
-    error : float
-        Speed reference minus speed (rad/s).
-    reference : float
-        Current reference (A).
-    """
-    state.count += 1
-    state.power_sum += sense.current_magnitude_sum
-    state.worst_error = max(state.worst_error, abs(error))
-    if reference >= state.current_limit:
-        state.saturated += 1
-    if state.search == GUARDED:
-        guard_regulation(
-            state,
-            sense.speed,
-            sense.speed_reference,
-            sense.half_supply_voltage,
-            sense.current_magnitude_sum,
-            reference,
-            state.control_period,
-        )
-    if state.count >= state.decision_steps:
-        if state.search == FLOWCHART:
-            decide_by_flowchart(state, error)
-        else:
-            decide_guarded(state)
-        state.count = 0
-        state.power_sum = 0.0
-        state.worst_error = 0.0
-        state.saturated = 0
-
-
 @cache
 def composed_step_function() -> Any:
     """Return the composed controllers' `drivegate_step`, compiled.
@@ -124,7 +80,6 @@ def composed_step_function() -> Any:
         composed, sense, command = carray(composed_pointer, 1)[0], senses[0], commands[0]
         sense_address, command_address = senses.ctypes.data, commands.ctypes.data
         state = composed.controller
-        error = sense.speed_reference - sense.speed
         if composed.speed_regulator != 0:
             composed.integral = state.integral
             call_step(composed.speed_regulator, 0, sense_address, command_address)
@@ -133,9 +88,7 @@ def composed_step_function() -> Any:
             reference = command.current_reference
             state.integral = composed.integral
         else:
-            reference, state.integral = regulate_speed(
-                error, state.integral, state.proportional, state.integral_step, state.current_limit
-            )
+            reference = current_reference(state, sense)
         if state.advancing == 1 and composed.search != 0:
             composed.current_reference = reference
             call_step(composed.search, 0, sense_address, command_address)
@@ -143,7 +96,7 @@ def composed_step_function() -> Any:
                 return
             state.offset = command.advance_angle
         elif state.advancing == 1 and state.search != NO_SEARCH:
-            search_by_itself(state, sense, error, reference)
+            search(state, sense, reference)
         if composed.angle_model != 0 and sense.speed >= state.base_speed:
             composed.line_speed = initial_line_speed(state, sense.speed)
             call_step(composed.angle_model, 0, sense_address, command_address)
@@ -152,8 +105,6 @@ def composed_step_function() -> Any:
             # A line without slope is the angle itself.
             state.angle_at_base = command.advance_angle
             state.angle_slope = 0.0
-        command.current_reference = reference
-        command.advance_angle = advance_angle(state, sense.speed)
-        command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum
+        answer(state, sense, reference, command)
 
     return numba.cfunc(numba.types.void(*records), cache=KEEPS_CACHE)(drivegate_step)
