@@ -1,10 +1,11 @@
-"""Controllers with one law broken on purpose, made from a built-in one."""
+"""What the tests of the harness share: controllers with one law broken on purpose, and an eye on processes."""
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
+import psutil
 import pytest
 
 from drivegate.builtin_loading import BuiltinController
@@ -43,3 +44,12 @@ class AlteredController:
 def altered() -> Callable[[str, Alter], AlteredController]:
     """Make a controller from the name of a built-in one and a function of Sense and Command."""
     return AlteredController
+
+
+@pytest.fixture
+def no_process_left() -> Iterator[None]:
+    """Hold a test to leaving no process that was not there before."""
+    before = psutil.Process().children(recursive=True)
+    yield
+    left = [child for child in psutil.Process().children(recursive=True) if child not in before]
+    assert left == [], "a worker process is left"
