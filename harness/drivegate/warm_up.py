@@ -1,4 +1,4 @@
-"""Compiling the kernels once, before worker processes start, so that none of them compiles beside another."""
+"""Compiling the kernels once, before a candidate's workers start, so that none of them compiles beside another."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ from typing import Any
 from drivegate.builtin_candidates import BUILTIN_CANDIDATES
 from drivegate.candidate_resolution import resolve_candidate
 from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.pool import WorkerPool
 from drivegate.containment.stall_watch import WorkerLimits
-from drivegate.containment.worker import CandidateWorker
 from drivegate.controller_loading import load_controller
 from drivegate.fault import Fault
 from drivegate.feasibility import is_feasible
 from drivegate.fixed_scenarios import fixed_scenarios
-from drivegate.run_record import recorded
+from drivegate.run_record import rated_torque, recorded
+from drivegate.scenario_run import RADIANS_PER_RPM
 from drivegate.search_shard import judged
 from drivegate_models.compilation import choose_cache_folder
 from drivegate_models.errors import HarnessFault
+from drivegate_models.oracle import least_current_sum, point_at_torque
 
 MARKER = "all-kernels"
 """Name of the file in the cache folder that tells that every kernel has been compiled."""
@@ -41,7 +43,9 @@ def missing_marker() -> Path | None:
 
 
 def compile_kernels(marker: Path) -> None:
-    """Compile every kernel in a process of its own, and note that it is done.
+    """Compile every kernel in processes of their own, and note that it is done.
+
+    The oracle and the closed loop share few kernels, so each is compiled beside the other.
 
     Parameters
     ----------
@@ -54,14 +58,27 @@ def compile_kernels(marker: Path) -> None:
         When a kernel fails.
     """
     candidate = resolve_candidate(next(iter(BUILTIN_CANDIDATES)))
-    with CandidateWorker(candidate, load_controller, limits=_LIMITS) as worker:
-        outcome = worker.run(Job(_use_every_kernel, None))
-    if isinstance(outcome, Fault):
-        raise HarnessFault(f"the kernels cannot be compiled: {outcome.message}")
+    with WorkerPool(candidate, load_controller, workers=2, limits=_LIMITS) as pool:
+        for targets in ((_use_oracle, _use_closed_loop), (_judge_a_run,)):
+            for outcome in pool.map([Job(target, None) for target in targets]):
+                if isinstance(outcome, Fault):
+                    raise HarnessFault(f"the kernels cannot be compiled: {outcome.message}")
     marker.touch()
 
 
-def _use_every_kernel(loaded: LoadedCandidate, _payload: Any) -> None:
-    published_point = fixed_scenarios()[1]
-    is_feasible(published_point)
-    judged(recorded(loaded, published_point, loaded.controller()))
+def _use_oracle(_loaded: LoadedCandidate, _payload: Any) -> None:
+    scenario = fixed_scenarios()[1]
+    is_feasible(scenario)
+    drive = scenario.motor.drive()
+    speed = scenario.speed_rpm[0][1] * RADIANS_PER_RPM
+    torque = rated_torque(scenario, speed)
+    optimum = least_current_sum(drive, speed, torque)
+    point_at_torque(drive, speed, optimum.advance, torque)
+
+
+def _use_closed_loop(loaded: LoadedCandidate, _payload: Any) -> None:
+    recorded(loaded, fixed_scenarios()[1], loaded.controller())
+
+
+def _judge_a_run(loaded: LoadedCandidate, _payload: Any) -> None:
+    judged(recorded(loaded, fixed_scenarios()[1], loaded.controller()))
