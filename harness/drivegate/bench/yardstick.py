@@ -26,6 +26,8 @@ FLAGS: Final = ("-std=c11", "-O3", "-march=native", "-ffp-contract=fast")
 """Flags that the yardstick is compiled with."""
 SOURCE: Final = "yardstick.c"
 """Name of its source in its folder."""
+IN_SOURCES: Final = Path("benchmarks", "c_yardstick")
+"""Its folder in drivegate's sources."""
 RECORD: Final = ("speed", "current_reference", "advance", "current_sum", "impulse", "source")
 """What it can record of each control period, in SI units."""
 
@@ -235,7 +237,7 @@ def yardstick_folder(given: Path | None) -> Path | None:
     Returns
     -------
     Path or None
-        The folder; None where none is named and drivegate's own sources, which have it, are not there.
+        The folder; None where none is named and the current folder is not that of drivegate's sources, which have it.
 
     Raises
     ------
@@ -243,11 +245,10 @@ def yardstick_folder(given: Path | None) -> Path | None:
         When the named one does not hold it.
     """
     if given is None:
-        own = Path(__file__).resolve().parents[3] / "benchmarks" / "c_yardstick"
-        return own if (own / SOURCE).is_file() else None
+        return IN_SOURCES if (IN_SOURCES / SOURCE).is_file() else None
     if not (given / SOURCE).is_file():
         raise InputError(
-            f"{shown_path(given)} holds no {SOURCE}; --yardstick takes the folder benchmarks/c_yardstick of "
+            f"{shown_path(given)} holds no {SOURCE}; --yardstick takes the folder {IN_SOURCES.as_posix()} of "
             "drivegate's sources"
         )
     return given

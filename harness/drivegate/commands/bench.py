@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     "--yardstick",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder of the yardstick in C; by default that of drivegate's sources, where they are here.",
+    help="Folder of the yardstick in C; by default that of drivegate's sources, where the command runs in them.",
 )
 @click.option(
     "--compare",

@@ -89,5 +89,10 @@ def test_sources_that_do_not_compile_are_told_in_one_sentence(tmp_path):
         build_yardstick(tmp_path, tmp_path)
 
 
-def test_it_is_found_in_the_sources_of_drivegate():
-    assert yardstick_folder(None) == YARDSTICK
+def test_it_is_found_where_the_command_runs_in_the_sources_of_drivegate(monkeypatch, tmp_path):
+    monkeypatch.chdir(YARDSTICK.parents[1])
+    found = yardstick_folder(None)
+    assert found is not None
+    assert found.resolve() == YARDSTICK
+    monkeypatch.chdir(tmp_path)
+    assert yardstick_folder(None) is None
