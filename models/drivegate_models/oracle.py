@@ -162,7 +162,19 @@ def point_at_torque(
     """
     demand = _demand(drive, speed, torque, voltage)
     _, work, slices, speed, supply, torque = demand
-    found = reference_for_torque(drive, work, slices, speed, supply, advance, torque, drive.current_limit)
+    found = reference_for_torque(
+        drive,
+        work,
+        slices,
+        speed,
+        supply,
+        advance,
+        torque,
+        drive.current_limit,
+        CURRENT_TOLERANCE,
+        0.0,
+        False,
+    )
     if found.feasibility == OUT_OF_REACH:
         return TorquePoint(False, False, *(nan,) * 15, False)
     work = make_phases(drive, KEPT_TIME)

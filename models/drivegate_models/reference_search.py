@@ -268,9 +268,9 @@ def reference_for_torque(
     advance: float,
     torque: float,
     limit: float,
-    tolerance: float = CURRENT_TOLERANCE,
-    floor: float = 0.0,
-    robust_only: bool = False,
+    tolerance: float,
+    floor: float,
+    robust_only: bool,
 ) -> ReferenceSearch:
     """Return the least current reference at which the mean torque is the wanted one.
 

@@ -133,6 +133,8 @@ def _half_cycle(
     latches = work.latches
     rows = work.rows
     row_counts = work.row_counts
+    # A literal would be compiled for by itself, beside the one for every phase.
+    first = np.int64(0)
     currents[0] = start
     sectors[0] = 0
     latches[0] = 1
@@ -145,7 +147,7 @@ def _half_cycle(
             corners,
             corner_values,
             corner_slopes,
-            0,
+            first,
             currents,
             sectors,
             latches,

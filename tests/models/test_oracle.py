@@ -11,6 +11,7 @@ from drivegate_models.calibration import MotorConstants, calibration_drive
 from drivegate_models.drive import Drive
 from drivegate_models.errors import InputError
 from drivegate_models.oracle import (
+    CURRENT_TOLERANCE,
     OUT_OF_REACH,
     ROBUST,
     STATIC,
@@ -32,9 +33,8 @@ BANDED = IDEAL._replace(hysteresis_band=0.25, core_loss_conductance=3e-3)
 
 def _search(drive: Drive, speed_rpm: float, degrees: float, torque: float) -> ReferenceSearch:
     work, slices = make_phases(drive), make_phases(drive)
-    return reference_for_torque(
-        drive, work, slices, speed_rpm * RPM, 48.0, radians(degrees), torque, drive.current_limit
-    )
+    demand = (speed_rpm * RPM, 48.0, radians(degrees), torque, drive.current_limit)
+    return reference_for_torque(drive, work, slices, *demand, CURRENT_TOLERANCE, 0.0, False)
 
 
 @pytest.mark.parametrize(
