@@ -13,7 +13,7 @@ from drivegate_models.errors import InputError
 DESIGN_PREFIX: Final = "design:"
 """What the name of a controller of another design begins with."""
 
-_DESIGNS = ("golden-section", "quadratic-interpolation", "angle-table", "sweep", "slope-bisection")
+_DESIGNS = ("golden-section", "quadratic-interpolation", "angle-table", "sweep")
 
 DESIGN_CANDIDATES: Final = MappingProxyType(
     {f"{DESIGN_PREFIX}{design}": Declaration(estimates_power=True) for design in _DESIGNS}

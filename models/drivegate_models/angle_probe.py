@@ -56,7 +56,8 @@ def is_read(state: Any, change: float) -> bool:
     repeated = abs(change) <= _REPEATED * power + noise_of_power(state.controller)
     repeated = repeated and not is_uneasy(state.controller)
     # A sweep does not stop at its angles.
-    patience = 1 if state.design == SWEEP and state.finished == 0 and state.confirming == 0 else _LONGEST_WAIT
+    sweeps = state.design == SWEEP and state.tabled == 0
+    patience = 1 if sweeps and state.finished == 0 and state.confirming == 0 else _LONGEST_WAIT
     read: bool = repeated or state.waited >= patience
     return read
 

@@ -31,7 +31,6 @@ from drivegate_models.design_state import (
     DESIGN_STATE,
     GOLDEN_SECTION,
     QUADRATIC_INTERPOLATION,
-    SLOPE_BISECTION,
     SWEEP,
 )
 
@@ -41,7 +40,6 @@ DESIGNS: Final = MappingProxyType(
         "quadratic-interpolation": QUADRATIC_INTERPOLATION,
         "angle-table": ANGLE_TABLE,
         "sweep": SWEEP,
-        "slope-bisection": SLOPE_BISECTION,
     }
 )
 """Number of a design by its name."""
@@ -63,6 +61,7 @@ def reset_design(state: Any, nameplate: Any, design: int) -> None:
     # A search that begins writes all else.
     reset_state(state.controller, nameplate, GUARDED)
     state.design = design
+    state.tabled = 0
     state.target = 0.0
     state.waited = 0
     state.decisions = 0

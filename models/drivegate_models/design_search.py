@@ -21,7 +21,6 @@ from drivegate_models.design_state import (
     ANGLE_TABLE,
     GOLDEN_SECTION,
     QUADRATIC_INTERPOLATION,
-    SWEEP,
 )
 from drivegate_models.golden_section import begin_golden_section, continue_golden_section
 from drivegate_models.quadratic_interpolation import (
@@ -38,7 +37,6 @@ from drivegate_models.search_watch import (
     is_uneasy,
     watch_search,
 )
-from drivegate_models.slope_bisection import begin_slope_bisection, continue_slope_bisection
 
 MOST_DECISIONS: Final = 44
 """Decisions after which a search ends with the cheapest angle so far."""
@@ -50,12 +48,13 @@ _FALL = 0.25
 _RISE = 0.135
 _LATEST_TO_CONFIRM = 38
 _LOAD_CHANGED = 0.03
+_LEAST_TO_SEARCH = 0.2
 _SMALLEST_CHANGE = 0.2
 
 
 @unfused
 def first_probe(state: Any) -> float:
-    """Let the design choose its first angle.
+    """Let the design choose its first angle, or the table where there is too little load to search.
 
     Parameters
     ----------
@@ -67,15 +66,13 @@ def first_probe(state: Any) -> float:
     float
         Offset from the initial angle (rad electrical).
     """
+    if state.tabled == 1:
+        return look_up(state, state.home_power)
     if state.design == GOLDEN_SECTION:
         return begin_golden_section(state)
     if state.design == QUADRATIC_INTERPOLATION:
         return begin_quadratic_interpolation(state)
-    if state.design == ANGLE_TABLE:
-        return look_up(state, state.home_power)
-    if state.design == SWEEP:
-        return begin_sweep(state)
-    return begin_slope_bisection(state)
+    return begin_sweep(state)
 
 
 @unfused
@@ -96,17 +93,15 @@ def next_probe(state: Any, power: float) -> float:
     """
     if state.confirming != UNCONFIRMED:
         return continue_confirmation(state, power)
-    if state.design == ANGLE_TABLE:
+    if state.tabled == 1:
         # A table is asked, not searched: there is nothing to confirm.
         return look_up(state, power)
     if state.design == GOLDEN_SECTION:
         probe = continue_golden_section(state, power)
     elif state.design == QUADRATIC_INTERPOLATION:
         probe = continue_quadratic_interpolation(state, power)
-    elif state.design == SWEEP:
-        probe = continue_sweep(state, power)
     else:
-        probe = continue_slope_bisection(state, power)
+        probe = continue_sweep(state, power)
     # What took long is not worth the time: the search must come to rest.
     confirm = state.finished == 1 and state.decisions < _LATEST_TO_CONFIRM and is_worth_confirming(state)
     return begin_confirmation(state) if confirm else probe
@@ -130,6 +125,10 @@ def begin_search(state: Any) -> float:
     state.home_power = state.controller.last_power
     state.best_offset = state.home
     state.best_power = state.home_power
+    full = state.controller.conducting_phases * state.controller.current_limit
+    # At light load the current sum says too little to search by, whatever the search.
+    light = state.home_power < _LEAST_TO_SEARCH * full
+    state.tabled = 1 if state.design == ANGLE_TABLE or light else 0
     state.finished = 0
     state.confirming = UNCONFIRMED
     state.stage = 0
@@ -246,8 +245,8 @@ def decide_design(state: Any) -> None:
     """
     controller = state.controller
     state.decisions += 1
-    # At light load a step's transient explains as much upward; a table takes no such steps.
-    rise = LOAD_CHANGED if state.design == ANGLE_TABLE else _RISE if is_worth_confirming(state) else _FALL
+    # A table takes no steps at the end of which the current sum still rises.
+    rise = LOAD_CHANGED if state.tabled == 1 else _RISE
     work, change = watch_search(controller, _FALL, rise)
     if work == WAITING:
         if controller.mode == HOLDING:

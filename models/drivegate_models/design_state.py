@@ -17,8 +17,6 @@ ANGLE_TABLE: Final = 2
 """Takes the angle from a table over speed and current sum."""
 SWEEP: Final = 3
 """Sweeps the angle twice, coarse and fine, and returns to where the current sum was least."""
-SLOPE_BISECTION: Final = 4
-"""Halves a bracket by the sign of the slope."""
 
 LOWEST_ANGLE: Final = radians(8.0)
 """Least angle that a search looks at (rad electrical)."""
@@ -28,6 +26,8 @@ DESIGN_STATE: Final = np.dtype(
         # Regulator, angle model and protections, as the built-in controllers have them.
         ("controller", CONTROLLER_STATE),
         ("design", np.int64),
+        # Whether the angle for the present load comes from the table.
+        ("tabled", np.int64),
         # The running probe: where it is taken, and for how many decisions its angle has been reached.
         ("target", np.float64),
         ("waited", np.int64),

@@ -45,6 +45,17 @@ def test_a_load_a_little_lighter_during_the_search_does_not_mislead_a_design(nam
     assert not failed, failed
 
 
+def test_at_light_load_a_design_takes_the_angle_of_the_table() -> None:
+    steady = steady_scenario(load_motor("paper-5-phase"), 1430.0, power_share=0.3, constant_power=True)
+    seen = steady.replaced(sensors={"kind": "mcs96"})
+    digests = {
+        name: run_scenario(seen, load_controller(resolve_candidate(name))).digest
+        for name in DESIGN_CANDIDATES
+    }
+    assert len(set(digests.values())) == 1, digests
+    assert not failed_margins("design:angle-table", seen)
+
+
 def test_a_design_does_not_rest_where_regulator_and_band_beat() -> None:
     steady = steady_scenario(load_motor("paper-5-phase"), 1460.0, power_share=0.1, constant_power=True)
     failed = failed_margins("design:quadratic-interpolation", steady)

@@ -11,15 +11,15 @@ from drivegate_models.angle_probe import aim, approach
 from drivegate_models.angle_rest import begin_watch, stands_still
 from drivegate_models.design_search import MOST_DECISIONS, begin_search, next_probe, note_cheapest, settle_for
 from drivegate_models.design_state import (
+    ANGLE_TABLE,
     DESIGN_STATE,
     GOLDEN_SECTION,
     QUADRATIC_INTERPOLATION,
-    SLOPE_BISECTION,
     SWEEP,
 )
 
 pytestmark = pytest.mark.kernel
-SEARCHES = (GOLDEN_SECTION, QUADRATIC_INTERPOLATION, SLOPE_BISECTION, SWEEP)
+SEARCHES = (GOLDEN_SECTION, QUADRATIC_INTERPOLATION, SWEEP)
 LINE = math.radians(55.0)
 
 
@@ -97,6 +97,23 @@ def test_what_was_found_under_another_load_is_left_for_a_cheaper_neighbour(
         probes += 1
     assert state.finished == 1
     assert math.degrees(LINE + state.best_offset) == pytest.approx(30.0, abs=1.6), probes
+
+
+@pytest.mark.parametrize("design", [*SEARCHES, ANGLE_TABLE])
+@pytest.mark.parametrize(("current_sum_a", "searches"), [(20.0, False), (22.0, True)])
+def test_a_load_too_light_to_search_by_is_looked_up(
+    design: int, current_sum_a: float, searches: bool
+) -> None:
+    first = {}
+    for which in (design, ANGLE_TABLE):
+        state = design_state(which)
+        state.controller.conducting_phases, state.controller.current_limit = 4.0, 26.0
+        state.controller.nominal_voltage = state.controller.supply_voltage = 48.0
+        state.speed = 1430.0 * math.pi / 30.0
+        state.controller.last_power = current_sum_a
+        first[which] = begin_search(state)
+    same = first[design] == first[ANGLE_TABLE]
+    assert same is (design == ANGLE_TABLE or not searches), first
 
 
 def test_a_speed_that_never_calms_is_no_place_to_rest() -> None:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-PROVEN: tuple[str, ...] = ("design:angle-table",)
-"""Designs of another kind that have passed every required check with each of the seeds 0 to 4."""
-
+from drivegate.design_candidates import DESIGN_CANDIDATES
 
 @dataclass(frozen=True)
 class CorrectDesign:
@@ -36,6 +34,6 @@ def correct_designs() -> tuple[CorrectDesign, ...]:
     """
     return (
         CorrectDesign("reference"),
-        *(CorrectDesign(name) for name in PROVEN),
+        *(CorrectDesign(name) for name in DESIGN_CANDIDATES),
         CorrectDesign("published", frozenset({"FLO-1"})),
     )
