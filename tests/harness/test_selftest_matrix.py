@@ -10,6 +10,7 @@ from drivegate.selftest.correct_designs import CorrectDesign, correct_designs
 from drivegate.selftest.matrix import DesignRow, FaultRow, Matrix
 from drivegate.selftest.selftest_run import judged_design
 from drivegate.selftest.trial import Catch
+from drivegate_models.errors import HarnessFault
 
 CAUGHT = FaultRow(
     name="slips",
@@ -105,6 +106,12 @@ def test_an_advisory_failure_does_not_accuse() -> None:
     row = judged_design(CorrectDesign("reference"), result("pass", 0, outcome("RIP-2", "fail", "advisory")))
     assert row.acquitted
     assert (row.accused_by, row.advised_by) == ({}, ("RIP-2",))
+
+
+def test_a_plant_that_fails_says_nothing_of_a_design() -> None:
+    broken = replace(outcome("PWR-1", "fail"), subject="plant")
+    with pytest.raises(HarnessFault, match=r"the plant failed while 'reference' .* seed 4: PWR-1"):
+        judged_design(CorrectDesign("reference"), result("harness fault", 3, broken))
 
 
 def test_every_correct_design_is_a_candidate() -> None:

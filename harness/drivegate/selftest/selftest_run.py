@@ -22,6 +22,7 @@ from drivegate.selftest.mutations import Mutation
 from drivegate.selftest.trial import Trial, TrialOutcome, run_trial
 from drivegate.warm_up import compile_kernels, missing_marker
 from drivegate.work_plan import Origin, Work, planned_work
+from drivegate_models.errors import HarnessFault
 
 HOST: Final = "reference"
 """Candidate that the worker processes are started for; the faulty controllers are loaded beside it."""
@@ -191,7 +192,18 @@ def judged_design(design: CorrectDesign, result: CheckResult) -> DesignRow:
     -------
     DesignRow
         The verdict on it.
+
+    Raises
+    ------
+    HarnessFault
+        When the plant failed, so that nothing is known of the design.
     """
+    for outcome in result.checks:
+        if outcome.subject == "plant" and outcome.verdict == "fail":
+            raise HarnessFault(
+                f"the plant failed while '{result.candidate.name}' was checked with seed {result.seed}: "
+                f"{outcome.id}, {outcome.message}"
+            )
     judged = [outcome for outcome in result.checks if design.checks is None or outcome.id in design.checks]
     failed = [outcome for outcome in judged if outcome.verdict == "fail"]
     accused_by = {outcome.id: outcome.message for outcome in failed if outcome.level == "required"}
