@@ -13,10 +13,11 @@ from importlib.metadata import PackageNotFoundError, version
 SIMULATED_S = 0.5
 SPEED = 100.0
 LOAD_NM = 9.8
+LOAD_STEP_S = 0.2
 
 
 def drive():
-    """Return the drive, its controller, and the solver's front end."""
+    """Return the drive and its controller, which motulator-export simulates too."""
     import motulator.drive.control.sm as control
     from motulator.drive import model
 
@@ -31,9 +32,7 @@ def drive():
         parameters, control.FluxVectorControllerCfg(i_s_max=9.0, sensorless=False)
     )
     system = control.VectorControlSystem(vector, control.SpeedController(J=0.015, alpha_s=25))
-    system.set_speed_ref(lambda t: SPEED)
-    plant.mechanics.set_external_load_torque(lambda t: LOAD_NM * (t > 0.2))
-    return model.Simulation(plant, system, show_progress=False)
+    return plant, system
 
 
 def main():
@@ -43,7 +42,12 @@ def main():
     except PackageNotFoundError:
         sys.stderr.write("motulator is not installed in this Python: not measured\n")
         return
-    simulation = drive()
+    from motulator.drive import model
+
+    plant, system = drive()
+    system.set_speed_ref(lambda t: SPEED)
+    plant.mechanics.set_external_load_torque(lambda t: LOAD_NM * (t > LOAD_STEP_S))
+    simulation = model.Simulation(plant, system, show_progress=False)
     began = time.process_time()
     results = simulation.simulate(t_stop=SIMULATED_S)
     seconds = time.process_time() - began

@@ -53,11 +53,13 @@ class PythonController:
         Address of a C function of the type of `drivegate_step`; valid as long as this object lives.
     state_address : int
         Always 0: the state is in the Python object.
+    instance : object
+        The candidate.
     """
 
     def __init__(self, instance: Any) -> None:
         self.state_address = 0
-        self._instance: PythonCandidate = instance
+        self.instance: PythonCandidate = instance
         # The callback holds the steps and not this object, so that the instance goes when this object does.
         self._steps = _Steps(instance)
         self._callback = _CALLBACK(self._steps.step)
@@ -84,8 +86,8 @@ class PythonController:
         """
         self._steps.fault = None
         try:
-            self._instance.reset(nameplate)
-            self._steps.candidate_step = self._instance.step
+            self.instance.reset(nameplate)
+            self._steps.candidate_step = self.instance.step
         except BaseException as error:
             fault = error.fault if isinstance(error, CandidateFault) else exception_fault(error, "reset")
             self._steps.fault = fault

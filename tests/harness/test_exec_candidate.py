@@ -207,7 +207,7 @@ def test_each_instance_is_a_process_that_ends_with_it(folder):
     written(folder / "mine.sh", SHELL)
     candidate = resolve_candidate("exec:sh mine.sh")
     first, second = load_controller(candidate), load_controller(candidate)
-    processes = [controller._instance._process._process for controller in (first, second)]
+    processes = [controller.instance._process._process for controller in (first, second)]
     assert processes[0].pid != processes[1].pid
     del first
     assert processes[0].returncode is not None, "the program outlived its controller"

@@ -233,8 +233,8 @@ def test_each_load_makes_a_new_instance_of_a_module_imported_once(tmp_path):
     file.write_text(f"print('imported')\nclass Mine:\n {GOOD}", encoding="utf-8")
     candidate = resolve_candidate(f"{file}:Mine")
     first, second = load_python_controller(candidate), load_python_controller(candidate)
-    assert first._instance is not second._instance
-    assert type(first._instance) is type(second._instance)
+    assert first.instance is not second.instance
+    assert type(first.instance) is type(second.instance)
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,8 @@ from drivegate.bench.loop_rates import (
 from drivegate.bench.measurement import Better, NotMeasured, Row, Value
 from drivegate.bench.point_rates import POINTS, oracle_time, steady_rate
 from drivegate.bench.process_times import gate_time, help_words, start_time
+from drivegate.bench.python_overhead import SIMULATED as OVERHEAD_SIMULATED
+from drivegate.bench.python_overhead import python_overhead
 from drivegate.bench.run_memory import run_memory
 from drivegate.bench.workbench import Workbench
 from drivegate_cases.wording import nearest, one_line
@@ -30,12 +32,18 @@ NATIVE_BAR: Final = 300.0
 """Rate that the reference is meant to reach at 1500 rpm, 9.8 N·m and a control period of 0.5 ms."""
 PYTHON_BAR: Final = 50.0
 """The same of a controller in Python."""
+EXEC_BAR: Final = 3.0
+"""The same of a program of its own."""
+OVERHEAD_BAR: Final = 5.0
+"""Time that calling a candidate in Python is meant to cost a step beyond its own (µs)."""
 YARDSTICK_BAR: Final = 1.2
 """Time over that of the same algorithm in C that the closed loop is meant to stay below."""
 POINTS_BAR: Final = 50_000.0
 """Steady states a second."""
 HELP_BAR: Final = 0.3
 """Time until the command line answers (s)."""
+IMPORT_BAR: Final = 0.15
+"""Time of ``import drivegate`` in a fresh process (s)."""
 GATE_BARS: Final = {"warm": 60.0, "cold": 120.0}
 """Time of a gate at default effort, with everything compiled and with nothing (s)."""
 
@@ -99,7 +107,7 @@ def planned(*, quick: bool, cold: bool) -> tuple[Planned, ...]:
     tuple of Planned
         In the order in which they are shown.
     """
-    return (*_loops(quick), *_yardsticks(quick), *_points(quick), *_processes(quick, cold))
+    return (*_loops(quick), _overhead(quick), *_yardsticks(quick), *_points(quick), *_processes(quick, cold))
 
 
 def chosen(plan: Sequence[Planned], names: Sequence[str]) -> tuple[Planned, ...]:
@@ -146,7 +154,7 @@ def _names_and_groups(plan: Sequence[Planned]) -> list[str]:
 
 
 def _loops(quick: bool) -> list[Planned]:
-    bars = {"reference": NATIVE_BAR, "python": PYTHON_BAR}
+    bars = {"reference": NATIVE_BAR, "python": PYTHON_BAR, "exec": EXEC_BAR}
     return [
         Planned(
             f"loop.{candidate}.{speed}.{sensors}",
@@ -161,6 +169,18 @@ def _loops(quick: bool) -> list[Planned]:
         for speed in SPEEDS_RPM
         for sensors in SENSORS
     ]
+
+
+def _overhead(quick: bool) -> Planned:
+    return Planned(
+        "overhead.python",
+        "calling a candidate in Python",
+        f"{_shortened(OVERHEAD_SIMULATED, quick)} s at a control period of 0.5 ms",
+        "µs a step",
+        "less",
+        OVERHEAD_BAR,
+        python_overhead,
+    )
 
 
 def _yardsticks(quick: bool) -> list[Planned]:
@@ -232,6 +252,6 @@ def _processes(quick: bool, cold: bool) -> list[Planned]:
     return [
         *gates,
         Planned("start.help", "drivegate --help", "a fresh process", "s", "less", HELP_BAR, shown),
-        Planned("start.import", "import drivegate", "a fresh process", "s", "less", None, imported),
+        Planned("start.import", "import drivegate", "a fresh process", "s", "less", IMPORT_BAR, imported),
         Planned("memory.run", "memory of a run", "4 s, no trace", "KiB", "less", None, run_memory),
     ]

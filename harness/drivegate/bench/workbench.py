@@ -121,7 +121,8 @@ class Workbench:
         if self._yardstick is None:
             if self.yardstick_folder is None:
                 raise NotMeasured(
-                    "the C yardstick is in drivegate's sources: run this command there, or name its folder with --yardstick"
+                    "the C yardstick is in drivegate's sources: run this command there, or name its folder "
+                    "with --yardstick"
                 )
             try:
                 library = build_yardstick(self.yardstick_folder, self.scratch)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivegate.bench import loop_rates, point_rates, run_memory
+from drivegate.bench import loop_rates, point_rates, python_overhead, run_memory
 from drivegate.bench.measurement import NotMeasured
 from drivegate.bench.workbench import operating_scenario
 from drivegate.candidate_resolution import resolve_candidate
@@ -40,6 +40,20 @@ def test_every_kind_of_candidate_is_measured(workbench, monkeypatch, candidate):
     value = loop_rates.loop_rate(workbench, candidate, 1500, "mcs96")
     assert value.checked.valid, value.checked.told
     assert value.value >= value.median > 0.0
+
+
+def test_the_overhead_of_python_is_told_beside_the_candidates_own_time(workbench, monkeypatch):
+    monkeypatch.setattr(python_overhead, "SIMULATED", 1.0)
+    value = python_overhead.python_overhead(workbench)
+    assert value.checked.valid, value.checked.told
+    assert 0.0 < value.value < 100.0
+    assert value.checked.told.endswith("commands those of its twin in numba")
+
+
+def test_an_overhead_against_a_loop_of_another_course_is_no_measure(workbench, monkeypatch):
+    monkeypatch.setattr(python_overhead, "SIMULATED", 3.0)
+    monkeypatch.setattr(python_overhead, "TWIN", "reference")
+    assert not python_overhead.python_overhead(workbench).checked.valid
 
 
 def test_a_kind_whose_compiler_is_missing_says_so(workbench, monkeypatch):
