@@ -134,7 +134,7 @@ def _half_cycle(
     rows = work.rows
     row_counts = work.row_counts
     # A literal would be compiled for by itself, beside the one for every phase.
-    first = np.int64(0)
+    first = int(np.int64(0))
     currents[0] = start
     sectors[0] = 0
     latches[0] = 1
