@@ -20,6 +20,7 @@ from drivegate.search_shard import judged
 from drivegate_models.compilation import choose_cache_folder
 from drivegate_models.errors import HarnessFault
 from drivegate_models.oracle import least_current_sum, point_at_torque
+from drivegate_models.steady_state import steady_state
 
 MARKER = "all-kernels"
 """Name of the file in the cache folder that tells that every kernel has been compiled."""
@@ -45,7 +46,8 @@ def missing_marker() -> Path | None:
 def compile_kernels(marker: Path) -> None:
     """Compile every kernel in processes of their own, and note that it is done.
 
-    The oracle and the closed loop share few kernels, so each is compiled beside the other.
+    The oracle is compiled beside all else. What both need comes early in the one and late in the other, which finds it
+    compiled by then: the phase in the oracle, the whole steady state in what is beside it.
 
     Parameters
     ----------
@@ -59,7 +61,7 @@ def compile_kernels(marker: Path) -> None:
     """
     candidate = resolve_candidate(next(iter(BUILTIN_CANDIDATES)))
     with WorkerPool(candidate, load_controller, workers=2, limits=_LIMITS) as pool:
-        for targets in ((_use_oracle, _use_closed_loop), (_judge_a_run,)):
+        for targets in ((_use_oracle, _load, _use_closed_loop, _use_steady_state), (_judge_a_run,)):
             for outcome in pool.map([Job(target, None) for target in targets]):
                 if isinstance(outcome, Fault):
                     raise HarnessFault(f"the kernels cannot be compiled: {outcome.message}")
@@ -76,8 +78,17 @@ def _use_oracle(_loaded: LoadedCandidate, _payload: Any) -> None:
     point_at_torque(drive, speed, optimum.advance, torque)
 
 
+def _load(loaded: LoadedCandidate, _payload: Any) -> None:
+    loaded.controller()
+
+
 def _use_closed_loop(loaded: LoadedCandidate, _payload: Any) -> None:
     recorded(loaded, fixed_scenarios()[1], loaded.controller())
+
+
+def _use_steady_state(_loaded: LoadedCandidate, _payload: Any) -> None:
+    drive = fixed_scenarios()[1].motor.drive()
+    steady_state(drive, 100.0, 10.0, 0.5)
 
 
 def _judge_a_run(loaded: LoadedCandidate, _payload: Any) -> None:
