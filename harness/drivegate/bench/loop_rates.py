@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from statistics import median
 from typing import TYPE_CHECKING, Final
 
@@ -82,13 +85,32 @@ def loop_rate(bench: Workbench, candidate: str, speed_rpm: int, sensors: str) ->
     Value
         Simulated seconds a second of one processor; of the clock on the wall for a process of its own.
     """
-    controller = bench.controller(candidate)
     seconds = bench.simulated(SIMULATED[candidate])
     scenario = operating_scenario(speed_rpm, sensors, seconds)
-    checked = checked_run(scenario, run_scenario(scenario, controller))
     clock = time.perf_counter if candidate == "exec" else time.process_time
-    times = timed(lambda: run_scenario(scenario, controller), clock, bench.rounds)
+    with _one_processor():
+        controller = bench.controller(candidate)
+        checked = checked_run(scenario, run_scenario(scenario, controller))
+        times = timed(lambda: run_scenario(scenario, controller), clock, bench.rounds)
     return rate(seconds, times, checked)
+
+
+@contextmanager
+def _one_processor() -> Iterator[None]:
+    """Keep this process and those that it starts on one processor, where the system can do so.
+
+    Two processes that take turns are woken from the sleep of an idle processor otherwise, as they are not in a gate,
+    whose workers keep all processors busy.
+    """
+    if not hasattr(os, "sched_setaffinity"):
+        yield
+        return
+    allowed = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(allowed)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, allowed)
 
 
 def yardstick_ratio(bench: Workbench, candidate: str, speed_rpm: int) -> Value:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from drivegate.design_candidates import DESIGN_CANDIDATES
 
+
 @dataclass(frozen=True)
 class CorrectDesign:
     """A controller that must pass.

@@ -1,5 +1,7 @@
 """A rate is told with a check of the run that was timed."""
 
+import os
+
 import numpy as np
 import pytest
 
@@ -40,6 +42,20 @@ def test_every_kind_of_candidate_is_measured(workbench, monkeypatch, candidate):
     value = loop_rates.loop_rate(workbench, candidate, 1500, "mcs96")
     assert value.checked.valid, value.checked.told
     assert value.value >= value.median > 0.0
+
+
+def test_loops_are_measured_on_one_processor_which_they_give_back(workbench, monkeypatch):
+    allowed, seen = os.sched_getaffinity(0), []
+    monkeypatch.setitem(loop_rates.SIMULATED, "initial", 1.0)
+
+    def watched(*words):
+        seen.append(os.sched_getaffinity(0))
+        return run_scenario(*words)
+
+    monkeypatch.setattr(loop_rates, "run_scenario", watched)
+    loop_rates.loop_rate(workbench, "initial", 1500, "ideal")
+    assert {len(processors) for processors in seen} == {1}
+    assert os.sched_getaffinity(0) == allowed
 
 
 def test_the_overhead_of_python_is_told_beside_the_candidates_own_time(workbench, monkeypatch):
