@@ -67,6 +67,13 @@ def _interval_extremes(
     bends = 0.0 < inflection < length
     if not bends and start_second * end_second > 0.0 and start_first * end_first > 0.0:
         return lowest, highest
+    # A function departs from its chord by an eighth of its greatest second derivative times the length squared.
+    steepest = max(abs(start_second), abs(end_second))
+    if bends:
+        steepest = max(steepest, abs(_derivatives(coefficients, rate, inflection)[2]))
+    off_chord = 0.125 * steepest * length * length
+    if max(start, end) + off_chord <= highest and min(start, end) - off_chord >= lowest:
+        return lowest, highest
 
     # The second derivative is monotone on either side of the inflection, the first one between its zeros.
     previous = 0.0
