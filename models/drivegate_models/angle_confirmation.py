@@ -38,6 +38,24 @@ _OTHER_LOAD = 0.05
 
 
 @unfused
+def greatest_current_sum(controller: Any) -> float:
+    """Return the current sum with every conducting phase at the limit.
+
+    Parameters
+    ----------
+    controller : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    float
+        Current sum (A).
+    """
+    full: float = controller.conducting_phases * controller.current_limit
+    return full
+
+
+@unfused
 def is_worth_confirming(state: Any) -> bool:
     """Return whether neighbours tell anything: at light load they differ by less than a step disturbs.
 
@@ -52,8 +70,7 @@ def is_worth_confirming(state: Any) -> bool:
         About the present load.
     """
     controller = state.controller
-    full = controller.conducting_phases * controller.current_limit
-    worth: bool = controller.last_power > _LIGHT * full
+    worth: bool = controller.last_power > _LIGHT * greatest_current_sum(controller)
     return worth
 
 

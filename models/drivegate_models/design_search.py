@@ -10,6 +10,7 @@ from drivegate_models.angle_confirmation import (
     UNCONFIRMED,
     begin_confirmation,
     continue_confirmation,
+    greatest_current_sum,
     is_worth_confirming,
 )
 from drivegate_models.angle_probe import aim, approach, is_reached, is_read
@@ -125,9 +126,8 @@ def begin_search(state: Any) -> float:
     state.home_power = state.controller.last_power
     state.best_offset = state.home
     state.best_power = state.home_power
-    full = state.controller.conducting_phases * state.controller.current_limit
     # At light load the current sum says too little to search by, whatever the search.
-    light = state.home_power < _LEAST_TO_SEARCH * full
+    light = state.home_power < _LEAST_TO_SEARCH * greatest_current_sum(state.controller)
     state.tabled = 1 if state.design == ANGLE_TABLE or light else 0
     state.finished = 0
     state.confirming = UNCONFIRMED
