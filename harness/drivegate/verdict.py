@@ -14,6 +14,7 @@ from drivegate.fault import Fault
 from drivegate.margin import Margin
 from drivegate.result import MOST_MARGINS, STALE_WAIVERS, CheckOutcome
 from drivegate.search_shard import JudgedRun
+from drivegate_cases.wording import counted
 
 _NAMED: Final = 4
 _DIGITS: Final = 6
@@ -97,7 +98,7 @@ def _outcome(
         verdict, told = "fail", f"fails in {len(failed)} of {len(items)} runs"
     else:
         verdict = "pass" if complete else "inconclusive"
-        told = f"met in all {len(items)} runs"
+        told = f"met in {'its only run' if len(items) == 1 else f'all {len(items)} runs'}"
     if check.volatile:
         # Which run was the worst, and by how much, another machine would tell otherwise.
         message = f"{'not ' if failed else ''}met; the numbers depend on the machine and are with the times"
@@ -107,7 +108,7 @@ def _outcome(
     advised = [other for run in runs for other in run.margins if other.check == check.id and other.advisory]
     unmet = sum(not other.met for other in advised)
     if unmet and not margin.advisory:
-        told += f"; advisory: not met in {unmet} runs at light load"
+        told += f"; advisory: not met in {counted(unmet, 'run')} at light load"
     made = _made(check, verdict, margin, len(items), f"{margin.measured}; {told}", run.scenario)
     return replace(made, margins=_spread([item.value for item, _ in items]))
 

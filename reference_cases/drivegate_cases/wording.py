@@ -28,6 +28,24 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     return by_lower_case[closest[0]] if closest else None
 
 
+def counted(count: int, noun: str) -> str:
+    """Give a number with its noun.
+
+    Parameters
+    ----------
+    count : int
+        How many.
+    noun : str
+        What of, in the singular; its plural ends in s.
+
+    Returns
+    -------
+    str
+        Such as ``1 run`` or ``2 runs``.
+    """
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def one_line(text: str) -> str:
     """Make any text printable on one line.
 

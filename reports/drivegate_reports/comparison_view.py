@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from drivegate.comparison.document import KIND, SCHEMA
+from drivegate_cases.wording import counted
 from drivegate_models.errors import InputError
 from drivegate_reports.comparison_cells import Sheet, name, written
 from drivegate_reports.comparison_run_sheets import (
@@ -166,7 +167,9 @@ def _standing(row: Mapping[str, Any]) -> str:
     failed, all_points = row["required_failed"], row["points_feasible"]
     parts = []
     if failed is not None:
-        parts.append(f"fails {failed} required checks" if failed else "passes every required check")
+        parts.append(
+            f"fails {counted(failed, 'required check')}" if failed else "passes every required check"
+        )
     held = "all" if row["points_held"] == all_points else f"{row['points_held']} of"
     parts.append(f"holds {held} {all_points} operating points")
     if row["gap_power_w"] is not None:
@@ -188,7 +191,7 @@ def _against(document: Mapping[str, Any], first: Mapping[str, Any], row: Mapping
     if lost:
         said += f", but loses {lost} of {row['points_feasible']} points"
     if row["required_failed"]:
-        said += f", and fails {row['required_failed']} required checks"
+        said += f", and fails {counted(row['required_failed'], 'required check')}"
     sure = _certainty(document, first["candidate"], row["candidate"])
     return said + (f"; {sure}." if sure else ".")
 

@@ -1,7 +1,8 @@
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegate_cases.wording import nearest, one_line, shown
+from drivegate_cases.wording import counted, nearest, one_line, shown
 
 ANY_TEXT = st.text(st.characters(codec=None), max_size=100)
 
@@ -12,6 +13,11 @@ def test_any_text_becomes_one_printable_line(text: str) -> None:
     line = one_line(text)
     assert line.isprintable(), f"{line!r} is not printable"
     line.encode("utf-8")
+
+
+@pytest.mark.parametrize(("count", "told"), [(0, "0 runs"), (1, "1 run"), (2, "2 runs")])
+def test_a_number_agrees_with_its_noun(count, told):
+    assert counted(count, "run") == told
 
 
 def test_printable_text_stays_as_it_is() -> None:

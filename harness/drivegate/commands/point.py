@@ -9,6 +9,7 @@ import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import bounded, chosen_motor, json_option, motor_options
+from drivegate_cases.wording import counted
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ def _check_length(drive: Drive, speed: float, cycles: int) -> None:
     if cycles * cycle > LONGEST_TIME:
         lowest = 60.0 * cycles / (drive.pole_pairs * LONGEST_TIME)
         raise InputError(
-            f"at this speed {cycles} electrical cycle{'' if cycles == 1 else 's'} would take {cycles * cycle:.4g} s, "
+            f"at this speed {counted(cycles, 'electrical cycle')} would take {cycles * cycle:.4g} s, "
             f"but at most {LONGEST_TIME:g} s are computed; give fewer cycles, or a speed of {lowest:.3g} rpm or more"
         )
 

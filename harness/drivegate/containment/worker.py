@@ -28,6 +28,7 @@ from drivegate.containment.process_ending import ending_in_words
 from drivegate.containment.shared_progress import Activity
 from drivegate.containment.stall_watch import StallWatch, WorkerLimits
 from drivegate.fault import Fault, FaultKind, bounded_text
+from drivegate_cases.wording import counted
 from drivegate_models.errors import HarnessFault, InputError
 
 LOOK_EVERY = 0.05
@@ -231,7 +232,7 @@ class CandidateWorker:
             return replace(fault, phase="reset", message=f"{fault.message} in reset")
         sense, steps = progress.last_sense(), begun - 1
         time_of_step, inputs = (sense.time, sense._asdict()) if sense is not None else (None, None)
-        message = f"{fault.message} after {steps} completed step{'' if steps == 1 else 's'}"
+        message = f"{fault.message} after {counted(steps, 'completed step')}"
         return replace(fault, phase="step", message=message, step=steps, time=time_of_step, sense=inputs)
 
     def kill(self) -> None:
