@@ -112,7 +112,7 @@ def test_a_load_too_light_to_search_by_is_looked_up(
         state.speed = 1430.0 * math.pi / 30.0
         state.controller.last_power = current_sum_a
         first[which] = begin_search(state)
-    same = first[design] == first[ANGLE_TABLE]
+    same = bool(first[design] == first[ANGLE_TABLE])
     assert same is (design == ANGLE_TABLE or not searches), first
 
 
