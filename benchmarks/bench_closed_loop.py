@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from drivegate.controller import Controller
-from drivegate.scenario_run import run_scenario
-from drivegate_cases.scenario import Scenario
+from drivegate.candidates.controller import Controller
+from drivegate.runs.scenario import run_scenario
+from drivegate_cases.scenario.scenario import Scenario
 
 # One core's own time, whatever else the machine does.
 pytestmark = pytest.mark.benchmark(timer=time.process_time)

@@ -4,9 +4,9 @@ import tracemalloc
 from collections.abc import Callable
 from typing import Any
 
-from drivegate.controller import Controller
-from drivegate.scenario_run import run_scenario
-from drivegate_cases.scenario import Scenario
+from drivegate.candidates.controller import Controller
+from drivegate.runs.scenario import run_scenario
+from drivegate_cases.scenario.scenario import Scenario
 
 
 def _peak(scenario: Scenario, subject: Controller) -> int:

@@ -9,7 +9,7 @@ BAR = 0.3
 
 def _help() -> None:
     subprocess.run(
-        [sys.executable, "-c", "from drivegate.command_line import main; main(['--help'])"],
+        [sys.executable, "-c", "from drivegate.commands.command_line import main; main(['--help'])"],
         check=True,
         capture_output=True,
     )

@@ -6,10 +6,10 @@ from typing import Any
 import numba
 import pytest
 
-from drivegate_cases.motor import load_motor
-from drivegate_models.drive import Drive
-from drivegate_models.plant import Phases, make_phases
-from drivegate_models.steady_state import KEPT_TIME, solve_steady_state
+from drivegate_cases.motor.motor import load_motor
+from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.half_bridge.plant.phases import Phases, make_phases
+from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME, solve_steady_state
 
 # One core's own time, whatever else the machine does.
 pytestmark = pytest.mark.benchmark(timer=time.process_time)

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from drivegate.bench.loop_rates import YARDSTICK_SIMULATED, yardstick_ratio
-from drivegate.bench.plan import YARDSTICK_BAR
-from drivegate.bench.workbench import Workbench, operating_scenario
+from drivegate.studies.bench.loop_rates import YARDSTICK_SIMULATED, yardstick_ratio
+from drivegate.studies.bench.plan import YARDSTICK_BAR
+from drivegate.studies.bench.workbench import Workbench, operating_scenario
 
 # One core's own time, whatever else the machine does.
 pytestmark = pytest.mark.benchmark(timer=time.process_time)

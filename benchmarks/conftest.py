@@ -5,13 +5,13 @@ from typing import Any
 
 import pytest
 
-from drivegate.candidate_resolution import resolve_candidate
-from drivegate.controller import Controller
-from drivegate.controller_loading import load_controller
-from drivegate.scenario_run import run_scenario
-from drivegate_cases.scenario import Scenario, load_scenario
-from drivegate_models import observation
-from drivegate_models.closed_loop import ClosedLoopRun
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.runs.scenario import run_scenario
+from drivegate_cases.scenario.scenario import Scenario, load_scenario
+from drivegate_models.loop import observation
+from drivegate_models.loop.closed_loop import ClosedLoopRun
 
 SIMULATED_SECONDS = 4.0
 

@@ -21,7 +21,7 @@ PAGE = HERE.parent / "docs" / "speed.md"
 BEGIN, END = "<!-- tables: begin -->", "<!-- tables: end -->"
 OWN = "loop.reference.1500.ideal"
 MOST_LOAD = 0.5
-COMMAND_LINE = "from drivegate.command_line import main; main()"
+COMMAND_LINE = "from drivegate.commands.command_line import main; main()"
 
 
 def measured(words: list[str]) -> dict[str, Any]:

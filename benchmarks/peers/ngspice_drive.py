@@ -73,9 +73,9 @@ def main():
     if program is None:
         sys.stderr.write("ngspice is not installed: not measured\n")
         return
-    from drivegate_cases.motor import load_motor
-    from drivegate_models.plant import make_phases
-    from drivegate_models.steady_state import KEPT_TIME, solve_steady_state
+    from drivegate_cases.motor.motor import load_motor
+    from drivegate_models.half_bridge.plant.phases import make_phases
+    from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME, solve_steady_state
 
     motor = load_motor("paper-5-phase")
     drive = motor.drive()

@@ -26,10 +26,10 @@ from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from drivegate.drawn_scenarios import FAMILY_GROUPS, Family
-from drivegate.fixed_scenarios import fixed_scenarios
-from drivegate.selftest.mutations import MUTATIONS
-from drivegate.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
+from drivegate.candidates.builtin.faults import MUTATIONS
+from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
+from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
+from drivegate.scenarios.fixed import fixed_scenarios
 
 Cell: TypeAlias = str | Sequence[nodes.Node]
 """A text, or the inline nodes of a paragraph."""

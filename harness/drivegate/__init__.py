@@ -6,12 +6,13 @@ until it is used.
 
 from typing import TYPE_CHECKING, Any
 
-from drivegate.conformance import conformance_tests
-from drivegate.native.numba_controller import NumbaController
-from drivegate_models.signals import Command, Nameplate, Sense
+from drivegate.candidates.native.numba_controller import NumbaController
+from drivegate.testing.conformance import conformance_tests
+from drivegate.version import __version__
+from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
 
 if TYPE_CHECKING:
-    from drivegate.native.numba_loading import phase_current
+    from drivegate.candidates.native.numba_loading import phase_current
 
 __all__ = [
     "Command",
@@ -23,13 +24,11 @@ __all__ = [
     "phase_current",
 ]
 
-__version__ = "0.1.0"
-
 
 def __getattr__(name: str) -> Any:
     """Import what needs numba, when it is asked for."""
     if name != "phase_current":
         raise AttributeError(f"module 'drivegate' has no attribute '{name}'")
-    from drivegate.native.numba_loading import phase_current
+    from drivegate.candidates.native.numba_loading import phase_current
 
     return phase_current

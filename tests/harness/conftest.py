@@ -8,11 +8,11 @@ import numpy as np
 import psutil
 import pytest
 
-from drivegate.builtin_loading import BuiltinController
-from drivegate.fault import Fault
-from drivegate_models.builtin_controllers import SEARCHES
-from drivegate_models.contract import COMMAND, SENSE
-from drivegate_models.signals import Nameplate
+from drivegate.candidates.builtin.loading import BuiltinController
+from drivegate.candidates.fault import Fault
+from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
+from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 Alter = Callable[[Any, Any], None]

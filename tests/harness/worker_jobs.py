@@ -6,11 +6,11 @@ import sys
 import time
 from typing import Any
 
+from drivegate.candidates.fault import CandidateFault
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.fault import CandidateFault
-from drivegate_models.contract import SENSE, command_record
+from drivegate_models.contract.outer_loop.records import SENSE, command_record
+from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import InputError
-from drivegate_models.signals import Nameplate
 
 NAMEPLATE = Nameplate(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05)
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)

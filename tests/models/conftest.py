@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivegate_models.drive import Drive, make_drive
-from drivegate_models.emf import trapezoid_corners
+from drivegate_models.half_bridge.plant.drive import Drive, make_drive
+from drivegate_models.machine.emf import trapezoid_corners
 
 
 def _motor(*, flat_deg: float = 98.0, window_deg: float = 144.0, **changes: Any) -> Drive:

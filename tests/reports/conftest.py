@@ -8,20 +8,20 @@ from typing import Any
 
 import pytest
 
-from drivegate.builtin_loading import BuiltinController
-from drivegate.candidate_resolution import resolve_candidate
-from drivegate.comparison.document import comparison_document
-from drivegate.comparison.engine import Compared
-from drivegate.comparison.plan import EFFORTS, PlannedRun, planned_runs
-from drivegate.fault import Fault, FaultKind
-from drivegate.recording import thinned
-from drivegate.scenario_run import run_scenario
-from drivegate_cases.drive_cycle import load_drive_cycle
-from drivegate_cases.motor import load_motor
-from drivegate_cases.scenario import load_scenario
-from drivegate_models.builtin_controllers import SEARCHES
+from drivegate.candidates.builtin.loading import BuiltinController
+from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.gate.recording import thinned
+from drivegate.runs.scenario import run_scenario
+from drivegate.studies.compare.document import comparison_document
+from drivegate.studies.compare.engine import Compared
+from drivegate.studies.compare.plan import EFFORTS, PlannedRun, planned_runs
+from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.scenario.drive_cycle import load_drive_cycle
+from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
-from drivegate_reports.conformance import page
+from drivegate_models.half_bridge.controllers.builtin import SEARCHES
+from drivegate_reports.conformance.report import page
 
 Document = dict[str, Any]
 MOTOR, CYCLE = load_motor("paper-5-phase"), load_drive_cycle("ece-15")

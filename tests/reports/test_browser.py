@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from drivegate.comparison.gate import COMPARISON_FILE, write_tables
-from drivegate.result_reports import report_formats, write_reports
-from drivegate_reports import comparison
-from drivegate_reports.reproduction import PAGE_FILE, reproduce
+from drivegate.output.result_reports import report_formats, write_reports
+from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
+from drivegate_reports.comparison import report as comparison
+from drivegate_reports.paper.report import PAGE_FILE, reproduce
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 OPTIONS = [

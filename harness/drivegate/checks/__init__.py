@@ -1,1 +1,1 @@
-"""The checks, one module for each family; `drivegate.catalogue` lists them all."""
+"""The checks, one module for each family; `catalogue` lists them all."""

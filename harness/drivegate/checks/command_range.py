@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from drivegate.check import Check
+from drivegate.checks.check import Check
 from drivegate.checks.declared_speeds import unless_speeds_from
-from drivegate.margin import Margin, normalised
-from drivegate.run_record import RunRecord
-from drivegate_models import observation
+from drivegate.checks.margin import Margin, normalised
+from drivegate.runs.record import RunRecord
+from drivegate_models.loop import observation
 
 LARGEST_ANGLE = math.pi / 2.0
 """Greatest advance angle of the contract (rad electrical)."""

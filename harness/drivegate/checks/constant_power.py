@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from drivegate.check import Check
+from drivegate.checks.check import Check
 from drivegate.checks.convergence import SPEED_TOLERANCE, described
 from drivegate.checks.declared_speeds import unless_speeds_from
-from drivegate.margin import Margin, at_most
-from drivegate.run_record import RunRecord, Window
-from drivegate.scenario_run import RADIANS_PER_RPM
-from drivegate_cases.circumstance import Circumstance
-from drivegate_models import observation
+from drivegate.checks.margin import Margin, at_most
+from drivegate.runs.record import RunRecord, Window
+from drivegate.runs.scenario import RADIANS_PER_RPM
+from drivegate_cases.scenario.circumstance import Circumstance
+from drivegate_models.loop import observation
 
 LOWEST_RPM = 550.0
 """Speed from which constant power is required (rpm)."""

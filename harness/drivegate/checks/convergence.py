@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from drivegate.check import Check
+from drivegate.checks.check import Check
 from drivegate.checks.declared_speeds import unless_speeds_from
-from drivegate.margin import Margin, at_most
-from drivegate.run_record import RunRecord, Window, rated_torque
-from drivegate.scenario_run import RADIANS_PER_RPM
-from drivegate_cases.circumstance import Circumstance
-from drivegate_cases.sensors import IdealSensors
-from drivegate_models import observation
-from drivegate_models.oracle import least_current_sum
+from drivegate.checks.margin import Margin, at_most
+from drivegate.runs.record import RunRecord, Window, rated_torque
+from drivegate.runs.scenario import RADIANS_PER_RPM
+from drivegate_cases.scenario.circumstance import Circumstance
+from drivegate_cases.scenario.sensors import IdealSensors
+from drivegate_models.half_bridge.steady.oracle import least_current_sum
+from drivegate_models.loop import observation
 
 SPEED_TOLERANCE = 5.0 * RADIANS_PER_RPM
 """k1 (rad/s)."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from drivegate.check import Check
-from drivegate.margin import Margin, at_most
-from drivegate.run_record import RunRecord
-from drivegate_models import ledger
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, at_most
+from drivegate.runs.record import RunRecord
+from drivegate_models.machine import ledger
 
 ROUNDING = 1e-12
 """Relative rounding of a current that reaches the band's edge (1)."""

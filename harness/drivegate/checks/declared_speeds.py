@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from drivegate.check import ReasonNotApplicable
-from drivegate.declaration import Declaration
+from drivegate.candidates.declaration import Declaration
+from drivegate.checks.check import ReasonNotApplicable
 
 
 def unless_speeds_from(lowest: float, highest: float) -> ReasonNotApplicable:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from drivegate.check import Check
-from drivegate.margin import Margin
-from drivegate.run_record import RunRecord
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin
+from drivegate.runs.record import RunRecord
 
 
 def repeats_itself(record: RunRecord) -> Margin | None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from drivegate.check import Check
-from drivegate.margin import Margin, at_most
-from drivegate.run_record import RunRecord
-from drivegate.scenario_run import plant_sensors
-from drivegate_models import ledger, observation
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, at_most
+from drivegate.runs.record import RunRecord
+from drivegate.runs.scenario import plant_sensors
+from drivegate_models.loop import observation
+from drivegate_models.machine import ledger
 
 TOLERANCE = 1e-9
 """Greatest relative difference of powers that counts as equal (1)."""

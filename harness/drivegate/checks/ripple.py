@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 
-from drivegate.check import Check
+from drivegate.checks.check import Check
 from drivegate.checks.constant_power import HIGHEST_RPM, LOWEST_RPM
 from drivegate.checks.convergence import ABOVE_BASE_SPEED, described
 from drivegate.checks.declared_speeds import unless_speeds_from
-from drivegate.margin import Margin, below
-from drivegate.run_record import RunRecord, Window, rated_torque
-from drivegate_cases.circumstance import Circumstance
-from drivegate_models import observation
-from drivegate_models.oracle import point_at_torque
+from drivegate.checks.margin import Margin, below
+from drivegate.runs.record import RunRecord, Window, rated_torque
+from drivegate_cases.scenario.circumstance import Circumstance
+from drivegate_models.half_bridge.steady.oracle import point_at_torque
+from drivegate_models.loop import observation
 
 LARGEST_RIPPLE = 0.13
 """Limit of the peak-to-peak ripple over the mean torque (paper, Fig. 6)."""

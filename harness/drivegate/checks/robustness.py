@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from drivegate.check import Check, Evaluate
+from drivegate.checks.check import Check, Evaluate
 from drivegate.checks.convergence import ABOVE_BASE_SPEED, worst_convergence
-from drivegate.margin import Margin
-from drivegate.run_record import RunRecord, Window
-from drivegate_cases.circumstance import Circumstance
-from drivegate_cases.scales import Scales
+from drivegate.checks.margin import Margin
+from drivegate.runs.record import RunRecord, Window
+from drivegate_cases.motor.scales import Scales
+from drivegate_cases.scenario.circumstance import Circumstance
 
 CLAIMED = {
     "resistance": (0.5, 2.0),

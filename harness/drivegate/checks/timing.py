@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drivegate.check import Check
+from drivegate.checks.check import Check
 
 LARGEST_SHARE = 0.1
 """Greatest share of the control period that a step may take to compute (1)."""

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
-    from drivegate.bench.measurement import Row
-    from drivegate.bench.plan import Planned
-    from drivegate.bench.workbench import Workbench
+    from drivegate.studies.bench.measurement import Row
+    from drivegate.studies.bench.plan import Planned
+    from drivegate.studies.bench.workbench import Workbench
 
 
 @click.command("bench")
@@ -63,10 +63,10 @@ def command(
     Each number is the best of several rounds, and the work behind it is checked: the exit code is 1 when one gave a
     wrong result. A bar that is missed is told, and changes no exit code.
     """
-    from drivegate.bench.plan import chosen, planned
-    from drivegate.bench.record import bench_document, compared_with, load_now, read_bench, save_bench
-    from drivegate.bench.workbench import Workbench
-    from drivegate.bench.yardstick import yardstick_folder
+    from drivegate.studies.bench.plan import chosen, planned
+    from drivegate.studies.bench.record import bench_document, compared_with, load_now, read_bench, save_bench
+    from drivegate.studies.bench.workbench import Workbench
+    from drivegate.studies.bench.yardstick import yardstick_folder
 
     plan = chosen(planned(quick=quick, cold=cold), names)
     folder = yardstick_folder(yardstick)
@@ -95,8 +95,8 @@ def command(
 
 
 def _check_output(output: Path) -> None:
-    from drivegate.trace_files import check_writable
-    from drivegate_cases.wording import one_line, shown_path
+    from drivegate.output.trace_files import check_writable
+    from drivegate_cases.documents.wording import one_line, shown_path
     from drivegate_models.errors import InputError
 
     if output.suffix.lower() != ".json":
@@ -112,8 +112,8 @@ def _command(quick: bool, cold: bool, names: tuple[str, ...]) -> str:
 
 
 def _measured(plan: Sequence[Planned], bench: Workbench) -> list[Row]:
-    from drivegate.bench.progress import bench_progress_on
-    from drivegate.warm_up import compile_kernels, missing_marker
+    from drivegate.gate.warm_up import compile_kernels, missing_marker
+    from drivegate.studies.bench.progress import bench_progress_on
 
     marker = missing_marker()
     # A gate starts its own processes; everything else is compiled by the first round, which is not timed.
@@ -129,7 +129,7 @@ def _measured(plan: Sequence[Planned], bench: Workbench) -> list[Row]:
 
 
 def _show(console: Console, document: dict[str, Any], output: Path | None) -> None:
-    from drivegate.console import plain, table
+    from drivegate.output.console import plain, table
 
     compared = document["compared"]
     numbers = ("best", "median", "bar", *(("earlier", "× as good") if compared else ()))

@@ -13,7 +13,7 @@ from drivegate.commands.options import json_option
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from drivegate_models.calibration import Calibration, Fact, MotorConstants
+    from drivegate_models.half_bridge.steady.calibration import Calibration, Fact, MotorConstants
 
 SCHEMA = 1
 STORED_MOTOR = "paper-5-phase"
@@ -29,8 +29,8 @@ _SHOWN = {
 @json_option
 def command() -> Outcome:
     """Derive the motor anew from the published facts, and compare it with the stored one."""
-    from drivegate_cases.motor import load_motor
-    from drivegate_models.calibration import calibrate, published_facts
+    from drivegate_cases.motor.motor import load_motor
+    from drivegate_models.half_bridge.steady.calibration import calibrate, published_facts
 
     stored = load_motor(STORED_MOTOR)
     # The facts are read with an ideal regulator and without core loss, as in the fit.
@@ -70,7 +70,7 @@ def _constants(constants: MotorConstants) -> dict[str, float]:
 
 
 def _facts(fitted: tuple[Fact, ...], stored: tuple[Fact, ...]) -> list[dict[str, Any]]:
-    from drivegate_models.calibration import ROUNDING
+    from drivegate_models.half_bridge.steady.calibration import ROUNDING
 
     roundings = (ROUNDING["worst_ripple_angle"], ROUNDING["middle_angle"], ROUNDING["rated_power"])
     return [
@@ -114,7 +114,7 @@ def _evidence(calibration: Calibration) -> dict[str, Any]:
 
 
 def _show(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.console import number, plain, table
+    from drivegate.output.console import number, plain, table
 
     numbers = ("published", "± by rounding", "fitted", "stored")
     facts = table("published fact", *numbers, "unit", "agrees", right=numbers)

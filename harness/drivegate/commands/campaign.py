@@ -60,20 +60,20 @@ def command(
     """
     _check_options(backend, scheduler, workers)
 
-    from drivegate.campaign.backend import Backend
-    from drivegate.campaign.file import read_campaign
-    from drivegate.campaign.table import require_parquet
+    from drivegate.containment.backend import Backend
+    from drivegate.studies.campaign.file import read_campaign
+    from drivegate.studies.campaign.table import require_parquet
 
     require_parquet("a campaign")
     where = Backend(backend, workers, scheduler)
     where.require()
     campaign = read_campaign(file)
 
-    from drivegate.campaign.engine import make_runs
-    from drivegate.campaign.folder import CampaignFolder
-    from drivegate.campaign.plan import planned
-    from drivegate.campaign.progress import campaign_progress_on
-    from drivegate.campaign.summary import broken_harness, summarised
+    from drivegate.studies.campaign.engine import make_runs
+    from drivegate.studies.campaign.folder import CampaignFolder
+    from drivegate.studies.campaign.plan import planned
+    from drivegate.studies.campaign.progress import campaign_progress_on
+    from drivegate.studies.campaign.summary import broken_harness, summarised
 
     plan = planned(campaign, Path(file).resolve().parent)
     began = time.monotonic()
@@ -97,7 +97,7 @@ def _check_options(backend: str, scheduler: str | None, workers: int | None) -> 
 
 
 def _show(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.console import number, plain, table
+    from drivegate.output.console import number, plain, table
 
     percent = f"{100.0 * document['confidence']:g} %"
     for candidate in document["candidates"]:

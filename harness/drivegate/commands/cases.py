@@ -31,7 +31,7 @@ def command() -> Outcome:
 
 
 def _scenarios() -> list[dict[str, Any]]:
-    from drivegate_cases.scenario import load_scenario, scenario_names
+    from drivegate_cases.scenario.scenario import load_scenario, scenario_names
 
     return [
         {
@@ -46,7 +46,7 @@ def _scenarios() -> list[dict[str, Any]]:
 
 
 def _operating_points() -> list[dict[str, Any]]:
-    from drivegate_cases.operating_point import load_operating_point, operating_point_names
+    from drivegate_cases.scenario.operating_point import load_operating_point, operating_point_names
 
     return [
         {
@@ -63,7 +63,7 @@ def _operating_points() -> list[dict[str, Any]]:
 
 
 def _sweeps() -> list[dict[str, Any]]:
-    from drivegate_cases.operating_point import load_power_sweep, power_sweep_names
+    from drivegate_cases.scenario.operating_point import load_power_sweep, power_sweep_names
 
     return [
         {
@@ -79,7 +79,7 @@ def _sweeps() -> list[dict[str, Any]]:
 
 
 def _drive_cycles() -> list[dict[str, Any]]:
-    from drivegate_cases.drive_cycle import cycle_names, load_drive_cycle
+    from drivegate_cases.scenario.drive_cycle import cycle_names, load_drive_cycle
 
     return [
         {
@@ -95,7 +95,7 @@ def _drive_cycles() -> list[dict[str, Any]]:
 
 
 def _motors() -> list[dict[str, Any]]:
-    from drivegate_cases.motor import load_motor, motor_names
+    from drivegate_cases.motor.motor import load_motor, motor_names
 
     return [
         {
@@ -109,7 +109,7 @@ def _motors() -> list[dict[str, Any]]:
 
 
 def _show(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.console import plain, table
+    from drivegate.output.console import plain, table
 
     for key, heading in (
         ("scenarios", "scenario"),

@@ -11,12 +11,12 @@ import click
 
 from drivegate.commands.conduct import ExitCode, Outcome, complain, failure_of
 from drivegate.commands.options import bounded, json_option
-from drivegate_cases.wording import one_line
+from drivegate_cases.documents.wording import one_line
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from drivegate.gate import Checked
+    from drivegate.studies.check.check_all import Checked
 
 SCHEMA = 1
 DEFAULT_OUTPUT = "drivegate-report"
@@ -102,7 +102,7 @@ def command(
     The exit code is 0 when all pass or are waived, 1 when one fails, 2 when one is refused, 3 after a fault of
     drivegate.
     """
-    from drivegate.gate import Effort, Records, check_all
+    from drivegate.studies.check.check_all import Effort, Records, check_all
 
     how_much = Effort(effort, seed, workers, max_time, search, fail_on)
     records = Records(corpus, waivers, baseline)
@@ -116,7 +116,7 @@ def command(
             complain(replace(failure, message=f"{about}{failure.message}"), checked.error)
 
     def show(console: Console) -> None:
-        from drivegate.check_display import show_checked
+        from drivegate.studies.check.display import show_checked
 
         for checked in all_checked:
             if checked.document is not None:

@@ -21,14 +21,14 @@ _COLUMNS = ("id", "level", "subject", "source", "requirement", "limit")
 @json_option
 def command() -> Outcome:
     """List the checks with their requirements, sources and limits, and what covers each fact of the paper."""
-    from drivegate.traceability import traced_checks, traced_facts
+    from drivegate.checks.traceability import traced_checks, traced_facts
 
     document = {"schema": SCHEMA, "checks": traced_checks(), "facts": traced_facts()}
     return Outcome(document, lambda console: _show(console, document))
 
 
 def _show(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.console import plain, table
+    from drivegate.output.console import plain, table
 
     listed = table(*_COLUMNS)
     for row in document["checks"]:

@@ -10,7 +10,7 @@ import click
 
 from drivegate.commands.conduct import ExitCode, Outcome, complain, failure_of
 from drivegate.commands.options import json_option
-from drivegate_cases.wording import one_line
+from drivegate_cases.documents.wording import one_line
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -75,7 +75,7 @@ def command(
     The exit code is 0 when the report is complete, whatever the candidates do, 2 when one is refused, 3 after a
     fault of drivegate.
     """
-    from drivegate.comparison.gate import ComparisonOptions, compare_all
+    from drivegate.studies.compare.compare_all import ComparisonOptions, compare_all
 
     ending = compare_all(candidates, output, ComparisonOptions(effort, seed, workers, checks, cycle))
     if ending.document is None and len(ending.refused) == 1:
@@ -90,7 +90,7 @@ def command(
 
     def show(console: Console) -> None:
         if ending.document is not None:
-            from drivegate.comparison.display import show_comparison
+            from drivegate.studies.compare.display import show_comparison
 
             show_comparison(console, ending.document, ending.pages or (output,))
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import click
 
-from drivegate_cases.wording import one_line
+from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import HarnessFault, InputError
 
 if TYPE_CHECKING:
@@ -201,7 +201,7 @@ def _print(outcome: Outcome, as_json: bool) -> None:
         if as_json:
             _write_json(outcome.document)
         elif sys.stdout is not None:
-            from drivegate.console import console_for
+            from drivegate.output.console import console_for
 
             outcome.show(console_for(sys.stdout))
             sys.stdout.flush()
@@ -211,7 +211,7 @@ def _print(outcome: Outcome, as_json: bool) -> None:
 
 
 def _write_json(document: Mapping[str, Any]) -> None:
-    from drivegate.result import finite
+    from drivegate.results.result import finite
 
     _write(sys.stdout, json.dumps(finite(document), indent=2, allow_nan=False) + "\n")
 

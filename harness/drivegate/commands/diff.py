@@ -75,8 +75,8 @@ def command(
     module:Class, a file or a manifest. The exit code is 0 when all commands are equal, 1 when they differ or one of
     the candidates has a fault.
     """
-    from drivegate.candidate_resolution import resolve_candidate
-    from drivegate.trace_files import check_targets
+    from drivegate.candidates.resolution import resolve_candidate
+    from drivegate.output.trace_files import check_targets
 
     if len(set(ignore)) == len(_FIELDS):
         raise click.UsageError("--ignore leaves no field to compare; leave one out")
@@ -84,9 +84,9 @@ def command(
     scenario = chosen_scenario(case, motor, settings)
     check_targets(None, None, plot)
 
-    from drivegate.step_comparison.comparison import compared
-    from drivegate.step_comparison.document import document_of
-    from drivegate.step_comparison.jobs import BITWISE, Rule
+    from drivegate.studies.diff.diff import compared
+    from drivegate.studies.diff.document import document_of
+    from drivegate.studies.diff.jobs import BITWISE, Rule
 
     judged = tuple(name for name in _FIELDS if name not in ignore)
     rule = Rule(BITWISE if tolerance is None else tolerance, judged)
@@ -98,7 +98,7 @@ def command(
         found["before"] = found["before"][len(found["before"]) - min(before, len(found["before"])) :]
         del found["after"]
     if plot is not None and comparison.difference is not None:
-        from drivegate.step_comparison.figure import draw
+        from drivegate.studies.diff.figure import draw
 
         names = (candidates[0].name, candidates[1].name)
         draw(comparison.difference, names, plot, f"{names[0]} and {names[1]}: {scenario.name}")
@@ -108,7 +108,7 @@ def command(
 
 
 def _show(console: Console, document: dict[str, Any], words: str) -> None:
-    from drivegate.console import plain
+    from drivegate.output.console import plain
 
     one, other = (candidate["name"] for candidate in document["candidates"])
     rule = "bit for bit" if document["tolerance"] is None else f"within {document['tolerance']:g}"
@@ -132,8 +132,8 @@ def _show(console: Console, document: dict[str, Any], words: str) -> None:
 
 
 def _show_difference(console: Console, found: dict[str, Any]) -> None:
-    from drivegate.console import plain, table
-    from drivegate.step_comparison.document import in_words
+    from drivegate.output.console import plain, table
+    from drivegate.studies.diff.document import in_words
 
     told = table("both were told", "value", "unit", right=("value",))
     for key, unit in _SENSE:

@@ -20,7 +20,7 @@ HEADER = "drivegate.h"
 @json_option
 def command() -> Outcome:
     """Print the folder of drivegate.h, as in: cc -shared -fPIC -I"$(drivegate include-dir)" mine.c -o mine.so."""
-    from drivegate.native.compiler import include_folder
+    from drivegate.candidates.native.compiler import include_folder
 
     folder = include_folder()
     document = {

@@ -17,8 +17,8 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from drivegate.operating_map.operating_map import OperatingMap
-    from drivegate.operating_map.plan import MapPlan
+    from drivegate.studies.map.map import OperatingMap
+    from drivegate.studies.map.plan import MapPlan
 
 SCHEMA = 1
 DEFAULT_MOTOR = "paper-5-phase"
@@ -80,15 +80,15 @@ def command(
     }
     axes = _axes(kind, texts)
 
-    from drivegate.trace_files import check_targets
+    from drivegate.output.trace_files import check_targets
 
     check_targets(csv, parquet, plot)
     plan = _planned(kind, candidate, axes, parameters, motor, settings)
 
-    from drivegate.campaign.backend import Backend
-    from drivegate.campaign.progress import campaign_progress_on
-    from drivegate.operating_map.files import write_figure, write_tables
-    from drivegate.operating_map.operating_map import computed
+    from drivegate.containment.backend import Backend
+    from drivegate.studies.campaign.progress import campaign_progress_on
+    from drivegate.studies.map.files import write_figure, write_tables
+    from drivegate.studies.map.map import computed
 
     _warm_up()
     began = time.monotonic()
@@ -114,7 +114,7 @@ def _kind(candidate: str | None, torque: str | None, advance: str | None, curren
 
 
 def _axes(kind: str, texts: dict[str, str | None]) -> dict[str, tuple[float, ...]]:
-    from drivegate.operating_map.axes import axis_within
+    from drivegate.studies.map.axes import axis_within
 
     readers: dict[str, tuple[Callable[[str], tuple[float, ...]], str]] = {
         "speed_rpm": (axis_within(0.0, 1e5, above=True), _SPEEDS[kind])
@@ -141,14 +141,14 @@ def _planned(
     motor: str | None,
     settings: tuple[str, ...],
 ) -> MapPlan:
-    from drivegate.candidate_resolution import resolve_candidate
-    from drivegate_cases.motor import load_motor
+    from drivegate.candidates.resolution import resolve_candidate
+    from drivegate_cases.motor.motor import load_motor
 
     resolved = None if candidate is None else resolve_candidate(candidate)
     nominal = chosen_motor(motor, settings, lambda: load_motor(DEFAULT_MOTOR))
 
-    from drivegate.operating_map.axes import MapAxes, parameter_axis
-    from drivegate.operating_map.plan import PARAMETERS, MapPlan
+    from drivegate.studies.map.axes import MapAxes, parameter_axis
+    from drivegate.studies.map.plan import PARAMETERS, MapPlan
 
     further = dict(parameter_axis(text, PARAMETERS) for text in parameters)
     if len(further) < len(parameters):
@@ -158,7 +158,7 @@ def _planned(
 
 
 def _warm_up() -> None:
-    from drivegate.warm_up import compile_kernels, missing_marker
+    from drivegate.gate.warm_up import compile_kernels, missing_marker
 
     marker = missing_marker()
     if marker is not None:
@@ -199,7 +199,7 @@ def _document(made: OperatingMap, seconds: float, files: list[str]) -> dict[str,
 
 
 def _show(console: Console, document: dict[str, Any], title: str) -> None:
-    from drivegate.console import number, plain, table
+    from drivegate.output.console import number, plain, table
 
     listed = table(
         "quantity",

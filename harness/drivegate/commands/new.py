@@ -33,8 +33,8 @@ def command(kind: str, name: str, output: Path | None) -> Outcome:
     All kinds have the same algorithm: a speed regulator, and a line of angles. It meets the contract and most
     checks; what it fails is waived for 90 days and is the exercise.
     """
-    from drivegate.new_candidate import KINDS, write_candidate
-    from drivegate.waivers import present_day
+    from drivegate.results.waivers import present_day
+    from drivegate.studies.new.write import KINDS, write_candidate
 
     folder = Path(name) if output is None else output
     written = write_candidate(kind, name, folder, present_day())
@@ -53,7 +53,7 @@ def command(kind: str, name: str, output: Path | None) -> Outcome:
 
 
 def _show(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.console import plain
+    from drivegate.output.console import plain
 
     console.print(plain(f"written into {document['folder']}:"))
     for file in document["files"]:

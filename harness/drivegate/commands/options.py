@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from drivegate_cases.wording import shown
+from drivegate_cases.documents.wording import shown
 
 if TYPE_CHECKING:
-    from drivegate_cases.motor import Motor
-    from drivegate_cases.scenario import Scenario
+    from drivegate_cases.motor.motor import Motor
+    from drivegate_cases.scenario.scenario import Scenario
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -100,7 +100,7 @@ def chosen_motor(name: str | None, settings: tuple[str, ...], default: Callable[
     InputError
         When it does not exist or is not valid.
     """
-    from drivegate_cases.motor import load_motor
+    from drivegate_cases.motor.motor import load_motor
 
     motor = default() if name is None else load_motor(name)
     return motor.with_overrides(settings)
@@ -135,10 +135,10 @@ def chosen_scenario(case: str, motor: str | None, settings: tuple[str, ...]) -> 
 
 
 def _loaded_scenario(case: str) -> Scenario:
-    from drivegate_cases.document import parse_document
-    from drivegate_cases.reading import read_mapping
-    from drivegate_cases.scenario import Scenario, load_scenario
-    from drivegate_cases.wording import shown_path
+    from drivegate_cases.documents.document import parse_document
+    from drivegate_cases.documents.reading import read_mapping
+    from drivegate_cases.documents.wording import shown_path
+    from drivegate_cases.scenario.scenario import Scenario, load_scenario
     from drivegate_models.errors import InputError
 
     if case.lower().endswith(".json"):

@@ -9,15 +9,15 @@ import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import bounded, chosen_motor, json_option, motor_options
-from drivegate_cases.wording import counted
+from drivegate_cases.documents.wording import counted
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from drivegate_models.drive import Drive
-    from drivegate_models.oracle import TorquePoint
-    from drivegate_models.steady_state import SteadyState
+    from drivegate_models.half_bridge.plant.drive import Drive
+    from drivegate_models.half_bridge.steady.oracle import TorquePoint
+    from drivegate_models.half_bridge.steady.steady_state import SteadyState
 
 SCHEMA = 1
 DEFAULT_MOTOR = "paper-5-phase"
@@ -73,7 +73,7 @@ def command(
         raise click.UsageError("give exactly one of --torque-nm and --current-a")
     if cycles is not None and current_a is None:
         raise click.UsageError("--cycles goes with --current-a only")
-    from drivegate_cases.motor import load_motor
+    from drivegate_cases.motor.motor import load_motor
 
     drive = chosen_motor(motor, settings, lambda: load_motor(DEFAULT_MOTOR)).drive()
     speed, advance = speed_rpm * pi / 30.0, radians(advance_deg)
@@ -99,7 +99,7 @@ def _check_length(drive: Drive, speed: float, cycles: int) -> None:
 
 
 def _values_at_torque(drive: Drive, speed: float, advance: float, torque: float) -> dict[str, Any]:
-    from drivegate_models.oracle import point_at_torque
+    from drivegate_models.half_bridge.steady.oracle import point_at_torque
 
     point = point_at_torque(drive, speed, advance, torque)
     if not point.robust:
@@ -112,8 +112,8 @@ def _values_at_torque(drive: Drive, speed: float, advance: float, torque: float)
 def _values_at_current(
     drive: Drive, speed: float, advance: float, reference: float, cycles: int | None
 ) -> dict[str, Any]:
-    from drivegate_models import steady_state as solver
-    from drivegate_models.plant import make_phases
+    from drivegate_models.half_bridge.plant.phases import make_phases
+    from drivegate_models.half_bridge.steady import steady_state as solver
 
     if cycles is None:
         state = solver.steady_state(drive, speed, reference, advance)
@@ -153,7 +153,7 @@ def _percent(part: float, whole: float) -> float | None:
 
 
 def _show(console: Console, document: dict[str, Any], drive: Drive, torque: float | None) -> None:
-    from drivegate.console import number, plain, table
+    from drivegate.output.console import number, plain, table
 
     values = table("quantity", "value", "unit", right=("value",))
     for key, name, unit in _ROWS:

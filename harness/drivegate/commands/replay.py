@@ -34,20 +34,20 @@ def command(file: Path, candidate: str | None, plot: Path | None) -> Outcome:
 
     The exit code is 1 when it still fails, 0 when it is fixed or does not apply to the candidate.
     """
-    from drivegate.counterexample import read_counterexample
-    from drivegate.trace_files import check_targets
+    from drivegate.output.trace_files import check_targets
+    from drivegate.results.counterexample import read_counterexample
 
     stored = read_counterexample(file)
     check_targets(None, None, plot)
 
-    from drivegate.fault import Fault
-    from drivegate.replay import candidate_for, document_of, replayed
+    from drivegate.candidates.fault import Fault
+    from drivegate.studies.replay.replay import candidate_for, document_of, replayed
 
     resolved = candidate_for(stored, candidate)
     ended = replayed(stored, resolved)
     document = document_of(stored, resolved, ended)
     if plot is not None and not isinstance(ended, Fault):
-        from drivegate.replay_figure import draw
+        from drivegate.studies.replay.figure import draw
 
         title = f"{stored.check} {document['verdict']}: {resolved.name}, {stored.scenario.name}"
         draw(stored, ended, plot, title)
@@ -57,7 +57,7 @@ def command(file: Path, candidate: str | None, plot: Path | None) -> Outcome:
 
 
 def _next_step(document: dict[str, Any], file: Path, candidate: str | None) -> str:
-    from drivegate.replay import STILL_FAILS
+    from drivegate.studies.replay.replay import STILL_FAILS
 
     named = "" if candidate is None else f" --candidate {quote(candidate)}"
     again = f"drivegate replay {quote(str(file))}{named}"
@@ -72,8 +72,8 @@ def _next_step(document: dict[str, Any], file: Path, candidate: str | None) -> s
 
 
 def _show(console: Console, document: dict[str, Any], hint: str) -> None:
-    from drivegate.console import plain
-    from drivegate.replay import FIXED
+    from drivegate.output.console import plain
+    from drivegate.studies.replay.replay import FIXED
 
     name, fault = document["candidate"]["name"], document["fault"]
     good = document["verdict"] == FIXED

@@ -42,8 +42,8 @@ def command(file: Path, formats: tuple[str, ...], output: Path) -> Outcome:
     The folder gets the result and its counterexamples too. The exit code is 0 when all reports are made, whatever
     the result's verdict.
     """
-    from drivegate.report_folder import ReportFolder
-    from drivegate.result_reports import read_result, report_formats, write_reports
+    from drivegate.output.report_folder import ReportFolder
+    from drivegate.output.result_reports import read_result, report_formats, write_reports
 
     chosen = report_formats(formats)
     result = read_result(file)
@@ -62,7 +62,7 @@ def command(file: Path, formats: tuple[str, ...], output: Path) -> Outcome:
 
 
 def _show(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.console import plain, verdict_text
+    from drivegate.output.console import plain, verdict_text
 
     heading = plain(f"{document['candidate']}: ")
     heading.append_text(verdict_text(document["verdict"]))

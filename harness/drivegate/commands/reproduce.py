@@ -33,8 +33,8 @@ def command(output: Path) -> Outcome:
 
     The exit code is 0 when all were computed, whether or not they agree.
     """
-    from drivegate.report_folder import ReportFolder
-    from drivegate.report_writers import reproduction_writer
+    from drivegate.output.report_folder import ReportFolder
+    from drivegate.output.report_writers import reproduction_writer
 
     write = reproduction_writer()
     with ReportFolder(output) as folder:
@@ -44,7 +44,7 @@ def command(output: Path) -> Outcome:
 
 
 def _show(console: Console, document: dict[str, Any], output: Path) -> None:
-    from drivegate.console import plain, table
+    from drivegate.output.console import plain, table
 
     listed = table("fact", "quantity", *_COLUMNS)
     for row in document["numbers"]:

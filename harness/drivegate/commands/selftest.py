@@ -12,9 +12,9 @@ from drivegate.commands.conduct import ExitCode, Outcome
 from drivegate.commands.options import json_option
 
 if TYPE_CHECKING:
-    from drivegate.selftest.matrix import DesignRow, FaultRow
-    from drivegate.selftest.mutations import Mutation
-    from drivegate.selftest.selftest_run import SelftestEffort
+    from drivegate.candidates.builtin.faults import Mutation
+    from drivegate.studies.selftest.matrix import DesignRow, FaultRow
+    from drivegate.studies.selftest.run import SelftestEffort
 
 ALL_SEEDS = 1000
 
@@ -67,10 +67,10 @@ def command(
     """
     mutations = _chosen(faults)
 
-    from drivegate.catalogue import CHECKS
-    from drivegate.selftest.matrix import Matrix
-    from drivegate.selftest.matrix_display import show_matrix
-    from drivegate.selftest.selftest_run import SelftestEffort
+    from drivegate.checks.catalogue import CHECKS
+    from drivegate.studies.selftest.display import show_matrix
+    from drivegate.studies.selftest.matrix import Matrix
+    from drivegate.studies.selftest.run import SelftestEffort
 
     amount = SelftestEffort(effort, seeds, workers, search, drawn_only)
     rows = _tried(mutations, amount)
@@ -81,8 +81,8 @@ def command(
 
 
 def _chosen(names: Sequence[str]) -> tuple[Mutation, ...]:
-    from drivegate.candidate_resolution import FAULTY_PREFIX
-    from drivegate.selftest.mutations import MUTATIONS, find_mutation
+    from drivegate.candidates.builtin.faults import MUTATIONS, find_mutation
+    from drivegate.candidates.resolution import FAULTY_PREFIX
 
     if not names:
         return tuple(MUTATIONS.values())
@@ -90,8 +90,8 @@ def _chosen(names: Sequence[str]) -> tuple[Mutation, ...]:
 
 
 def _tried(mutations: Sequence[Mutation], effort: SelftestEffort) -> tuple[FaultRow, ...]:
-    from drivegate.selftest.selftest_run import try_faults
-    from drivegate.selftest.trial_progress import trial_progress_on
+    from drivegate.studies.selftest.run import try_faults
+    from drivegate.studies.selftest.trial_progress import trial_progress_on
 
     rows = []
     with trial_progress_on(sys.stderr, len(mutations)) as tell:
@@ -102,10 +102,10 @@ def _tried(mutations: Sequence[Mutation], effort: SelftestEffort) -> tuple[Fault
 
 
 def _judged(effort: SelftestEffort) -> tuple[DesignRow, ...]:
-    from drivegate.handlers.progress import progress_on
-    from drivegate.handlers.subscription import publish
-    from drivegate.selftest.correct_designs import correct_designs
-    from drivegate.selftest.selftest_run import design_check, judged_design
+    from drivegate.output.progress import progress_on
+    from drivegate.output.subscription import publish
+    from drivegate.studies.selftest.correct_designs import correct_designs
+    from drivegate.studies.selftest.run import design_check, judged_design
 
     rows = []
     for design in correct_designs():

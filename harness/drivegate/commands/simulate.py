@@ -62,16 +62,16 @@ def command(
 
     CANDIDATE is a built-in or installed controller's name, module:Class, file.py:Class or a manifest.
     """
-    from drivegate.candidate_resolution import resolve_candidate
-    from drivegate.trace_files import check_targets
+    from drivegate.candidates.resolution import resolve_candidate
+    from drivegate.output.trace_files import check_targets
 
     resolved = resolve_candidate(candidate)
     scenario = chosen_scenario(case, motor, settings)
     check_targets(csv, parquet, plot)
 
-    from drivegate.fault import Fault
-    from drivegate.simulation import document_of, simulated, trace_frame
-    from drivegate.trace_files import write_plot, write_trace
+    from drivegate.candidates.fault import Fault
+    from drivegate.output.trace_files import write_plot, write_trace
+    from drivegate.studies.simulate.simulate import document_of, simulated, trace_frame
 
     ended = simulated(resolved, scenario)
     document = document_of(resolved, scenario, ended)
@@ -93,7 +93,7 @@ def command(
 
 
 def _show(console: Console, document: dict[str, Any], hint: str) -> None:
-    from drivegate.console import number, plain, table
+    from drivegate.output.console import number, plain, table
 
     summary = document["summary"]
     heading = f"{document['candidate']['name']}: {document['scenario']}, {document['duration_s']:g} s"
@@ -120,7 +120,7 @@ def _show(console: Console, document: dict[str, Any], hint: str) -> None:
 
 
 def _show_fault(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.console import plain
+    from drivegate.output.console import plain
 
     fault = document["fault"]
     console.print(plain(f"{document['candidate']['name']}: {fault['kind']}: {fault['message']}", "bold red"))

@@ -12,11 +12,11 @@ from typing import Any
 
 import psutil
 
+from drivegate.candidates.fault import LONGEST_TRACEBACK
 from drivegate.containment.kept_process import KeptProcess
 from drivegate.containment.messages import Job, Reply, Setup
 from drivegate.containment.process import STACK_SIGNAL
 from drivegate.containment.shared_progress import SharedProgress
-from drivegate.fault import LONGEST_TRACEBACK
 
 _LONGEST_REPLY = 2**28
 _MOST_READS = 16

@@ -4,10 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final, Generic, TypeAlias, TypeVar
 
-from drivegate.candidate import Candidate
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.fault import Fault
 from drivegate.containment.shared_progress import SharedProgress
-from drivegate.controller import Controller
-from drivegate.fault import Fault
 
 ResultT = TypeVar("ResultT")
 

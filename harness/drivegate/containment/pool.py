@@ -6,11 +6,11 @@ from multiprocessing.connection import wait
 from types import TracebackType
 from typing import Any, Generic, Self
 
-from drivegate.candidate import Candidate
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import Fault
 from drivegate.containment.messages import Faulted, Finished, Job, LoadController, ResultT
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.containment.worker import LOOK_EVERY, CandidateWorker, is_hang, unwrapped
-from drivegate.fault import Fault
 
 
 class WorkerPool:

@@ -15,6 +15,7 @@ from typing import Any
 
 import psutil
 
+from drivegate.candidates.fault import CandidateFault, Fault, Phase, exception_fault
 from drivegate.containment.messages import (
     LOST_CONNECTION,
     Broken,
@@ -29,7 +30,6 @@ from drivegate.containment.messages import (
 )
 from drivegate.containment.parent_death import end_with_parent
 from drivegate.containment.shared_progress import Activity, SharedProgress
-from drivegate.fault import CandidateFault, Fault, Phase, exception_fault
 from drivegate_models.errors import InputError
 
 STACK_SIGNAL = signal.SIGUSR1

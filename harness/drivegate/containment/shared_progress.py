@@ -14,8 +14,8 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.contract import SENSE
-from drivegate_models.signals import Sense
+from drivegate_models.contract.outer_loop.records import SENSE
+from drivegate_models.contract.outer_loop.signals import Sense
 
 MOST_PHASES: Final = 64
 """Phase currents that the shared record has room for."""

@@ -9,7 +9,9 @@ from multiprocessing.connection import wait
 from types import TracebackType
 from typing import Any, Self
 
-from drivegate.candidate import Candidate
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.ending import ending_in_words
+from drivegate.candidates.fault import Fault, FaultKind, bounded_text
 from drivegate.containment.handle import UnreadableReply, WorkerHandle
 from drivegate.containment.messages import (
     LOST_CONNECTION,
@@ -24,11 +26,9 @@ from drivegate.containment.messages import (
     ResultT,
     Setup,
 )
-from drivegate.containment.process_ending import ending_in_words
 from drivegate.containment.shared_progress import Activity
 from drivegate.containment.stall_watch import StallWatch, WorkerLimits
-from drivegate.fault import Fault, FaultKind, bounded_text
-from drivegate_cases.wording import counted
+from drivegate_cases.documents.wording import counted
 from drivegate_models.errors import HarnessFault, InputError
 
 LOOK_EVERY = 0.05

@@ -7,16 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivegate.catalogue import CHECKS
-from drivegate.check import Check
-from drivegate.declaration import Declaration
-from drivegate.run_record import RunRecord
-from drivegate.scenario_run import observed_windows
-from drivegate_cases.document import parse_document
-from drivegate_cases.profile import dwell_torque, dwells
-from drivegate_cases.scenario import Scenario
-from drivegate_models import closed_loop, ledger, observation
-from drivegate_models.contract import COMMAND, SENSE
+from drivegate.candidates.declaration import Declaration
+from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.check import Check
+from drivegate.runs.record import RunRecord
+from drivegate.runs.scenario import observed_windows
+from drivegate_cases.documents.document import parse_document
+from drivegate_cases.scenario.profile import dwell_torque, dwells
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
+from drivegate_models.loop import closed_loop, observation
+from drivegate_models.machine import ledger
 
 MakeRecord = Callable[..., RunRecord]
 AssertLimit = Callable[[str, RunRecord, RunRecord], None]

@@ -2,8 +2,8 @@
 
 import pytest
 
-from drivegate.catalogue import CHECKS
-from drivegate.declaration import Declaration, FlowchartProfile
+from drivegate.candidates.declaration import Declaration, FlowchartProfile
+from drivegate.checks.catalogue import CHECKS
 
 LEVELS = {
     "PWR-1": "required",

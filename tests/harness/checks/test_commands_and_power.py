@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from drivegate.declaration import Declaration
-from drivegate.margin import at_most, below, normalised
+from drivegate.candidates.declaration import Declaration
+from drivegate.checks.margin import at_most, below, normalised
 
 TINY = math.ulp(0.0)
 RANGES = {

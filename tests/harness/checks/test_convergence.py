@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.checks import constant_power, convergence, robustness
-from drivegate.declaration import Declaration
-from drivegate_models.oracle import least_current_sum
+from drivegate_models.half_bridge.steady.oracle import least_current_sum
 
 RPM = math.pi / 30.0
 K1 = convergence.SPEED_TOLERANCE

@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 
 from drivegate import Command
-from drivegate.candidate_resolution import resolve_candidate
+from drivegate.candidates.declaration import FlowchartProfile
+from drivegate.candidates.fault import CandidateFault, FaultKind
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.python.bridge import PythonController
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.flowchart.judging import judge_script
+from drivegate.checks.flowchart.run import ScriptRuns, run_scripts, script_margin, shortened
+from drivegate.checks.flowchart.scripts import Event, fixed_scripts, script_of, usual_speed
 from drivegate.containment.messages import LoadedCandidate
 from drivegate.containment.shared_progress import SharedProgress
-from drivegate.controller_loading import load_controller
-from drivegate.declaration import FlowchartProfile
-from drivegate.fault import CandidateFault, FaultKind
-from drivegate.python_controller import PythonController
-from drivegate.script_judging import judge_script
-from drivegate.script_run import ScriptRuns, run_scripts, script_margin, shortened
-from drivegate.scripts import Event, fixed_scripts, script_of, usual_speed
-from drivegate_cases.document import parse_document
-from drivegate_cases.motor import load_motor
-from drivegate_cases.script import Script
+from drivegate_cases.documents.document import parse_document
+from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
 
 MOTOR = load_motor("paper-5-phase")

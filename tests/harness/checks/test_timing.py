@@ -5,13 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from drivegate.candidate_resolution import resolve_candidate
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.python.bridge import PythonController
+from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.messages import LoadedCandidate
 from drivegate.containment.shared_progress import Activity, SharedProgress
-from drivegate.controller_loading import load_controller
-from drivegate.python_controller import PythonController
-from drivegate.step_timing import TimedSteps, time_steps, timing_margin, way_of_running
-from drivegate_cases.scenario import load_scenario
+from drivegate.gate.step_timing import TimedSteps, time_steps, timing_margin, way_of_running
+from drivegate_cases.scenario.scenario import load_scenario
 
 LIMIT = 0.1 * 0.0005
 

@@ -1,1 +1,0 @@
-"""Campaigns: many runs over grids and drawn drives, kept as a dataset."""

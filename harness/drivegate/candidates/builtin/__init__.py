@@ -1,0 +1,1 @@
+"""Controllers that come along, correct and faulty."""

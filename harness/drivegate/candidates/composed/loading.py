@@ -1,0 +1,115 @@
+"""Loading a composed candidate: its blocks of its own, and the compiled rest.
+
+This runs the candidate's code, so it belongs into a worker process.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.composed.blocks import BLOCK_STEPS, Exchanged
+from drivegate.candidates.composed.candidate import Composition
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.fault import Fault
+from drivegate.candidates.python.bridge import PythonController
+from drivegate.candidates.python.loading import named_in_module
+from drivegate_models.contract.outer_loop.records import nameplate_record
+from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.errors import HarnessFault
+from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function
+from drivegate_models.half_bridge.controllers.composed import COMPOSED_STATE, composed_step_function
+
+_CONTROLLER: Final = "controller"
+
+
+def load_composed_controller(candidate: Candidate) -> Controller:
+    """Make a new instance of a composed candidate; the modules of its blocks are imported once a process.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        A candidate of kind ``compose``.
+
+    Returns
+    -------
+    Controller
+        The instance, not yet reset.
+
+    Raises
+    ------
+    InputError
+        When a block is missing, or cannot be called as it is going to be.
+    CandidateFault
+        When a module or a class raises.
+    """
+    if not isinstance(candidate.details, Composition):
+        raise HarnessFault(f"the candidate {candidate.name} of kind {candidate.kind} has no blocks")
+    named = {name: named_in_module(candidate, entry) for name, entry in candidate.details.blocks}
+    return ComposedController(candidate.details.base, named)
+
+
+class ComposedController:
+    """One instance of a composed controller.
+
+    Parameters
+    ----------
+    base : str
+        The built-in controller whose other blocks it has.
+    blocks : dict
+        The blocks of its own, as their modules have them.
+
+    Attributes
+    ----------
+    step_address : int
+        Address of the compiled `drivegate_step`.
+    state_address : int
+        Address of the state; valid as long as this object lives.
+
+    Raises
+    ------
+    InputError
+        When a block cannot be called as it is going to be.
+    CandidateFault
+        When a class raises.
+    """
+
+    def __init__(self, base: str, blocks: dict[str, Any]) -> None:
+        self._search = SEARCHES[base]
+        self._step = composed_step_function()
+        self._state: NDArray[Any] = np.zeros(1, COMPOSED_STATE)
+        exchanged = Exchanged(
+            self._state["line_speed"], self._state["current_reference"], self._state["integral"]
+        )
+        self._bridges = {
+            name: PythonController(BLOCK_STEPS[name](found, exchanged)) for name, found in blocks.items()
+        }
+        self.step_address: int = self._step.address
+        self.state_address: int = self._state.ctypes.data
+
+    @property
+    def fault(self) -> Fault | None:
+        """What ended the last run, if a block did."""
+        faults = (bridge.fault for bridge in self._bridges.values())
+        return next((fault for fault in faults if fault is not None), None)
+
+    def reset(self, nameplate: Nameplate) -> None:
+        """Write the constants, forget everything else, and reset the blocks.
+
+        Parameters
+        ----------
+        nameplate : Nameplate
+            The drive's nominal data.
+
+        Raises
+        ------
+        CandidateFault
+            When a block raises.
+        """
+        reset_function()(self._state[_CONTROLLER], nameplate_record(nameplate), self._search)
+        for name, bridge in self._bridges.items():
+            bridge.reset(nameplate)
+            self._state[0][name] = bridge.step_address

@@ -1,0 +1,188 @@
+"""A candidate's fault: the verdict on a controller that did not answer as the contract asks.
+
+Everything in it is bounded text and numbers, whatever the candidate raised, printed or returned.
+"""
+
+import re
+import traceback
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Literal
+
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.contract.outer_loop.signals import Sense
+
+Phase = Literal["loading", "reset", "step"]
+
+LONGEST_MESSAGE = 2_000
+LONGEST_TRACEBACK = 20_000
+
+_OVERWRITTEN_SIZE = (
+    "the command's struct_size was overwritten with a negative number; the harness sets it, leave it as it is"
+)
+_ADDRESS = re.compile(r"\b0x[0-9a-fA-F]{6,}\b")
+_CALLERS = ("drivegate", "importlib", "_frozen_importlib", "_frozen_importlib_external")
+_CUT = "\n[...]\n"
+
+
+class FaultKind(StrEnum):
+    """The ways in which a candidate fails to answer; none of them can be waived."""
+
+    EXCEPTION = "exception"
+    INVALID_OUTPUT = "invalid output"
+    CRASH = "crash"
+    HANG = "hang"
+    NON_DETERMINISTIC = "non-deterministic"
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What happened, when, and what the candidate had been told then.
+
+    Attributes
+    ----------
+    kind : FaultKind
+        The verdict.
+    message : str
+        One line of at most `LONGEST_MESSAGE` characters.
+    phase : {"loading", "reset", "step"}
+        What the candidate was doing.
+    error : str
+        Name of the exception's class or of the signal; empty where there is neither.
+    traceback : str
+        The candidate's own part of the traceback, or what a dying process printed, of at most
+        `LONGEST_TRACEBACK` characters.
+    step : int or None
+        Number of steps that the run had completed before, when the phase is a step.
+    time : float or None
+        Time of that step (s, simulated).
+    sense : mapping or None
+        The Sense of that step, by field name.
+    """
+
+    kind: FaultKind
+    message: str
+    phase: Phase
+    error: str = ""
+    traceback: str = ""
+    step: int | None = None
+    time: float | None = None
+    sense: Mapping[str, float | tuple[float, ...]] | None = None
+
+
+class CandidateFault(Exception):
+    """Raised in a worker process to end its job with a verdict on the candidate.
+
+    Parameters
+    ----------
+    fault : Fault
+        The verdict.
+    """
+
+    def __init__(self, fault: Fault) -> None:
+        super().__init__(fault)
+        self.fault = fault
+
+
+def exception_fault(error: BaseException, phase: Phase) -> Fault:
+    """Describe an exception that a candidate's code raised.
+
+    Parameters
+    ----------
+    error : BaseException
+        The exception, `SystemExit` and `KeyboardInterrupt` included.
+    phase : {"loading", "reset", "step"}
+        What the candidate was doing.
+
+    Returns
+    -------
+    Fault
+        The verdict, made without trusting any of the exception's own methods.
+    """
+    name = type(error).__name__
+    try:
+        text, trace = str(error), _traceback_of(error)
+    except BaseException as unprintable:
+        text, trace = f"(its text cannot be had: {type(unprintable).__name__})", ""
+    message = bounded_line(f"{name}: {text}" if text else name)
+    return Fault(FaultKind.EXCEPTION, message, phase, error=name, traceback=trace)
+
+
+def refused_command(command: Any, *, finite: bool, step: int, sense: Sense) -> Fault:
+    """Describe a command at which a run ended without the controller having a fault to tell.
+
+    Parameters
+    ----------
+    command : record of COMMAND
+        The command.
+    finite : bool
+        Whether its numbers are; if so, compiled code has overwritten its size to end the run.
+    step : int
+        Number of steps completed before.
+    sense : Sense
+        What the controller had been told.
+
+    Returns
+    -------
+    Fault
+        The verdict.
+    """
+    values = ", ".join(f"{name} = {command[name]}" for name in (command.dtype.names or ())[1:])
+    message = _OVERWRITTEN_SIZE if finite else f"the command is not finite: {values}"
+    return Fault(FaultKind.INVALID_OUTPUT, message, "step", step=step, time=sense.time, sense=sense._asdict())
+
+
+def bounded_line(text: str) -> str:
+    """Fit any text into one printable line.
+
+    Memory addresses are left out, since they differ from run to run.
+
+    Parameters
+    ----------
+    text : str
+        Any text, of any length.
+
+    Returns
+    -------
+    str
+        At most `LONGEST_MESSAGE` characters, those that do not print as escapes.
+    """
+    line = _without_addresses(one_line(text[: LONGEST_MESSAGE + 1]))
+    return line if len(line) <= LONGEST_MESSAGE else line[: LONGEST_MESSAGE - 1] + "…"
+
+
+def bounded_text(text: str) -> str:
+    """Fit any text into a bounded number of printable lines; the middle of a longer one is left out.
+
+    Memory addresses are left out too, since they differ from run to run.
+
+    Parameters
+    ----------
+    text : str
+        Any text, of any length.
+
+    Returns
+    -------
+    str
+        At most `LONGEST_TRACEBACK` characters; all but line ends that do not print are written as escapes.
+    """
+    lines = _without_middle(text).replace("\t", "    ").split("\n")
+    return _without_middle(_without_addresses("\n".join(map(one_line, lines))))
+
+
+def _without_middle(text: str) -> str:
+    half = (LONGEST_TRACEBACK - len(_CUT)) // 2
+    return text if len(text) <= LONGEST_TRACEBACK else text[:half] + _CUT + text[-half:]
+
+
+def _without_addresses(text: str) -> str:
+    return _ADDRESS.sub("0x…", text)
+
+
+def _traceback_of(error: BaseException) -> str:
+    """Format from the candidate's own first frame on: those that called it say nothing about it."""
+    frames = error.__traceback__
+    while frames is not None and frames.tb_frame.f_globals.get("__name__", "").split(".")[0] in _CALLERS:
+        frames = frames.tb_next
+    return bounded_text("".join(traceback.format_exception(type(error), error, frames)))

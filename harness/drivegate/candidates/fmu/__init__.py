@@ -1,0 +1,1 @@
+"""Functional mock-up units of FMI 2 and 3."""

@@ -1,0 +1,221 @@
+"""Reading what an unpacked FMU says of itself in its `modelDescription.xml`."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+from xml.parsers import expat
+
+from drivegate.candidates.fmu.variables import (
+    INPUT_POWER,
+    PHASE_CURRENTS,
+    REAL,
+    REQUIRED_INPUTS,
+    REQUIRED_OUTPUTS,
+    TIME,
+    Connections,
+    Mismatch,
+    Variable,
+    connections_of,
+)
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+DESCRIPTION: Final = "modelDescription.xml"
+_MOST_BYTES: Final = 64 * 2**20
+_IDENTIFIER: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_FAILURES: Final = re.compile("error|fatal|warn", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class FmuDescription:
+    """What drivegate has to know of an FMU.
+
+    Attributes
+    ----------
+    version : int
+        Version of FMI: 2 or 3.
+    identifier : str
+        Name of its library, without a suffix.
+    token : str
+        What ties the library to the description.
+    only_once : bool
+        Whether a process may have only one instance of it at a time.
+    log_categories : tuple of str
+        Categories of messages in which it tells what went wrong.
+    connections : Connections
+        Which of its variables carry what.
+    """
+
+    version: int
+    identifier: str
+    token: str
+    only_once: bool
+    log_categories: tuple[str, ...]
+    connections: Connections
+
+
+def read_description(file: Path, folder: Path) -> FmuDescription:
+    """Read the description of an unpacked FMU.
+
+    Parameters
+    ----------
+    file : Path
+        The FMU, for messages.
+    folder : Path
+        Where it is unpacked.
+
+    Returns
+    -------
+    FmuDescription
+        What it says of itself.
+
+    Raises
+    ------
+    InputError
+        When it has no valid description, is not for co-simulation by FMI 2.0 or 3.0, or its variables are not
+        those of a controller.
+    """
+    outline = _outline(file, folder / DESCRIPTION)
+    version = _version_of(file, outline)
+    model = _model_description(file, folder / DESCRIPTION)
+    slave = model.coSimulation
+    if slave is None:
+        kinds = {"model exchange": model.modelExchange, "scheduled execution": model.scheduledExecution}
+        has = (
+            " and ".join(kind for kind, given in kinds.items() if given is not None)
+            or "nothing that can be run"
+        )
+        raise InputError(f"{shown_path(file)} is an FMU for {has}; export it for co-simulation")
+    if slave.needsExecutionTool:
+        raise InputError(
+            f"{shown_path(file)} needs the tool that exported it to run (needsExecutionTool); export it with its code "
+            "in it, as a stand-alone FMU"
+        )
+    identifier = str(slave.modelIdentifier)
+    if not _IDENTIFIER.fullmatch(identifier):
+        raise InputError(
+            f"{shown_path(file)}: the modelIdentifier in {DESCRIPTION} is '{one_line(identifier)}', but must be a "
+            "name as in C"
+        )
+    try:
+        connections = connections_of(_variables(model), version)
+    except Mismatch as error:
+        raise InputError(f"{shown_path(file)} is no controller: {error}; {_wanted(version)}") from error
+    return FmuDescription(
+        version,
+        identifier,
+        str(model.guid),
+        bool(slave.canBeInstantiatedOnlyOncePerProcess),
+        tuple(filter(_FAILURES.search, outline.log_categories)),
+        connections,
+    )
+
+
+class _Outline(NamedTuple):
+    """What is read of a description before a library for XML is given it."""
+
+    root: dict[str, str]
+    log_categories: list[str]
+
+
+class _HasDocumentType(Exception):
+    """Raised at the first sign of a document type."""
+
+
+def _outline(file: Path, description: Path) -> _Outline:
+    """Read the outline, and refuse what a library for XML should not be given."""
+    if not description.is_file():
+        raise InputError(
+            f"{shown_path(file)} has no {DESCRIPTION} in it, which every FMU has; name a file that a tool exported "
+            "as an FMU"
+        )
+    if description.stat().st_size > _MOST_BYTES:
+        raise InputError(
+            f"{shown_path(file)}: {DESCRIPTION} has more than {_MOST_BYTES // 2**20} MiB; export fewer variables"
+        )
+    try:
+        return _parsed(description)
+    except (expat.ExpatError, ValueError) as error:
+        raise InputError(
+            f"{shown_path(file)}: {DESCRIPTION} is no valid XML: {one_line(str(error))}; export the FMU again"
+        ) from error
+    except _HasDocumentType:
+        raise InputError(
+            f"{shown_path(file)}: {DESCRIPTION} has a document type, which may define entities of any size; an FMU's "
+            "has none"
+        ) from None
+
+
+def _parsed(description: Path) -> _Outline:
+    roots: list[dict[str, str]] = []
+    categories: list[str] = []
+
+    def refuse(*_: object) -> None:
+        raise _HasDocumentType
+
+    def element(name: str, attributes: dict[str, str]) -> None:
+        if not roots:
+            roots.append(attributes)
+        if name == "Category":
+            categories.append(attributes.get("name", ""))
+
+    parser = expat.ParserCreate()
+    parser.StartDoctypeDeclHandler = refuse
+    parser.StartElementHandler = element
+    with description.open("rb") as stream:
+        parser.ParseFile(stream)
+    return _Outline(roots[0], categories)
+
+
+def _version_of(file: Path, outline: _Outline) -> int:
+    text = outline.root.get("fmiVersion", "")
+    if text == "2.0" or re.fullmatch(r"3\.0(\.\d+)?", text):
+        return int(text[0])
+    raise InputError(
+        f"{shown_path(file)} is of FMI version '{one_line(text)}'; export it for FMI 2.0 or 3.0 (co-simulation)"
+    )
+
+
+def _model_description(file: Path, description: Path) -> Any:
+    """Read the description even where it breaks a rule of FMI that does not matter here."""
+    from fmpy import read_model_description
+
+    try:
+        return read_model_description(str(description))
+    except Exception as error:
+        problem = _first_problem(error)
+    try:
+        return read_model_description(str(description), validate=False)
+    except Exception as error:
+        raise InputError(
+            f"{shown_path(file)}: {DESCRIPTION} is not as FMI asks: {problem}; correct it, or export the FMU again"
+        ) from error
+
+
+def _first_problem(error: Exception) -> str:
+    problems = getattr(error, "problems", None) or [f"{type(error).__name__}: {error}"]
+    return one_line(str(problems[0]))[:300].rstrip(". ")
+
+
+def _variables(model: Any) -> Iterator[Variable]:
+    for variable in model.modelVariables:
+        shape = tuple(int(size) for size in variable.shape or ())
+        yield Variable(
+            str(variable.name),
+            int(variable.valueReference),
+            str(variable.causality),
+            str(variable.type),
+            shape,
+        )
+
+
+def _wanted(version: int) -> str:
+    real = REAL[version]
+    array = f"{PHASE_CURRENTS}[1], {PHASE_CURRENTS}[2] and so on"
+    return (
+        f"a controller has the {real} inputs {', '.join(REQUIRED_INPUTS)} and the {real} outputs "
+        f"{' and '.join(REQUIRED_OUTPUTS)}, and may have the inputs {TIME} and {array}, the output {INPUT_POWER} and "
+        "parameters named like the nameplate's fields"
+    )

@@ -1,0 +1,227 @@
+"""One instance of an FMU, stepped as a controller.
+
+In each control period the inputs are set at its start t, one communication step is done from t over the control
+period, and the outputs are read; they are the command for that same period. The first step also initialises the
+FMU, so that its equations start from the first measurements.
+"""
+
+import ctypes
+import weakref
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from operator import itemgetter
+from struct import Struct
+from typing import Any, ClassVar, Final
+
+from drivegate.candidates.fmu.description import FmuDescription
+from drivegate.candidates.fmu.log import forget_messages, with_messages
+from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
+
+WARNING: Final = 1
+"""The worst status of an FMI function with which a run goes on."""
+
+_FATAL: Final = 4
+_STATUSES: Final = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+
+
+class FmuError(Exception):
+    """A function of an FMU reported that it failed."""
+
+
+class FmuInstance(ABC):
+    """An FMU as an object with `reset` and `step`.
+
+    Parameters
+    ----------
+    description : FmuDescription
+        What it says of itself.
+    slave : fmpy.fmi2.FMU2Slave or fmpy.fmi3.FMU3Slave
+        Its library, loaded.
+    """
+
+    prefix: ClassVar[str]
+    """What the names of the version's functions begin with."""
+    set_name: ClassVar[str]
+    """The function that sets the inputs."""
+    get_name: ClassVar[str]
+    """The function that gets the outputs."""
+
+    def __init__(self, description: FmuDescription, slave: Any) -> None:
+        connections = description.connections
+        signals = [Sense._fields.index(name) for name in connections.signals]
+        inputs, outputs = len(signals) + connections.phase_currents, len(connections.output_references)
+        self.description = description
+        self._slave = slave
+        self._component: int | None = None
+        self._free: weakref.finalize[[int], FmuInstance] | None = None
+        self._initialised = False
+        self._period = 0.0
+        self._signals: Callable[[Sense], tuple[float, ...]] = itemgetter(*signals)
+        self._has_currents = connections.phase_currents > 0
+        self._input_references = _references(connections.input_references)
+        self._output_references = _references(connections.output_references)
+        self._inputs = (ctypes.c_double * inputs)()
+        self._outputs = (ctypes.c_double * outputs)()
+        self._write = Struct(f"={inputs}d").pack_into
+        self._read = Struct(f"={outputs}d").unpack_from
+        self._ends = ctypes.c_bool()
+        self._set_inputs: Callable[[], int]
+        self._get_outputs: Callable[[], int]
+        self._do_step: Callable[[float, float], int]
+
+    def reset(self, nameplate: Nameplate) -> None:
+        """Replace the instance by a new one, so that nothing of an earlier run is left in it.
+
+        Parameters
+        ----------
+        nameplate : Nameplate
+            The drive's nominal data.
+
+        Raises
+        ------
+        FmuError
+            When the FMU cannot be instantiated or refuses a parameter.
+        """
+        self.close()
+        forget_messages()
+        try:
+            self._instantiate(bool(self.description.log_categories))
+        except Exception as error:
+            raise FmuError(with_messages(f"{self.prefix}Instantiate returned no instance")) from error
+        component: int = self._slave.component
+        self._component = component
+        self._free = weakref.finalize(self, self._freeing_function(), component)
+        # At the end of the process its memory goes anyway, and its code may be gone already.
+        self._free.atexit = False
+        self._initialised = False
+        self._period = nameplate.control_period
+        self._bind(component)
+        with self._failures_told():
+            if self.description.log_categories:
+                self._slave.setDebugLogging(True, self.description.log_categories)
+            for parameter in self.description.connections.parameters:
+                self._set_parameter(parameter.kind, parameter.reference, getattr(nameplate, parameter.field))
+
+    def step(self, sense: Sense) -> Command:
+        """Answer for one control period.
+
+        Parameters
+        ----------
+        sense : Sense
+            What the inputs are set to.
+
+        Returns
+        -------
+        Command
+            What the outputs are at the end of the communication step.
+
+        Raises
+        ------
+        FmuError
+            When the FMU reports a failure.
+        """
+        if self._component is None:
+            raise FmuError(
+                "the FMU can be instantiated once in a process, and another instance took this one's place"
+            )
+        time = sense.time
+        currents = sense.phase_currents if self._has_currents else ()
+        self._write(self._inputs, 0, *self._signals(sense), *currents)
+        if not self._initialised:
+            with self._failures_told():
+                self._initialise(time)
+            self._initialised = True
+        if (status := self._set_inputs()) > WARNING:
+            self._fail(self.set_name, status)
+        if (status := self._do_step(time, self._period)) > WARNING:
+            self._fail(f"{self.prefix}DoStep", status)
+        if self._ends.value:
+            raise FmuError(with_messages(f"{self.prefix}DoStep asked to end the simulation"))
+        if (status := self._get_outputs()) > WARNING:
+            self._fail(self.get_name, status)
+        return Command(*self._read(self._outputs))
+
+    def close(self) -> None:
+        """Free the instance, if there is one."""
+        self._component = None
+        if self._free is not None:
+            self._free()
+            self._free = None
+
+    @abstractmethod
+    def _instantiate(self, with_log: bool) -> None:
+        """Have the library make an instance."""
+
+    @abstractmethod
+    def _freeing_function(self) -> Callable[[int], None]:
+        """Give the function that frees an instance."""
+
+    @abstractmethod
+    def _bind(self, component: int) -> None:
+        """Make the three calls of a step ready; fmpy's own methods take much longer."""
+
+    @abstractmethod
+    def _set_parameter(self, kind: str, reference: int, value: float) -> None:
+        """Set one parameter."""
+
+    @abstractmethod
+    def _initialise(self, time: float) -> None:
+        """Go through initialisation with the inputs as they are."""
+
+    def _fail(self, function: str, status: int) -> None:
+        """Turn a status into an exception. After a fatal error not even the memory may be freed."""
+        if status == _FATAL and self._free is not None:
+            self._free.detach()
+        name = _STATUSES[status] if status < len(_STATUSES) else str(status)
+        raise FmuError(with_messages(f"{function} returned {self.prefix}{name}"))
+
+    @contextmanager
+    def _failures_told(self) -> Iterator[None]:
+        from fmpy.fmi1 import FMICallException
+
+        try:
+            yield
+        except FMICallException as error:
+            self._fail(error.function, error.status)
+
+
+def block_of(references: "ctypes.Array[ctypes.c_uint32]") -> tuple[int, int]:
+    """Tell where value references are, and how many.
+
+    Parameters
+    ----------
+    references : array of c_uint32
+        The value references, which have to outlive what is done with the address.
+
+    Returns
+    -------
+    tuple of int
+        Address and number.
+    """
+    return ctypes.addressof(references), len(references)
+
+
+def function_of(library: ctypes.CDLL, name: str, types: tuple[Any, ...]) -> Callable[..., int]:
+    """Find a function of an FMU that is called in every step; fmpy's own methods take much longer.
+
+    Parameters
+    ----------
+    library : CDLL
+        The FMU's library.
+    name : str
+        Name of the function.
+    types : tuple
+        The ctypes types of what it takes.
+
+    Returns
+    -------
+    callable
+        The function, which returns a status.
+    """
+    function: Callable[..., int] = ctypes.CFUNCTYPE(ctypes.c_int, *types)((name, library))
+    return function
+
+
+def _references(values: tuple[int, ...]) -> "ctypes.Array[ctypes.c_uint32]":
+    return (ctypes.c_uint32 * len(values))(*values)

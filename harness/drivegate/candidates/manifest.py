@@ -1,0 +1,156 @@
+"""The manifest `candidate.toml`: what a candidate is made of, and what it declares of itself."""
+
+from math import pi, radians
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from drivegate.candidates.declaration import Declaration, FlowchartProfile
+from drivegate_cases.documents.document import Document, Section
+
+Kind = Literal["python", "builtin", "c", "so", "fmu", "exec", "compose"]
+
+_KINDS_WITH_FLAGS = ("c",)
+
+Text = Annotated[str, Field(min_length=1)]
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+
+
+class Flowchart(Section):
+    """The constants of a candidate whose search follows the paper's flowchart (Fig. 4) to the letter."""
+
+    k1_rpm: Positive = Field(description="greatest speed error at which the search is active")
+    k2_w: NotNegative | None = Field(
+        default=None, description="change of input power at or below which the search stops"
+    )
+    k2_percent: NotNegative | None = Field(
+        default=None, lt=100, description="the same as a percentage of the new input power"
+    )
+    step_deg: Positive = Field(le=90, description="magnitude of one change of the advance angle")
+    period_s: Positive = Field(description="time from one decision of the search to the next")
+
+    @model_validator(mode="after")
+    def _has_one_power_tolerance(self) -> Self:
+        if (self.k2_w is None) == (self.k2_percent is None):
+            raise ValueError("must give exactly one of 'k2_w' and 'k2_percent'")
+        return self
+
+
+class Blocks(Section):
+    """The blocks of the paper's Fig. 2 that a composed controller has of its own."""
+
+    angle_model: Text | None = Field(
+        default=None, description="function of the initial advance angle (Fig. 3)"
+    )
+    speed_regulator: Text | None = Field(default=None, description="class of the speed regulator")
+    search: Text | None = Field(default=None, description="class of the search for the optimum (Fig. 4)")
+
+    @model_validator(mode="after")
+    def _one_is_replaced(self) -> Self:
+        if not any((self.angle_model, self.speed_regulator, self.search)):
+            raise ValueError(
+                "must replace a block: give 'angle_model', 'speed_regulator' or 'search' as file.py:name"
+            )
+        return self
+
+
+class Manifest(Document):
+    """A candidate of any kind, described in a file."""
+
+    name: Text = Field(description="name of the candidate, which waivers match")
+    kind: Kind = Field(description="kind of candidate")
+    entry: Text = Field(description="class, function, file or command to start the candidate by")
+    sources: tuple[Text, ...] = Field(default=(), description="files that the candidate's hash covers")
+    include: tuple[Text, ...] = Field(default=(), description="folders of headers")
+    flags: tuple[Text, ...] = Field(default=(), description="further flags of the compiler")
+    profile: Literal["outcome", "flowchart"] = Field(
+        default="outcome", description="whether the candidate follows Fig. 4 step by step"
+    )
+    flowchart: Flowchart | None = Field(default=None, description="constants of the profile 'flowchart'")
+    estimates_power: bool = Field(
+        default=False, description="whether commands carry an estimate of input power"
+    )
+    power_window_s: NotNegative = Field(
+        default=0.0,
+        le=10.0,
+        description="time over which that estimate is a mean, in seconds; 0 for the last control period alone",
+    )
+    speed_range_rpm: tuple[NotNegative, Positive] | None = Field(
+        default=None, description="lowest and highest speed that the candidate is made for"
+    )
+
+    step_deadline_s: Positive | None = Field(
+        default=None, le=30.0, description="time that a program has for each step, in seconds"
+    )
+
+    blocks: Blocks | None = Field(default=None, description="blocks of its own, of the kind 'compose'")
+
+    @model_validator(mode="after")
+    def _only_a_composition_has_blocks(self) -> Self:
+        if self.kind == "compose" and self.blocks is None:
+            raise ValueError("the kind 'compose' needs a table [blocks] with the blocks that are replaced")
+        if self.kind != "compose" and self.blocks is not None:
+            raise ValueError(f"the table [blocks] is for the kind 'compose', but the kind is '{self.kind}'")
+        return self
+
+    @model_validator(mode="after")
+    def _profile_and_constants_agree(self) -> Self:
+        if self.profile == "flowchart" and self.flowchart is None:
+            raise ValueError("the profile 'flowchart' needs a table [flowchart] with its constants")
+        if self.profile == "outcome" and self.flowchart is not None:
+            raise ValueError(
+                "the table [flowchart] needs the profile 'flowchart', but the profile is 'outcome'"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _only_what_is_compiled_has_flags(self) -> Self:
+        for key in ("include", "flags"):
+            if getattr(self, key) and self.kind not in _KINDS_WITH_FLAGS:
+                raise ValueError(f"the key '{key}' is for the kind 'c', but the kind is '{self.kind}'")
+        return self
+
+    @model_validator(mode="after")
+    def _only_a_program_has_a_deadline(self) -> Self:
+        if self.step_deadline_s is not None and self.kind != "exec":
+            raise ValueError(
+                f"the key 'step_deadline_s' is for the kind 'exec', but the kind is '{self.kind}'"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _only_an_estimate_has_a_window(self) -> Self:
+        if self.power_window_s and not self.estimates_power:
+            raise ValueError("the key 'power_window_s' needs 'estimates_power = true'")
+        return self
+
+    @model_validator(mode="after")
+    def _speed_range_rises(self) -> Self:
+        if self.speed_range_rpm is not None and self.speed_range_rpm[0] >= self.speed_range_rpm[1]:
+            raise ValueError("the key 'speed_range_rpm' must give the lowest speed first, then a higher one")
+        return self
+
+    def declaration(self) -> Declaration:
+        """What the candidate declares of itself, in SI units.
+
+        Returns
+        -------
+        Declaration
+            The declaration.
+        """
+        return Declaration(
+            _profile(self.flowchart), self.estimates_power, self.speed_range_rpm, self.power_window_s
+        )
+
+
+def _profile(flowchart: Flowchart | None) -> FlowchartProfile | None:
+    if flowchart is None:
+        return None
+    return FlowchartProfile(
+        speed_tolerance=flowchart.k1_rpm * pi / 30,
+        power_tolerance=flowchart.k2_w or 0.0,
+        power_tolerance_fraction=(flowchart.k2_percent or 0.0) / 100,
+        step=radians(flowchart.step_deg),
+        period=flowchart.period_s,
+    )

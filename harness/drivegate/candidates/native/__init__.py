@@ -1,0 +1,1 @@
+"""Compiled controllers: C sources, shared libraries, and functions for numba."""

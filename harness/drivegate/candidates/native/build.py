@@ -1,0 +1,126 @@
+"""Compiled candidates and where they are kept.
+
+A candidate's C sources are compiled where it is resolved, in the parent process, before any worker starts: once
+for all workers, and what does not compile is refused before anything runs. Compiling runs the compiler, never the
+candidate; the library is only loaded in a worker process.
+
+The library's name in the cache is a hash of all that it is made of, so one that is there is never out of date.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import platform
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from drivegate.candidates.candidate import hash_of
+from drivegate.candidates.native.compiler import (
+    FLAGS,
+    Compilation,
+    CompilationError,
+    c_compiler,
+    compile_library,
+    compiler_version,
+    include_folder,
+    used_files,
+    warnings_in_words,
+)
+from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate_cases.documents.wording import shown_path
+from drivegate_models.errors import InputError
+
+FOLDER: Final = "candidates"
+"""Folder of compiled candidates, inside that of the compiled kernels."""
+
+_log = logging.getLogger("drivegate")
+
+
+def built_library(plan: Compilation) -> tuple[Path, tuple[Path, ...]]:
+    """Compile sources, or find what was compiled of the same ones before.
+
+    The compiler's first warning is logged, when it compiles.
+
+    Parameters
+    ----------
+    plan : Compilation
+        What is compiled.
+
+    Returns
+    -------
+    library : Path
+        The shared library.
+    sources : tuple of Path
+        The files that it is made of, the system's and drivegate's own headers apart.
+
+    Raises
+    ------
+    InputError
+        When there is no compiler, or it refuses the sources.
+    """
+    compiler = c_compiler()
+    folder = _cache_folder()
+    complete_output = folder / f"{_digest(str(plan.folder), *plan.sources)}.txt"
+    try:
+        with tempfile.TemporaryDirectory(prefix=".compiling-", dir=folder) as scratch:
+            return _built(compiler, plan, folder, Path(scratch), complete_output)
+    except CompilationError as error:
+        if not error.output:
+            raise
+        write_atomically(complete_output, error.output)
+        sentence = f"{error}; its output is in {shown_path(complete_output)}"
+        raise InputError(sentence) from error
+    except OSError as error:
+        where = shown_path(folder)
+        sentence = (
+            f"{where} cannot be written: {error.strerror}; name a folder for compiled code in DRIVEGATE_CACHE"
+        )
+        raise InputError(sentence) from error
+
+
+def _built(
+    compiler: Sequence[str], plan: Compilation, folder: Path, scratch: Path, complete_output: Path
+) -> tuple[Path, tuple[Path, ...]]:
+    files = used_files(compiler, plan, scratch)
+    library = folder / f"{_key(compiler, plan, files)}.so"
+    if not library.exists():
+        compiled, output = compile_library(compiler, plan, scratch)
+        told = warnings_in_words(output)
+        if told:
+            write_atomically(complete_output, output)
+            _log.warning("%s; the compiler's output is in %s", told, shown_path(complete_output))
+        compiled.replace(library)
+    own = include_folder()
+    return library, tuple(file for file in files if own not in file.parents)
+
+
+def _key(compiler: Sequence[str], plan: Compilation, files: Sequence[Path]) -> str:
+    """Hash all that decides on the compiled code; with `-march=native`, that is the processor too."""
+    from llvmlite.binding import get_host_cpu_name
+
+    machine = (platform.machine(), get_host_cpu_name())
+    places = (str(plan.folder), *plan.sources, *plan.include)
+    words = (compiler_version(compiler), *compiler, *FLAGS, *plan.flags, *machine, *places)
+    return hash_of((*files, *plan.further_files), _digest(*words))[:32]
+
+
+def _digest(*words: str) -> str:
+    joined = "\0".join(words)
+    return hashlib.sha256(joined.encode(errors="surrogateescape")).hexdigest()[:32]
+
+
+def _cache_folder() -> Path:
+    """Find the folder for compiled candidates, for this process alone where nothing can be kept."""
+    from drivegate_models.compilation.kernels import choose_cache_folder
+
+    kept = choose_cache_folder()
+    if kept is None:
+        raise InputError(
+            "no folder for compiled code can be written; name one in the environment variable DRIVEGATE_CACHE"
+        )
+    folder = kept / FOLDER
+    folder.mkdir(exist_ok=True)
+    return folder

@@ -1,0 +1,284 @@
+"""Compiling a candidate's C sources with the system's compiler.
+
+The sources may be hostile, so the compiler runs within bounds. What it complains about becomes one sentence.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from drivegate.candidates.fault import bounded_line
+from drivegate.candidates.native.bounded_command import COMPILATION, Bounds, Ended, run_bounded
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.contract import outer_loop
+from drivegate_models.errors import InputError
+
+FLAGS: Final = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-Wall", "-Wextra")
+"""Flags of every compilation; a candidate's own come after them."""
+
+_HOW_TO_GET_ONE: Final = (
+    "install one (Debian and Ubuntu: apt install gcc; Fedora: dnf install gcc; macOS: xcode-select --install) "
+    "or name it in the environment variable CC"
+)
+_LONGEST_MESSAGE: Final = 300
+_ERROR = re.compile(
+    r"^(?P<file>[^\s:][^:\n]*):(?P<line>\d+):(?:\d+:)?\s*(?:fatal\s+)?error:\s*(?P<message>.*)$", re.MULTILINE
+)
+_WARNING = re.compile(
+    r"^(?P<file>[^\s:][^:\n]*):(?P<line>\d+):(?:\d+:)?\s*warning:\s*(?P<message>.*)$", re.MULTILINE
+)
+_LINKER = re.compile(
+    r"^.*(?:undefined reference|multiple definition|cannot find|error|Error).*$", re.MULTILINE
+)
+_ESCAPED = re.compile(r"\\\s*\n|\\([ #])|\$(\$)")
+
+
+@dataclass(frozen=True)
+class Compilation:
+    """What is compiled, and how.
+
+    Attributes
+    ----------
+    folder : Path
+        Where the compiler runs; relative paths start from it.
+    sources : tuple of str
+        The C sources, as they are named to the compiler.
+    include : tuple of str
+        Folders of headers.
+    flags : tuple of str
+        The candidate's own flags.
+    further_files : tuple of Path
+        Files that are not compiled, but on which the result depends.
+    bounds : Bounds
+        What the compiler may use.
+    """
+
+    folder: Path
+    sources: tuple[str, ...]
+    include: tuple[str, ...] = ()
+    flags: tuple[str, ...] = ()
+    further_files: tuple[Path, ...] = ()
+    bounds: Bounds = COMPILATION
+
+
+class CompilationError(InputError):
+    """The compiler refuses the sources.
+
+    Parameters
+    ----------
+    sentence : str
+        What is wrong, and where.
+    output : str
+        All that the compiler printed.
+    """
+
+    def __init__(self, sentence: str, output: str) -> None:
+        super().__init__(sentence)
+        self.output = output
+
+
+def include_folder() -> Path:
+    """Find the folder of the header `drivegate.h`.
+
+    Returns
+    -------
+    Path
+        What a compiler takes behind ``-I``.
+    """
+    return Path(outer_loop.__file__).resolve().parent
+
+
+def c_compiler() -> tuple[str, ...]:
+    """Find the C compiler: the one that the environment variable `CC` names, or `cc`.
+
+    Returns
+    -------
+    tuple of str
+        The program, with the arguments that `CC` gives it.
+
+    Raises
+    ------
+    InputError
+        When there is none.
+    """
+    chosen = os.environ.get("CC", "").strip()
+    try:
+        words = shlex.split(chosen) or ["cc"]
+    except ValueError as error:
+        raise InputError(
+            f"the environment variable CC is '{one_line(chosen)}', which is no command line: {error}"
+        ) from error
+    program = shutil.which(words[0])
+    if program is None:
+        named = (
+            f"the environment variable CC names '{one_line(words[0])}', which is not there" if chosen else ""
+        )
+        raise InputError(
+            f"{named or 'a candidate in C needs a C compiler, but there is no cc'}; {_HOW_TO_GET_ONE}"
+        )
+    return (program, *words[1:])
+
+
+def compiler_version(compiler: Sequence[str]) -> str:
+    """Ask a compiler for its version.
+
+    Parameters
+    ----------
+    compiler : sequence of str
+        The compiler.
+
+    Returns
+    -------
+    str
+        The first line of what it tells; empty when it tells nothing.
+    """
+    ended = run_bounded([*compiler, "--version"], folder=Path.cwd(), environment={}, bounds=Bounds(10.0))
+    return bounded_line(next(iter(ended.output.splitlines()), ""))
+
+
+def used_files(compiler: Sequence[str], plan: Compilation, scratch: Path) -> tuple[Path, ...]:
+    """Ask the compiler for the files that the sources are made of, those of the system apart.
+
+    Parameters
+    ----------
+    compiler : sequence of str
+        The compiler.
+    plan : Compilation
+        What is to be compiled.
+    scratch : Path
+        An empty folder.
+
+    Returns
+    -------
+    tuple of Path
+        The sources and the headers that they include.
+
+    Raises
+    ------
+    CompilationError
+        When a header is missing, or the sources cannot be read to their end.
+    """
+    # Of several sources, each would overwrite what is told of the one before.
+    lists = (_used_by(source, compiler, plan, scratch / "dependencies") for source in plan.sources)
+    return tuple(dict.fromkeys(file for files in lists for file in files))
+
+
+def _used_by(source: str, compiler: Sequence[str], plan: Compilation, rule: Path) -> list[Path]:
+    _run([*compiler, "-MM", "-MF", str(rule), *_options(plan), *_named([source])], plan, rule.parent)
+    # The rule is `target: file file`, continued over lines.
+    text = _ESCAPED.sub(lambda found: "\0" if found[1] == " " else found[1] or found[2] or " ", _text(rule))
+    names = text.partition(": ")[2].split()
+    return [(plan.folder / name.replace("\0", " ")).resolve() for name in names]
+
+
+def compile_library(compiler: Sequence[str], plan: Compilation, scratch: Path) -> tuple[Path, str]:
+    """Compile sources to a shared library.
+
+    Parameters
+    ----------
+    compiler : sequence of str
+        The compiler.
+    plan : Compilation
+        What is compiled.
+    scratch : Path
+        Folder that receives the library.
+
+    Returns
+    -------
+    library : Path
+        The library.
+    output : str
+        What the compiler printed: its warnings.
+
+    Raises
+    ------
+    CompilationError
+        When the sources do not compile.
+    """
+    library = scratch / "library.so"
+    libraries = [flag for flag in plan.flags if flag.startswith("-l")]
+    command = [*compiler, *_options(plan), "-shared", "-o", str(library), *_named(plan.sources)]
+    output = _run([*command, *libraries, "-lm"], plan, scratch)
+    return library, output
+
+
+def warnings_in_words(output: str) -> str:
+    """Sum up the warnings of a compiler.
+
+    Parameters
+    ----------
+    output : str
+        What it printed.
+
+    Returns
+    -------
+    str
+        One line; empty when it warns of nothing.
+    """
+    found = list(_WARNING.finditer(output))
+    if not found:
+        return ""
+    others = len(found) - 1
+    more = f" (and {others} more warning{'s' if others > 1 else ''})" if others else ""
+    return f"{_place(found[0])}: warning: {_bounded(found[0]['message'])}{more}"
+
+
+def _options(plan: Compilation) -> list[str]:
+    folders = [f"-I{folder}" for folder in (*plan.include, str(include_folder()))]
+    return [*FLAGS, *folders, *(flag for flag in plan.flags if not flag.startswith("-l"))]
+
+
+def _named(sources: Sequence[str]) -> list[str]:
+    """Name the sources so that none is taken for an option or for another language."""
+    return [
+        "-x",
+        "c",
+        *(f"./{source}" if source.startswith("-") else source for source in sources),
+        "-x",
+        "none",
+    ]
+
+
+def _run(command: Sequence[str], plan: Compilation, scratch: Path) -> str:
+    environment = {"LC_ALL": "C", "TMPDIR": str(scratch)}
+    ended = run_bounded(command, folder=plan.folder, environment=environment, bounds=plan.bounds)
+    if ended.status != 0:
+        raise CompilationError(_sentence(ended, plan, Path(command[0]).name), ended.output)
+    return ended.output
+
+
+def _sentence(ended: Ended, plan: Compilation, compiler: str) -> str:
+    sources = ", ".join(map(one_line, plan.sources))
+    if ended.status is None:
+        return f"{sources}: {compiler} did not come to an end; compiling a candidate may take {plan.bounds.in_words()}"
+    errors = list(_ERROR.finditer(ended.output))
+    if errors:
+        others = len(errors) - 1
+        more = f" (and {others} more error{'s' if others > 1 else ''})" if others else ""
+        return (
+            f"{_place(errors[0])}: {_bounded(errors[0]['message'])}{more}; "
+            f"the sources must compile with {compiler} {' '.join(FLAGS[:1])}"
+        )
+    lines = [found[0] for found in _LINKER.finditer(ended.output)] or ended.output.strip().splitlines()
+    told = _bounded(lines[0]) if lines else f"it ended with status {ended.status} and told nothing"
+    return f"{sources}: {compiler} does not compile it: {told}; compiling a candidate may take {plan.bounds.in_words()}"
+
+
+def _place(found: re.Match[str]) -> str:
+    return f"{_bounded(found['file'])}, line {found['line']}"
+
+
+def _bounded(text: str) -> str:
+    line = bounded_line(text.strip())
+    return line if len(line) <= _LONGEST_MESSAGE else line[: _LONGEST_MESSAGE - 1] + "…"
+
+
+def _text(file: Path) -> str:
+    return file.read_text(encoding="utf-8", errors="surrogateescape") if file.exists() else ""

@@ -1,0 +1,112 @@
+"""A controller in compiled code behind the functions of `drivegate.h`, stepped by address."""
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
+from ctypes.util import find_library
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
+from drivegate_models.contract.outer_loop.records import STATE_ALIGNMENT, nameplate_record
+from drivegate_models.contract.outer_loop.signals import Nameplate
+
+_mathematics: Final = ctypes.CDLL(find_library("m"))
+# The largest floating-point environment that a C library has is well below this.
+_ENVIRONMENT_BYTES: Final = 512
+_environment: Final = ctypes.create_string_buffer(_ENVIRONMENT_BYTES)
+_mathematics.fegetenv(_environment)
+
+
+class ResetFunction(Protocol):
+    """Calls a candidate's `drivegate_reset`."""
+
+    def __call__(self, state: int, nameplate: int) -> int:
+        """Take the addresses of state and nameplate; return 0 for success."""
+
+
+@contextmanager
+def same_arithmetic() -> Iterator[None]:
+    """Undo what a candidate's code does to the rounding of the process in which the plant is computed.
+
+    A library that is linked with `-ffast-math` makes all small numbers zero as soon as it is loaded.
+
+    Yields
+    ------
+    None
+        While the candidate's code runs.
+    """
+    try:
+        yield
+    finally:
+        _mathematics.fesetenv(_environment)
+
+
+class NativeController:
+    """One instance of a native candidate: its state, and the functions that it shares.
+
+    The state is zeroed once, here; forgetting an earlier run is for the candidate's reset.
+
+    Parameters
+    ----------
+    step_address : int
+        Address of `drivegate_step`.
+    reset : callable
+        Calls `drivegate_reset`.
+    state_size : int
+        Size of the state in bytes; with 0 the candidate is given no state.
+
+    Attributes
+    ----------
+    step_address : int
+        As given.
+    state_address : int
+        Address of the state, aligned as the header says; 0 for none. Valid as long as this object lives.
+    state_size : int
+        As given.
+    """
+
+    def __init__(self, step_address: int, reset: ResetFunction, state_size: int) -> None:
+        self.step_address = step_address
+        self.state_size = state_size
+        self._fault: Fault | None = None
+        self._reset = reset
+        self._memory: NDArray[np.uint8] = np.zeros(state_size + STATE_ALIGNMENT, np.uint8)
+        begin = self._memory.ctypes.data
+        self.state_address = begin + -begin % STATE_ALIGNMENT if state_size else 0
+
+    @property
+    def fault(self) -> Fault | None:
+        """What ended the last run, where that was the reset."""
+        return self._fault
+
+    def reset(self, nameplate: Nameplate) -> None:
+        """Have the candidate prepare for a run.
+
+        Parameters
+        ----------
+        nameplate : Nameplate
+            The drive's nominal data.
+
+        Raises
+        ------
+        CandidateFault
+            When it refuses.
+        """
+        record = nameplate_record(nameplate)
+        with same_arithmetic():
+            status = self._reset(self.state_address, record.ctypes.data)
+        self._fault = self._why_not_reset(status)
+        if self._fault is not None:
+            raise CandidateFault(self._fault)
+
+    def _why_not_reset(self, status: int) -> Fault | None:
+        if status == 0:
+            return None
+        return Fault(
+            FaultKind.EXCEPTION,
+            f"drivegate_reset returned {status}, which refuses the run; 0 is success",
+            "reset",
+        )

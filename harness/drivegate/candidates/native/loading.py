@@ -1,0 +1,96 @@
+"""Loading a native candidate's library, which runs code of it: this belongs into a worker process."""
+
+import ctypes
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.fault import bounded_line
+from drivegate.candidates.native.candidate import NativeBuild
+from drivegate.candidates.native.controller import NativeController, same_arithmetic
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.contract.outer_loop.records import ABI_MAJOR, ABI_MINOR
+from drivegate_models.errors import HarnessFault, InputError
+
+LARGEST_STATE: Final = 64 * 2**20
+"""Greatest size of a candidate's state (bytes)."""
+
+_FUNCTIONS: Final = ("drivegate_abi_version", "drivegate_state_size", "drivegate_reset", "drivegate_step")
+_VERSIONS_IN_ONE: Final = 1000
+
+
+def load_native_controller(candidate: Candidate) -> Controller:
+    """Make a new instance of a native candidate; its library is loaded once a process.
+
+    A candidate whose state is in globals has one instance in a process, which is returned again.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        A candidate of kind ``c`` or ``so``.
+
+    Returns
+    -------
+    Controller
+        The instance, not yet reset.
+
+    Raises
+    ------
+    InputError
+        When the library cannot be loaded or is not made for this version of the contract.
+    """
+    if not isinstance(candidate.details, NativeBuild):
+        raise HarnessFault(f"the candidate {candidate.name} of kind {candidate.kind} was not built")
+    return _instance_of(candidate.details.library, one_line(candidate.name))
+
+
+def _instance_of(library: Path, name: str) -> NativeController:
+    functions = _loaded(library, name)
+    with same_arithmetic():
+        version, size = functions.drivegate_abi_version(), functions.drivegate_state_size()
+    major, minor = divmod(version, _VERSIONS_IN_ONE)
+    if major != ABI_MAJOR:
+        raise InputError(
+            f"{name} was built for version {major}.{minor} of the contract, but this drivegate has version "
+            f"{ABI_MAJOR}.{ABI_MINOR}; compile it again with the drivegate.h of `drivegate include-dir`"
+        )
+    if not 0 <= size <= LARGEST_STATE:
+        raise InputError(
+            f"{name}: drivegate_state_size returned {size}, but must return the size of the state in bytes, "
+            f"0 to {LARGEST_STATE}"
+        )
+    return _new_instance(functions, size) if size else _single_instance(library, functions)
+
+
+@cache
+def _single_instance(library: Path, functions: Any) -> NativeController:  # noqa: ARG001  (tells libraries apart)
+    return _new_instance(functions, 0)
+
+
+def _new_instance(functions: Any, size: int) -> NativeController:
+    step_address = ctypes.cast(functions.drivegate_step, ctypes.c_void_p).value or 0
+    return NativeController(step_address, functions.drivegate_reset, size)
+
+
+@cache
+def _loaded(library: Path, name: str) -> Any:
+    try:
+        with same_arithmetic():
+            functions = ctypes.CDLL(str(library))
+    except OSError as error:
+        reason = bounded_line(str(error).removeprefix(f"{library}: "))
+        raise InputError(
+            f"{name} cannot be loaded: {reason}; link all that it calls, and compile it for this machine"
+        ) from error
+    missing = [function for function in _FUNCTIONS if not hasattr(functions, function)]
+    if missing:
+        raise InputError(
+            f"{name} does not export {', '.join(missing)}; a controller exports the functions that drivegate.h declares"
+        )
+    functions.drivegate_abi_version.restype = ctypes.c_int64
+    functions.drivegate_state_size.restype = ctypes.c_int64
+    functions.drivegate_reset.argtypes = (ctypes.c_void_p, ctypes.c_void_p)
+    functions.drivegate_reset.restype = ctypes.c_int
+    return functions

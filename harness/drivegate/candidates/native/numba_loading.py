@@ -1,0 +1,258 @@
+"""Compiling a controller whose author wrote a `NumbaController`; this belongs into a worker process.
+
+Every operation is rounded by itself, as in Python and in C without contraction, and nothing is reordered.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import inspect
+import re
+import sys
+from typing import Any, Final
+
+import numba
+import numpy as np
+from numba import types
+from numba.core.ccallback import CFunc
+from numba.core.dispatcher import Dispatcher
+from numba.np.numpy_support import carray
+
+from drivegate.candidates.fault import Fault, bounded_line, exception_fault
+from drivegate.candidates.native.controller import NativeController, ResetFunction
+from drivegate.candidates.native.loading import LARGEST_STATE
+from drivegate.candidates.native.numba_controller import NumbaController
+from drivegate_cases.documents.wording import shown_path
+from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.native_memory import double_at
+from drivegate_models.contract.outer_loop.records import COMMAND, NAMEPLATE, SENSE, STOP
+from drivegate_models.errors import InputError
+
+_ARGUMENTS: Final = {"reset": ("state", "nameplate"), "step": ("state", "sense", "command")}
+_RESET: Final = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
+_COLOUR: Final = re.compile(r"\x1b\[[0-9;]*m")
+_PLACE: Final = re.compile(
+    r'File "(?P<file>[^"]+)", line (?P<line>\d+)|\bat (?P<at>\S+) \((?P<line_at>\d+)\)'
+)
+_RECORD: Final = re.compile(r"Record\(.*\)")
+_LONGEST: Final = 300
+_USABLE: Final = "use numbers, records and functions compiled with numba.njit only"
+_STATE_ADVICE: Final = (
+    "give a numpy dtype with named fields of 1 byte to 64 MiB, such as np.dtype([('integral', np.float64)])"
+)
+
+
+@unfused
+def phase_current(sense: Any, index: int) -> float:
+    """Read one phase current of a sense, from code that numba compiles.
+
+    Parameters
+    ----------
+    sense : record
+        What `step` is given.
+    index : int
+        The phase, from 0 to ``sense.phase_count - 1``; it is not checked.
+
+    Returns
+    -------
+    float
+        The measured current at this instant (A).
+    """
+    current: float = double_at(sense.phase_currents, index)
+    return current
+
+
+class CompiledController(NativeController):
+    """One instance of a numba candidate; an exception in its step is told as that of a Python candidate.
+
+    Parameters
+    ----------
+    step, reset : CFunc
+        The compiled functions, which live as long as this object.
+    state_size : int
+        Size of the state in bytes.
+    """
+
+    def __init__(self, step: Any, reset: Any, state_size: int) -> None:
+        self._functions = (step, reset)
+        call_reset: ResetFunction = _RESET(reset.address)
+        super().__init__(step.address, call_reset, state_size)
+        _raised.watch()
+
+    @property
+    def fault(self) -> Fault | None:
+        """What ended the last run: the exception that the candidate's code raised, if it did."""
+        error = _raised.taken()
+        if error is not None:
+            self._fault = exception_fault(error, "step")
+        return self._fault
+
+    def _why_not_reset(self, status: int) -> Fault | None:
+        error = _raised.taken()
+        return super()._why_not_reset(status) if error is None else exception_fault(error, "reset")
+
+
+class _RaisedExceptions:
+    """Keeps the last exception that compiled code could not hand on, which numba reports as unraisable."""
+
+    def __init__(self) -> None:
+        self._last: BaseException | None = None
+        self._others: Any = None
+
+    def watch(self) -> None:
+        if sys.unraisablehook != self._keep:
+            self._others, sys.unraisablehook = sys.unraisablehook, self._keep
+
+    def _keep(self, unraisable: Any, /) -> None:
+        # numba names itself, as text, where other code gives what could not raise.
+        if str(unraisable.object).startswith("<numba."):
+            self._last = unraisable.exc_value
+        else:
+            self._others(unraisable)
+
+    def taken(self) -> BaseException | None:
+        last, self._last = self._last, None
+        return last
+
+
+_raised: Final = _RaisedExceptions()
+
+
+def load_numba_controller(definition: NumbaController, name: str) -> CompiledController:
+    """Compile a numba candidate.
+
+    Parameters
+    ----------
+    definition : NumbaController
+        What the author wrote.
+    name : str
+        What it is called in messages.
+
+    Returns
+    -------
+    CompiledController
+        An instance, not yet reset.
+
+    Raises
+    ------
+    InputError
+        When something about it is wrong, or it does not compile.
+    """
+    functions = (definition.reset, definition.step)
+    if all(isinstance(function, CFunc) for function in functions):
+        return _from_callbacks(definition, name)
+    for role, function in zip(_ARGUMENTS, functions, strict=True):
+        _check_function(role, function, name)
+    layout = _layout(definition.state, name)
+    state = numba.from_dtype(layout)
+    step = _compiled("step", definition.step, (state, *map(numba.from_dtype, (SENSE, COMMAND))), name)
+    reset = _compiled("reset", definition.reset, (state, numba.from_dtype(NAMEPLATE)), name)
+    return CompiledController(_step_callback(step, state), _reset_callback(reset, state), layout.itemsize)
+
+
+def _from_callbacks(definition: NumbaController, name: str) -> CompiledController:
+    size = definition.state
+    if not isinstance(size, int) or isinstance(size, bool):
+        size = _layout(definition.state, name).itemsize
+    if not 0 < size <= LARGEST_STATE:
+        raise InputError(f"{name}: the size of the state is {size}, but must be 1 to {LARGEST_STATE} bytes")
+    wanted = {"reset": (types.int32, 2), "step": (types.void, 3)}
+    for role, function in (("reset", definition.reset), ("step", definition.step)):
+        signature = vars(function)["_sig"]
+        answer, count = wanted[role]
+        if signature.return_type != answer or len(signature.args) != count:
+            raise InputError(
+                f"{name}: {role} has the type {_bounded(str(signature))}, but must return {answer} and take {count} "
+                f"pointers, as drivegate_{role} in drivegate.h"
+            )
+    step: Any = definition.step
+    reset: Any = definition.reset
+    return CompiledController(step, reset, size)
+
+
+def _check_function(role: str, function: object, name: str) -> None:
+    wanted = ", ".join(_ARGUMENTS[role])
+    if isinstance(function, CFunc):
+        raise InputError(
+            f"{name}: {role} is a numba.cfunc, but the other one is not; make both or none of them one"
+        )
+    plain = function.py_func if isinstance(function, Dispatcher) else function
+    if not inspect.isfunction(plain):
+        raise InputError(
+            f"{name}: {role} is of type {type(plain).__name__}, but must be a function {role}({wanted})"
+        )
+    try:
+        inspect.signature(plain).bind(*_ARGUMENTS[role])
+    except TypeError:
+        given = ", ".join(inspect.signature(plain).parameters)
+        raise InputError(f"{name}: {role} takes ({given}), but must take ({wanted})") from None
+
+
+def _layout(state: Any, name: str) -> np.dtype[Any]:
+    try:
+        layout = np.dtype(None if isinstance(state, int) else state)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"{name}: the state is no numpy dtype: {_bounded(str(error))}; {_STATE_ADVICE}"
+        ) from error
+    if not layout.names or not 0 < layout.itemsize <= LARGEST_STATE:
+        what = "a size" if isinstance(state, int) else f"the dtype {_bounded(str(layout))}"
+        raise InputError(f"{name}: the state is {what}; {_STATE_ADVICE}")
+    return layout
+
+
+def _compiled(role: str, function: Any, arguments: tuple[Any, ...], name: str) -> Any:
+    dispatcher = function if isinstance(function, Dispatcher) else numba.njit(error_model="numpy")(function)
+    try:
+        dispatcher.compile(arguments)
+    except Exception as error:
+        raise InputError(f"{name}: {_why_not_compiled(role, error)}") from error
+    return dispatcher
+
+
+def _why_not_compiled(role: str, error: Exception) -> str:
+    text = _COLOUR.sub("", str(error))
+    if isinstance(error, KeyError):
+        return f"{role} does not compile: a record has no field {_bounded(text)}; the fields are those of the contract"
+    lines = (line.strip() for line in text.splitlines())
+    told = [line for line in lines if line and not line.startswith(("Failed in", "During", "File "))]
+    place = _PLACE.search(text)
+    where = ""
+    if place is not None:
+        where = f" ({shown_path(place['file'] or place['at'])}, line {place['line'] or place['line_at']})"
+    message = _bounded(_RECORD.sub("record", told[0])) if told else type(error).__name__
+    return f"{role} does not compile: {message}{where}; {_USABLE}"
+
+
+def _bounded(text: str) -> str:
+    line = bounded_line(text)
+    return line if len(line) <= _LONGEST else line[: _LONGEST - 1] + "…"
+
+
+def _pointer(record: Any) -> Any:
+    pointer: Any = types.CPointer
+    return pointer(record)
+
+
+def _step_callback(step: Any, state: Any) -> Any:
+    """Put a step behind a C function that stops the loop when the step does not come to its end."""
+
+    def drivegate_step(state: Any, sense: Any, command: Any) -> None:
+        answer = carray(command, 1)[0]
+        size = answer.struct_size
+        answer.struct_size = STOP
+        step(carray(state, 1)[0], carray(sense, 1)[0], answer)
+        answer.struct_size = size
+
+    pointers = (_pointer(record) for record in (state, numba.from_dtype(SENSE), numba.from_dtype(COMMAND)))
+    return numba.cfunc(types.void(*pointers))(drivegate_step)
+
+
+def _reset_callback(reset: Any, state: Any) -> Any:
+    """Put a reset behind a C function; it returns 0, since an exception tells that it failed."""
+
+    def drivegate_reset(state: Any, nameplate: Any) -> int:
+        reset(carray(state, 1)[0], carray(nameplate, 1)[0])
+        return 0
+
+    return numba.cfunc(types.int32(_pointer(state), _pointer(numba.from_dtype(NAMEPLATE))))(drivegate_reset)

@@ -1,0 +1,1 @@
+"""Any program that answers in lines of JSON."""

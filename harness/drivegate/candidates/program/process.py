@@ -1,0 +1,174 @@
+"""A candidate's program as a running process: one line to it, one line back, within a deadline."""
+
+import os
+import select
+import signal
+import subprocess
+import time
+import weakref
+from contextlib import suppress
+from pathlib import Path
+
+from drivegate.candidates.ending import ending_in_words
+from drivegate.candidates.program.candidate import Program
+from drivegate.candidates.program.protocol import LONGEST_LINE, WrongAnswer
+from drivegate_cases.documents.wording import shown_path
+from drivegate_models.errors import InputError
+
+_PATIENCE = 0.25
+
+
+class LateAnswer(Exception):
+    """There was no answer in time; its text is a sentence."""
+
+
+class ProgramEnded(Exception):
+    """The program has ended by itself.
+
+    Parameters
+    ----------
+    sentence : str
+        How.
+    signal_name : str
+        The signal that killed it; empty if there was none.
+    """
+
+    def __init__(self, sentence: str, signal_name: str) -> None:
+        super().__init__(sentence)
+        self.signal_name = signal_name
+
+
+class ProgramProcess:
+    """A program that has been started, in a process group of its own; it ends with this object.
+
+    Its standard error is that of this process. It inherits no other descriptor.
+
+    Parameters
+    ----------
+    program : Program
+        What to start.
+    folder : Path
+        Where it starts.
+
+    Raises
+    ------
+    InputError
+        When it cannot be started.
+    """
+
+    def __init__(self, program: Program, folder: Path) -> None:
+        try:
+            process = subprocess.Popen(
+                program.arguments,
+                executable=program.executable,
+                cwd=folder,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                bufsize=0,
+                process_group=0,
+            )
+        except OSError as error:
+            raise InputError(
+                f"the program {shown_path(program.executable)} cannot be started: {error.strerror}; "
+                "it must be executable, and a script must begin with #! and its interpreter"
+            ) from error
+        assert process.stdin is not None
+        assert process.stdout is not None
+        self._process = process
+        self._to, self._from = process.stdin.fileno(), process.stdout.fileno()
+        os.set_blocking(self._to, False)
+        os.set_blocking(self._from, False)
+        self._news = select.poll()
+        self._news.register(self._from, select.POLLIN)
+        self.end = weakref.finalize(self, _end, os.getpid(), process)
+
+    def ask(self, message: bytes, deadline: float) -> bytes:
+        """Send one line and wait for the line that answers it.
+
+        Parameters
+        ----------
+        message : bytes
+            The line.
+        deadline : float
+            Time that the program has for it (s).
+
+        Returns
+        -------
+        bytes
+            The answer with its line end.
+
+        Raises
+        ------
+        WrongAnswer
+            When there is more or less than one line of at most `LONGEST_LINE` bytes.
+        LateAnswer
+            When there is none in time.
+        ProgramEnded
+            When the program has ended.
+        """
+        if self._news.poll(0):
+            self._refuse_unasked()
+        try:
+            sent = os.write(self._to, message)
+        except BrokenPipeError:
+            self._raise_ended("closed its standard input", b"")
+        except BlockingIOError:
+            sent = 0
+        if sent < len(message):
+            raise WrongAnswer("the program does not read its standard input")
+        until = time.monotonic() + deadline
+        answer = self._block(deadline, b"", deadline)
+        while answer[-1:] != b"\n":
+            answer += self._block(until - time.monotonic(), answer, deadline)
+        if answer.find(b"\n") != len(answer) - 1:
+            raise WrongAnswer("the program answered with more than one line")
+        return answer
+
+    def _block(self, patience: float, before: bytes, deadline: float) -> bytes:
+        if patience <= 0 or not self._news.poll(1000.0 * patience):
+            if self._process.poll() is not None:
+                # Another process keeps its standard output open.
+                self._raise_ended("", before)
+            raise LateAnswer(_lateness(before, deadline))
+        block = os.read(self._from, LONGEST_LINE)
+        if not block:
+            self._raise_ended("closed its standard output", before)
+        if len(before) + len(block) > LONGEST_LINE or (
+            b"\n" not in block and len(before) + len(block) == LONGEST_LINE
+        ):
+            raise WrongAnswer(f"the answer is longer than {LONGEST_LINE} bytes")
+        return block
+
+    def _refuse_unasked(self) -> None:
+        if not os.read(self._from, 1):
+            self._raise_ended("closed its standard output", b"")
+        raise WrongAnswer("the program wrote a line that it was not asked for")
+
+    def _raise_ended(self, otherwise: str, before: bytes) -> None:
+        """Tell how the program ended; one that only closed its streams goes on for some time, or for ever."""
+        where = " in the middle of a line" if before else ""
+        try:
+            status = self._process.wait(_PATIENCE)
+        except subprocess.TimeoutExpired:
+            raise WrongAnswer(f"the program {otherwise}{where}") from None
+        predicate, signal_name = ending_in_words(status)
+        raise ProgramEnded(f"the program {predicate}{where}", signal_name)
+
+
+def _lateness(before: bytes, deadline: float) -> str:
+    what = "the program wrote only a part of a line" if before else "the program gave no answer"
+    return f"{what} within {deadline:g} s"
+
+
+def _end(owner: int, process: "subprocess.Popen[bytes]") -> None:
+    """Let the program see the end of its input, then kill it and its process group."""
+    if os.getpid() != owner:
+        return
+    for stream in (process.stdin, process.stdout):
+        if stream is not None:
+            stream.close()
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(_PATIENCE)
+    with suppress(ProcessLookupError, PermissionError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()

@@ -1,0 +1,187 @@
+"""What the harness and a program tell each other: one JSON object a line, each message answered by one.
+
+Floats are written with as many digits as it takes to read back the same 64-bit number.
+"""
+
+import json
+from collections.abc import Sequence
+from typing import Any, Final
+
+from drivegate_cases.documents.wording import nearest, one_line, shown
+from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
+from drivegate_models.errors import InputError
+
+PROTOCOL_VERSION: Final = 1
+"""Version of the protocol; a program of another one is refused."""
+LONGEST_LINE: Final = 65536
+"""Bytes of an answer at most, its line end included."""
+HELLO: Final = f'{{"drivegate":{PROTOCOL_VERSION},"message":"hello"}}\n'.encode()
+"""The first message."""
+
+_LONGEST_SHOWN = 200
+
+
+class WrongAnswer(Exception):
+    """An answer that the protocol does not allow; its text is a sentence."""
+
+
+def reset_message(nameplate: Nameplate) -> bytes:
+    """Write the message at the beginning of a run.
+
+    Parameters
+    ----------
+    nameplate : Nameplate
+        The drive's nominal data.
+
+    Returns
+    -------
+    bytes
+        One line.
+    """
+    return json.dumps({"reset": nameplate._asdict()}, separators=(",", ":")).encode() + b"\n"
+
+
+def sense_message(sense: Sense) -> bytes:
+    """Write the message of one control period; this is done in every step, hence not by `json`.
+
+    Parameters
+    ----------
+    sense : Sense
+        Finite numbers.
+
+    Returns
+    -------
+    bytes
+        One line.
+    """
+    time, speed_reference, speed, currents, magnitude_sum, voltage = sense
+    return (
+        f'{{"sense":{{"time":{time!r},"speed_reference":{speed_reference!r},"speed":{speed!r},'
+        f'"phase_currents":{list(currents)!r},"current_magnitude_sum":{magnitude_sum!r},'
+        f'"half_supply_voltage":{voltage!r}}}}}\n'
+    ).encode()
+
+
+def check_hello(line: bytes) -> None:
+    """Read the answer to the first message.
+
+    Parameters
+    ----------
+    line : bytes
+        The answer.
+
+    Raises
+    ------
+    InputError
+        When the program speaks another version.
+    WrongAnswer
+        When it is no such answer.
+    """
+    answer = _object(line, required=("drivegate",), optional=("name",))
+    version = answer["drivegate"]
+    if type(version) is not int:
+        raise WrongAnswer(f"'drivegate' is {shown(version)}, but must be the protocol's version, an integer")
+    if version != PROTOCOL_VERSION:
+        raise InputError(
+            f"the program speaks version {shown(version)} of the protocol, but must speak version {PROTOCOL_VERSION}"
+        )
+    if "name" in answer and not isinstance(answer["name"], str):
+        raise WrongAnswer(f"'name' is {shown(answer['name'])}, but must be a text")
+
+
+def check_ready(line: bytes) -> None:
+    """Read the answer to a reset.
+
+    Parameters
+    ----------
+    line : bytes
+        The answer.
+
+    Raises
+    ------
+    WrongAnswer
+        When it is no such answer.
+    """
+    ready = _object(line, required=("ready",))["ready"]
+    if ready is not True:
+        raise WrongAnswer(f"'ready' is {shown(ready)}, but must be true")
+
+
+def command_of(line: bytes) -> Command:
+    """Read the answer to a Sense.
+
+    Parameters
+    ----------
+    line : bytes
+        The answer.
+
+    Returns
+    -------
+    Command
+        The command; its numbers may be infinite.
+
+    Raises
+    ------
+    WrongAnswer
+        When it is no such answer.
+    """
+    answer = _object(line, required=("current_reference", "advance_angle"), optional=("input_power",))
+    reference, angle, power = (
+        answer["current_reference"],
+        answer["advance_angle"],
+        answer.get("input_power"),
+    )
+    if type(reference) is type(angle) is float and (power is None or type(power) is float):
+        return Command(reference, angle) if power is None else Command(reference, angle, power)
+    command = Command(_number("current_reference", reference), _number("advance_angle", angle))
+    return command if power is None else command._replace(input_power=_number("input_power", power))
+
+
+def _object(line: bytes, *, required: Sequence[str], optional: Sequence[str] = ()) -> dict[str, Any]:
+    try:
+        answer: object = _DECODER.decode(line.decode())
+    except UnicodeDecodeError as error:
+        raise WrongAnswer(
+            f"the answer {_shown_line(line)} is not UTF-8 at byte {error.start + 1}, but must be JSON"
+        ) from None
+    except (ValueError, RecursionError) as error:
+        reason = str(error) if isinstance(error, _NotANumber) else "is not JSON"
+        raise WrongAnswer(f"the answer {_shown_line(line)} {reason}; it must be one JSON object") from None
+    if not isinstance(answer, dict):
+        raise WrongAnswer(f"the answer {_shown_line(line)} is not a JSON object, but must be one")
+    for key in required:
+        if key not in answer:
+            raise WrongAnswer(f"the answer {_shown_line(line)} has no key '{key}'")
+    if len(answer) > len(required):
+        known = (*required, *optional)
+        for key in answer:
+            if key not in known:
+                raise WrongAnswer(
+                    f"the answer has the unknown key {shown(key)}; the nearest known one is '{nearest(key, known)}'"
+                )
+    return answer
+
+
+def _number(name: str, value: object) -> float:
+    if type(value) is not float and type(value) is not int:
+        raise WrongAnswer(f"'{name}' is {shown(value)}, but must be a number")
+    try:
+        return float(value)
+    except OverflowError:
+        raise WrongAnswer(f"'{name}' is {shown(value)}, which is too large for a 64-bit float") from None
+
+
+def _shown_line(line: bytes) -> str:
+    text = line[: _LONGEST_SHOWN + 1].rstrip(b"\r\n").decode(errors="backslashreplace")
+    return f"'{one_line(text)}'" if len(text) <= _LONGEST_SHOWN else f"'{one_line(text[:_LONGEST_SHOWN])}…'"
+
+
+class _NotANumber(ValueError):
+    pass
+
+
+def _refuse(constant: str) -> float:
+    raise _NotANumber(f"holds {constant}, which JSON does not have")
+
+
+_DECODER = json.JSONDecoder(parse_constant=_refuse)

@@ -1,0 +1,174 @@
+"""Loading a Python candidate: importing its module, finding its class, making an instance.
+
+This runs the candidate's code, so it belongs into a worker process. A candidate that is refused raises
+`InputError`; one whose own code fails raises `CandidateFault`.
+"""
+
+import hashlib
+import importlib
+import importlib.util
+import inspect
+import os
+import sys
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.fault import CandidateFault, exception_fault
+from drivegate.candidates.native.numba_controller import NumbaController
+from drivegate.candidates.python.bridge import PythonController
+from drivegate_cases.documents.wording import nearest, one_line, shown_path
+from drivegate_models.errors import InputError
+
+_METHODS = ("reset", "step")
+
+
+def load_python_controller(candidate: Candidate) -> Controller:
+    """Make a new instance of a Python candidate's class, or of its `NumbaController`.
+
+    Its module is imported once a process.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        A candidate of kind ``python``.
+
+    Returns
+    -------
+    Controller
+        The instance, not yet reset.
+
+    Raises
+    ------
+    InputError
+        When the module, the class or one of its methods is missing, or the source is no valid Python.
+    CandidateFault
+        When the module or the class raises.
+    """
+    chosen = _chosen_by(candidate, _module_of(candidate))
+    if isinstance(chosen, NumbaController):
+        from drivegate.candidates.native.numba_loading import load_numba_controller
+
+        return load_numba_controller(chosen, one_line(candidate.name))
+    try:
+        return PythonController(chosen())
+    except BaseException as error:
+        raise CandidateFault(exception_fault(error, "loading")) from error
+
+
+def named_in_module(candidate: Candidate, entry: str) -> object:
+    """Import a module that belongs to a candidate, and find what is named in it.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The candidate, whose folder the module may be in.
+    entry : str
+        ``module:name`` or the absolute ``/path/file.py:name``.
+
+    Returns
+    -------
+    object
+        What has that name.
+
+    Raises
+    ------
+    InputError
+        When there is no such module or name, or the source is no valid Python.
+    CandidateFault
+        When the module raises.
+    """
+    module = _module_of(replace(candidate, entry=entry))
+    source, _, attribute = entry.rpartition(":")
+    found: object = module
+    for part in attribute.split("."):
+        if not hasattr(found, part):
+            own = [name for name in vars(module) if not name.startswith("_")]
+            closest = nearest(attribute, own)
+            where = Path(source).name if source.endswith(".py") else source
+            advice = f"the nearest name there is '{closest}'" if closest else "which has no name at all"
+            raise InputError(f"there is no '{attribute}' in {one_line(where)}, {advice}")
+        found = getattr(found, part)
+    return found
+
+
+def _module_of(candidate: Candidate) -> ModuleType:
+    source = candidate.entry.rpartition(":")[0]
+    folder = str(candidate.folder)
+    if folder not in sys.path:
+        sys.path.insert(0, folder)
+    try:
+        return _imported_file(Path(source)) if source.endswith(".py") else importlib.import_module(source)
+    except SyntaxError as error:
+        raise InputError(_syntax_sentence(error, source)) from error
+    except ImportError as error:
+        raise InputError(
+            f"the candidate '{one_line(candidate.specification)}' cannot be imported: "
+            f"{one_line(str(error))}; what it imports must be installed or in its folder"
+        ) from error
+    except BaseException as error:
+        raise CandidateFault(exception_fault(error, "loading")) from error
+
+
+def _imported_file(file: Path) -> ModuleType:
+    """Import under a name made from the whole path, so that a file may be called like any other module."""
+    name = f"drivegate_candidate_{file.stem}_{hashlib.sha256(os.fsencode(file)).hexdigest()[:12]}"
+    if name in sys.modules:
+        return sys.modules[name]
+    spec = importlib.util.spec_from_file_location(name, file)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"{shown_path(file)} is not a Python source file")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
+
+
+def _syntax_sentence(error: SyntaxError, source: str) -> str:
+    file = shown_path(error.filename or source)
+    version = f"{sys.version_info.major}.{sys.version_info.minor}"
+    return (
+        f"{file}, line {error.lineno or 1}: {one_line(error.msg)}; "
+        f"the file must be Python that version {version} can read"
+    )
+
+
+def _chosen_by(candidate: Candidate, module: ModuleType) -> type[object] | NumbaController:
+    source, _, attribute = candidate.entry.rpartition(":")
+    where = Path(source).name if source.endswith(".py") else source
+    found: object = module
+    for part in attribute.split("."):
+        found = getattr(found, part, None)
+    if isinstance(found, NumbaController):
+        return found
+    if not isinstance(found, type):
+        raise InputError(_missing_class_sentence(where, attribute, found, module))
+    for method in _METHODS:
+        if not callable(getattr(found, method, None)):
+            raise InputError(
+                f"the class '{attribute}' in {one_line(where)} has no method '{method}'; "
+                "a controller has reset(nameplate) and step(sense)"
+            )
+    return found
+
+
+def _missing_class_sentence(where: str, attribute: str, found: object, module: ModuleType) -> str:
+    if found is not None:
+        return (
+            f"'{attribute}' in {one_line(where)} is not a class; name a class with reset and step, or a "
+            "drivegate.NumbaController"
+        )
+    own = [name for name, value in vars(module).items() if _is_own_class(value, module)]
+    closest = nearest(attribute, own)
+    advice = f"the nearest class there is '{closest}'" if closest else "and no other class of its own"
+    return f"there is no class '{attribute}' in {one_line(where)}, {advice}; name a class with reset and step"
+
+
+def _is_own_class(value: object, module: ModuleType) -> bool:
+    return inspect.isclass(value) and value.__module__ == module.__name__

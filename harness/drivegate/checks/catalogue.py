@@ -1,0 +1,41 @@
+"""All checks, in the order in which they are reported."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from drivegate.checks.check import Check
+from drivegate.checks.command_range import ADV_1, ADV_2, CMD_1
+from drivegate.checks.constant_power import CPW_1, CPW_2
+from drivegate.checks.convergence import CNV_1, CNV_2, CNV_3
+from drivegate.checks.current import CUR_1
+from drivegate.checks.determinism import DET_1
+from drivegate.checks.power import PWR_1, PWR_2
+from drivegate.checks.profile import FLO_1
+from drivegate.checks.ripple import RIP_1, RIP_2, RIP_3
+from drivegate.checks.robustness import ROB_1, ROB_2, ROB_3
+from drivegate.checks.timing import TIM_1
+
+CHECKS: Final[tuple[Check, ...]] = (
+    PWR_1,
+    PWR_2,
+    ADV_1,
+    ADV_2,
+    CMD_1,
+    RIP_1,
+    RIP_2,
+    RIP_3,
+    CNV_1,
+    CNV_2,
+    CNV_3,
+    CPW_1,
+    CPW_2,
+    CUR_1,
+    ROB_1,
+    ROB_2,
+    ROB_3,
+    DET_1,
+    TIM_1,
+    FLO_1,
+)
+"""Every check there is."""

@@ -1,0 +1,84 @@
+"""What a check is: a requirement declared once, and a function from a run to margins."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from drivegate.candidates.declaration import Declaration
+from drivegate.checks.margin import Margin
+from drivegate.runs.record import RunRecord
+
+Evaluate: TypeAlias = Callable[[RunRecord], Margin | None]
+"""From a finished run to the check's margin; None where the check does not apply to the run."""
+ReasonNotApplicable: TypeAlias = Callable[[Declaration], str | None]
+"""From a declaration to the reason why the check does not apply to that candidate; None where it does."""
+
+
+def always_applicable(_declaration: Declaration) -> str | None:
+    """Let a check apply to every candidate.
+
+    Returns
+    -------
+    None
+        No reason against it.
+    """
+    return None
+
+
+def judged_elsewhere(_record: RunRecord) -> Margin | None:
+    """Leave a check out of closed-loop runs: its margins come from jobs of their own.
+
+    Returns
+    -------
+    None
+        No margin.
+    """
+    return None
+
+
+@dataclass(frozen=True)
+class Check:
+    """A requirement and how it is judged.
+
+    Attributes
+    ----------
+    id : str
+        Identifier, such as ``ADV-1``.
+    requirement : str
+        The requirement in one sentence.
+    source : str
+        Facts of the publication that it rests on, such as ``P5``.
+    subject : {"candidate", "plant"}
+        Whose requirement it is; a failure of the plant is a fault of the harness.
+    level : {"required", "advisory"}
+        Whether a failure fails the candidate.
+    limit : str
+        The limit in people's units.
+    scenarios : str
+        The scenarios that it applies to, in words.
+    formula : str
+        How the margin follows from what is measured.
+    why : str
+        Why the requirement is worth checking.
+    evaluate : callable
+        The margin of a run.
+    reason_not_applicable : callable
+        Why the check does not apply to a candidate that declares what it does.
+    volatile : bool
+        Whether the measured numbers depend on the machine, so that they belong beside a result's times.
+    """
+
+    id: str
+    requirement: str
+    source: str
+    subject: Literal["candidate", "plant"]
+    level: Literal["required", "advisory"]
+    limit: str
+    scenarios: str
+    formula: str
+    why: str
+    evaluate: Evaluate = judged_elsewhere
+    reason_not_applicable: ReasonNotApplicable = always_applicable
+    volatile: bool = False

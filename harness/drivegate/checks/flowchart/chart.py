@@ -1,0 +1,195 @@
+"""The flowchart of Fig. 4 as a judge: which advance angles it allows, decision by decision.
+
+The flowchart says what one decision does with a speed error, the power W_new, the one before, W_old, and the
+change of angle. It leaves open with which W_old and in which direction a search begins, so its first decision is
+free. It also leaves open the points of `Reading`; a candidate may take them either way, but has to keep to it.
+What it does not leave open: a decision that changes nothing forgets no direction. The paper sets the change to
+zero where the speed is off or W repeats; taken as the loss of the sign, no search could begin after a transient.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import Final, NamedTuple
+
+from drivegate.candidates.declaration import FlowchartProfile
+
+LARGEST_ANGLE: Final = math.pi / 2.0
+"""Greatest advance angle of the contract (rad electrical)."""
+ROUNDING: Final = 1e-12
+"""Relative rounding of powers and speed errors, within which a comparison may go either way (1)."""
+_DIGITS: Final = 12
+
+
+class Reading(NamedTuple):
+    """What the flowchart leaves open, once decided."""
+
+    power_follows_supply: bool
+    """Whether W is the current sum times the measured supply voltage, or the current sum alone."""
+    gate_keeps_power: bool
+    """Whether W_old stays what it was while the speed is off, or is the power of that decision."""
+    stop_keeps_power: bool
+    """Whether W_old stays what it was where W repeats, or is the power of that decision."""
+    winds_up: bool
+    """Whether steps beyond 0° and 90° are remembered, or the angle itself is limited."""
+
+
+class Told(NamedTuple):
+    """What a search is told at a decision."""
+
+    error: float
+    """Speed reference less speed (rad/s)."""
+    current_sum: float
+    """Sum of the current magnitudes (A)."""
+    supply: float
+    """Voltage of a half-source (V)."""
+    line: float
+    """The candidate's initial angle at that speed (rad)."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """A search that has followed the flowchart so far, under one reading of it.
+
+    Attributes
+    ----------
+    reading : Reading
+        How the open points are decided.
+    direction : int
+        Sign of the next step, as long as W does not rise.
+    offset : float
+        Sum of all steps (rad).
+    old_power : float or None
+        W_old (W); None before the first decision with the gate open.
+    """
+
+    reading: Reading
+    direction: int
+    offset: float = 0.0
+    old_power: float | None = None
+
+    def angle(self, line: float) -> float:
+        """Advance angle that the plant sees.
+
+        Parameters
+        ----------
+        line : float
+            The candidate's initial angle (rad).
+
+        Returns
+        -------
+        float
+            Initial angle and offset, from 0° to 90° (rad).
+        """
+        return min(max(line + self.offset, 0.0), LARGEST_ANGLE)
+
+
+def beginnings() -> frozenset[Search]:
+    """List every search before its first decision.
+
+    Returns
+    -------
+    frozenset of Search
+        One for each reading and direction.
+    """
+    readings = (Reading(*choices) for choices in product((False, True), repeat=len(Reading._fields)))
+    return frozenset(Search(reading, direction) for reading in readings for direction in (-1, 1))
+
+
+def allowed(
+    searches: Iterable[Search], told: Told, profile: FlowchartProfile, nominal_supply: float, *, free: bool
+) -> frozenset[Search]:
+    """Make one decision of Fig. 4 in every way that it allows.
+
+    Parameters
+    ----------
+    searches : iterable of Search
+        Searches that have followed the flowchart so far.
+    told : Told
+        What they are told.
+    profile : FlowchartProfile
+        The constants that the candidate declares.
+    nominal_supply : float
+        Nominal voltage of a half-source, which makes a power of the current sum (V).
+    free : bool
+        Whether the decision is still part of the beginning.
+
+    Returns
+    -------
+    frozenset of Search
+        What they may be afterwards.
+    """
+    return frozenset(
+        after for search in searches for after in _decided(search, told, profile, nominal_supply, free)
+    )
+
+
+def _decided(
+    search: Search, told: Told, profile: FlowchartProfile, nominal_supply: float, free: bool
+) -> Iterator[Search]:
+    reading = search.reading
+    power = told.current_sum * (told.supply if reading.power_follows_supply else nominal_supply)
+    excess = abs(told.error) - profile.speed_tolerance
+    if excess > -ROUNDING * profile.speed_tolerance:
+        yield _with(search, search.old_power if reading.gate_keeps_power else power)
+    if excess > ROUNDING * profile.speed_tolerance:
+        return
+    if free or search.old_power is None:
+        yield _with(search, power)
+        for direction in (-1, 1):
+            yield _stepped(search, direction, power, told.line, profile.step)
+        return
+    change = power - search.old_power
+    tolerance = profile.power_tolerance + profile.power_tolerance_fraction * power
+    rounding = ROUNDING * max(power, search.old_power)
+    if abs(change) <= tolerance + rounding:
+        yield _with(search, search.old_power if reading.stop_keeps_power else power)
+    if abs(change) >= tolerance - rounding:
+        if change >= -rounding:
+            yield _stepped(search, -search.direction, power, told.line, profile.step)
+        if change <= rounding:
+            yield _stepped(search, search.direction, power, told.line, profile.step)
+
+
+def _with(search: Search, old_power: float | None) -> Search:
+    return Search(search.reading, search.direction, search.offset, old_power)
+
+
+def _stepped(search: Search, direction: int, power: float, line: float, step: float) -> Search:
+    offset = search.offset + direction * step
+    if not search.reading.winds_up:
+        offset = min(max(offset, -line), LARGEST_ANGLE - line)
+    return Search(search.reading, direction, round(offset, _DIGITS), power)
+
+
+def described(told: Told, before: Told, profile: FlowchartProfile) -> str:
+    """Say which branch of the flowchart a decision is in.
+
+    Parameters
+    ----------
+    told : Told
+        What the search is told.
+    before : Told
+        What it was told at the decision before.
+    profile : FlowchartProfile
+        The constants that the candidate declares.
+
+    Returns
+    -------
+    str
+        A few words.
+    """
+    rpm = 30.0 / math.pi
+    if abs(told.error) > profile.speed_tolerance:
+        tolerance = profile.speed_tolerance * rpm
+        return f"the speed is off by {told.error * rpm:+.4g} rpm, more than k1 = {tolerance:.4g} rpm"
+    power, old = (signals.current_sum * signals.supply for signals in (told, before))
+    change = power - old
+    tolerance = profile.power_tolerance + profile.power_tolerance_fraction * power
+    told_change = f"from {old:.6g} W by {change:+.4g} W"
+    if abs(change) <= tolerance:
+        return f"W changes {told_change}, no more than k2 = {tolerance:.4g} W"
+    return f"W {'rises' if change > 0.0 else 'falls'} {told_change}"

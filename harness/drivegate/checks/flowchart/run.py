@@ -1,0 +1,207 @@
+"""The job that runs scripts with a candidate of the profile `flowchart`, and makes a failing one shorter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from tempfile import TemporaryDirectory
+from typing import Final
+
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis.configuration import set_hypothesis_home_dir
+from hypothesis.strategies import SearchStrategy
+
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.declaration import FlowchartProfile
+from drivegate.checks.flowchart.drawn import drawn_scripts
+from drivegate.checks.flowchart.judging import judge_script
+from drivegate.checks.flowchart.scripts import fixed_scripts, usual_speed
+from drivegate.checks.margin import Margin
+from drivegate.containment.messages import LoadedCandidate
+from drivegate.containment.shared_progress import SharedProgress
+from drivegate.gate.shard import JudgedRun, ShardOutcome
+from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.scenario.script import Script, ScriptRow
+
+
+@dataclass(frozen=True)
+class ScriptRuns:
+    """Scripts to be run with a candidate of the profile `flowchart`.
+
+    Attributes
+    ----------
+    motor : str
+        Name of the motor.
+    seed : int
+        Seed of the drawn scripts.
+    examples : int
+        Number of scripts to draw, besides the fixed ones.
+    """
+
+    motor: str
+    seed: int
+    examples: int
+
+
+SHORTENING_RUNS: Final = 60
+"""Runs that may be spent on making one failing script shorter."""
+
+
+def run_scripts(loaded: LoadedCandidate, plan: ScriptRuns) -> ShardOutcome:
+    """Run the fixed scripts, then drawn ones.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    plan : ScriptRuns
+        Motor, seed and number.
+
+    Returns
+    -------
+    ShardOutcome
+        A margin of FLO-1 for each script; none where the candidate does not declare the profile. Where scripts
+        fail, the last one is the shortest of them, made simpler.
+    """
+    declaration = loaded.candidate.declaration
+    profile = declaration.flowchart
+    motor = load_motor(plan.motor)
+    speed = usual_speed(motor, declaration.speed_range_rpm)
+    if profile is None or speed is None:
+        return ShardOutcome(())
+    controller = loaded.controller()
+    runs: dict[str, JudgedRun] = {}
+    failures: list[Script] = []
+
+    def judge(script: Script) -> None:
+        if script.name not in runs:
+            margin = judge_script(controller, profile, script, loaded.progress).margin
+            runs[script.name] = JudgedRun(script.to_mapping(), (margin,))
+            if not margin.met:
+                failures.append(script)
+
+    for fixed in fixed_scripts(motor, profile, speed):
+        judge(fixed)
+
+    for drawn in _drawn(drawn_scripts(motor, profile, declaration.speed_range_rpm), plan):
+        judge(drawn)
+    if failures:
+        shortest = min(failures, key=lambda script: len(script.rows))
+        judge(shortened(controller, profile, shortest, progress=loaded.progress))
+    return ShardOutcome(tuple(runs.values()))
+
+
+def _drawn(scripts: SearchStrategy[Script], plan: ScriptRuns) -> list[Script]:
+    """Draw as many scripts as planned; Hypothesis cannot draw none."""
+    drawn: list[Script] = []
+    if plan.examples == 0:
+        return drawn
+
+    @seed(plan.seed)
+    @settings(
+        max_examples=plan.examples,
+        database=None,
+        deadline=None,
+        derandomize=False,
+        phases=(Phase.generate,),
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(scripts)
+    def draw(script: Script) -> None:
+        drawn.append(script)
+
+    with TemporaryDirectory(prefix="drivegate") as folder:
+        # Hypothesis keeps notes of its own; they belong to nobody's working folder.
+        set_hypothesis_home_dir(folder)
+        draw()
+    return drawn
+
+
+def script_margin(loaded: LoadedCandidate, script: Script) -> Margin | None:
+    """Judge a candidate on one script.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    script : Script
+        The script.
+
+    Returns
+    -------
+    Margin or None
+        The margin of FLO-1; None where the candidate does not declare the profile `flowchart`.
+    """
+    profile = loaded.candidate.declaration.flowchart
+    if profile is None:
+        return None
+    return judge_script(loaded.controller(), profile, script, loaded.progress).margin
+
+
+def shortened(
+    controller: Controller,
+    profile: FlowchartProfile,
+    script: Script,
+    *,
+    budget: int = SHORTENING_RUNS,
+    progress: SharedProgress | None = None,
+) -> Script:
+    """Make a failing script shorter and rounder for as long as it fails.
+
+    Parameters
+    ----------
+    controller : Controller
+        The candidate's instance.
+    profile : FlowchartProfile
+        The constants that the candidate declares.
+    script : Script
+        The script.
+    budget : int
+        Greatest number of runs.
+    progress : SharedProgress, optional
+        Memory in which a parent process follows the runs.
+
+    Returns
+    -------
+    Script
+        The simplest one found, under a name of its own; the script itself where nothing simpler fails.
+    """
+    verdict = judge_script(controller, profile, script, progress)
+    # What comes after the first departure has no part in it.
+    simplest = script.replaced(rows=script.rows[: verdict.rows])
+    waiting = _simpler(simplest)
+    for _ in range(budget):
+        simpler = next(waiting, None)
+        if simpler is None:
+            break
+        if not judge_script(controller, profile, simpler, progress).margin.met:
+            simplest, waiting = simpler, _simpler(simpler)
+    if simplest == script:
+        return script
+    return simplest.replaced(
+        name=f"{script.name}-shortened",
+        description=f"The script {script.name}, made simpler for as long as the candidate departs from Fig. 4.",
+    )
+
+
+def _simpler(script: Script) -> Iterator[Script]:
+    """Give scripts that are simpler in one thing each, what simplifies most first."""
+    rows = script.rows
+    if len(rows) > 1:
+        for index in range(len(rows)):
+            yield script.replaced(rows=rows[:index] + rows[index + 1 :])
+    for index, row in enumerate(rows):
+        for simpler in _simpler_rows(row, rows[0]):
+            yield script.replaced(rows=(*rows[:index], simpler, *rows[index + 1 :]))
+
+
+def _simpler_rows(row: ScriptRow, first: ScriptRow) -> Iterator[ScriptRow]:
+    changes = (
+        {"speed_reference_rpm": row.speed_rpm},
+        {"speed_rpm": first.speed_rpm, "speed_reference_rpm": first.speed_rpm},
+        *({"current_sum_a": round(row.current_sum_a, digits)} for digits in range(4)),
+    )
+    for change in changes:
+        simpler = row.model_copy(update=change)
+        if simpler != row:
+            yield simpler

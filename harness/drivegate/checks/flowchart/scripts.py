@@ -1,0 +1,233 @@
+"""Scripts that lead a flowchart's search through each of its branches."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+from drivegate.candidates.declaration import FlowchartProfile
+from drivegate_cases.motor.motor import Motor
+from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S
+from drivegate_cases.scenario.script import Script, ScriptRow
+
+USUAL_SPEED_RPM: Final = 1500.0
+"""Speed of the fixed scripts (rpm)."""
+MOST_ROWS: Final = 150
+"""Greatest length of a script that leads to the end of the range."""
+_USUAL_SUM_A: Final = 40.0
+_SUMS_A: Final = (1.0, 1e5)
+_LEAST_UNIT, _GREATEST_UNIT = 0.002, 0.02
+_DIGITS: Final = 9
+_JUST: Final = 1e-4
+
+_WITHIN, _BEYOND = 1.0 - _JUST, 1.0 + _JUST
+_FALL, _RISE = -3.0, 3.0
+
+
+class Event(NamedTuple):
+    """What a row changes."""
+
+    power: float
+    """Change of the power over k2, negative for a fall (1)."""
+    error: float = 0.0
+    """Speed error over k1 (1)."""
+    speed_rpm: float | None = None
+    """Speed from here on (rpm); None where it stays."""
+
+
+def script_of(
+    name: str,
+    motor: Motor,
+    profile: FlowchartProfile,
+    speed_rpm: float,
+    events: Sequence[Event],
+    why: str = "",
+) -> Script:
+    """Write a script: a first row from which nothing has changed yet, and one row for each event.
+
+    Parameters
+    ----------
+    name : str
+        Name of the script.
+    motor : Motor
+        The motor.
+    profile : FlowchartProfile
+        The constants that the candidate declares, which give the events their size.
+    speed_rpm : float
+        Speed at first (rpm).
+    events : sequence of Event
+        What happens from row to row. One that would lead to hardly any or very much current is turned round.
+    why : str
+        Description.
+
+    Returns
+    -------
+    Script
+        The script.
+    """
+    falls = sum(abs(event.power) for event in events if event.power < 0.0)
+    steps = profile.power_tolerance / motor.supply_voltage_v
+    current = round(_USUAL_SUM_A + falls * steps, 3)
+    rows = [_row(speed_rpm, 0.0, current, motor, profile)]
+    for event in events:
+        changed = _changed(current, event.power, steps, profile.power_tolerance_fraction)
+        if not _SUMS_A[0] <= changed <= _SUMS_A[1]:
+            changed = _changed(current, -event.power, steps, profile.power_tolerance_fraction)
+        current = round(changed, _DIGITS)
+        speed_rpm = event.speed_rpm or speed_rpm
+        rows.append(_row(speed_rpm, event.error, current, motor, profile))
+    return Script(
+        kind="script",
+        name=name,
+        description=why,
+        motor=motor,
+        control_period_s=control_period(profile),
+        rows=tuple(rows),
+    )
+
+
+def control_period(profile: FlowchartProfile) -> float:
+    """Give the control period of a script: the longest one that the search's period is a multiple of.
+
+    Parameters
+    ----------
+    profile : FlowchartProfile
+        The constants that the candidate declares.
+
+    Returns
+    -------
+    float
+        Control period (s).
+    """
+    return profile.period / math.ceil(profile.period / LONGEST_CONTROL_PERIOD_S - 1e-9)
+
+
+def _row(
+    speed_rpm: float, error: float, current: float, motor: Motor, profile: FlowchartProfile
+) -> ScriptRow:
+    tolerance = profile.speed_tolerance * 30.0 / math.pi
+    wanted = round(speed_rpm + error * tolerance, _DIGITS)
+    return ScriptRow(
+        # Where k1 is greater than the speed, the error can only be upward.
+        speed_reference_rpm=wanted if wanted >= 0.0 else round(speed_rpm - error * tolerance, _DIGITS),
+        speed_rpm=speed_rpm,
+        current_sum_a=current,
+        supply_v=motor.supply_voltage_v,
+    )
+
+
+def _changed(current: float, power: float, steps: float, fraction: float) -> float:
+    """Return the current sum after a change of power by so many k2, of which `steps` and a fraction are one."""
+    sign = math.copysign(1.0, power)
+    share = min(abs(power), 1.0) * sign
+    # k2 is a fraction of the new power, so this is the new one that is just so far away.
+    changed = (current + share * steps) / (1.0 - share * fraction)
+    unit = max(steps, min(max(fraction, _LEAST_UNIT), _GREATEST_UNIT) * current if not steps else 0.0)
+    return changed + max(abs(power) - 1.0, 0.0) * sign * unit
+
+
+def probe(motor: Motor, profile: FlowchartProfile, speed_rpm: float) -> Script:
+    """Write a script on which every flowchart's angle changes, wherever it begins and in whichever direction.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    profile : FlowchartProfile
+        The constants that the candidate declares.
+    speed_rpm : float
+        Speed (rpm).
+
+    Returns
+    -------
+    Script
+        Power that falls, and rises in between.
+    """
+    powers = (_FALL, _FALL, _RISE, _FALL, _FALL, _FALL, _FALL, _RISE, _FALL)
+    return script_of("probe", motor, profile, speed_rpm, [Event(power) for power in powers])
+
+
+def usual_speed(motor: Motor, speed_range_rpm: tuple[float, float] | None) -> float | None:
+    """Choose the speed of the fixed scripts.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range_rpm : tuple of float or None
+        Lowest and highest speed that the candidate is made for (rpm); None for all.
+
+    Returns
+    -------
+    float or None
+        The nearest speed to the usual one (rpm); None where the candidate is made for none above base speed.
+    """
+    lowest, highest = speed_range_rpm or (0.0, math.inf)
+    speed = min(max(USUAL_SPEED_RPM, lowest), highest)
+    return speed if speed > motor.base_speed_rpm * 1.05 else None
+
+
+def fixed_scripts(motor: Motor, profile: FlowchartProfile, speed_rpm: float) -> tuple[Script, ...]:
+    """List the scripts that are always run, one for each branch of the flowchart.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    profile : FlowchartProfile
+        The constants that the candidate declares.
+    speed_rpm : float
+        Speed of the scripts (rpm).
+
+    Returns
+    -------
+    tuple of Script
+        Falling, rising and alternating power, changes just within and just beyond k2, speed errors just within and
+        beyond k1, changing speeds, and both ends of the range.
+    """
+    powers = {
+        "fall": ([_FALL] * 6, "W falls again and again: the search goes on."),
+        "rise": ([_RISE] * 6, "W rises again and again: every decision reverses the search."),
+        "alternate": ([_FALL, _RISE] * 4, "W falls and rises in turn."),
+        "within-k2": (
+            [_FALL, 0.0, -_WITHIN, -_WITHIN, 0.0, _WITHIN, _WITHIN, _FALL, 0.0, _RISE, 0.0, _FALL],
+            "W changes by just less than k2 or not at all between two moves: the search stops, and remembers its "
+            "direction.",
+        ),
+        "beyond-k2": (
+            [_FALL, -_BEYOND, -_BEYOND, -_BEYOND, _RISE, _BEYOND, _BEYOND, _BEYOND],
+            "W changes by just more than k2.",
+        ),
+        "to-one-end": (
+            [_FALL] * _rows_to_the_end(profile),
+            "W falls until the angle is at the end of its range.",
+        ),
+        "to-the-other-end": (
+            [_FALL, _RISE] + [_FALL] * _rows_to_the_end(profile),
+            "W rises once and then falls until the angle is at the other end of its range.",
+        ),
+    }
+    scripts = [
+        script_of(name, motor, profile, speed_rpm, [Event(power) for power in changes], why)
+        for name, (changes, why) in powers.items()
+    ]
+    errors = (0.0, 0.0, 2.0, 2.0, 0.0, 0.0, -2.0, 0.0, _WITHIN, _BEYOND, -_WITHIN, -_BEYOND, 0.0)
+    gate = [Event(_FALL, error) for error in errors]
+    gate += [Event(_RISE), Event(_FALL, 2.0), Event(_FALL)]
+    speeds = [Event(_FALL, 0.0, speed_rpm * share) for share in (0.99, 0.97, 0.96, 1.0, 0.98)]
+    scripts.append(
+        script_of(
+            "gate", motor, profile, speed_rpm, gate, "The speed is off by more and less than k1 in turn."
+        )
+    )
+    scripts.append(
+        script_of(
+            "speeds", motor, profile, speed_rpm, speeds, "The speed changes, and its reference with it."
+        )
+    )
+    return tuple(scripts)
+
+
+def _rows_to_the_end(profile: FlowchartProfile) -> int:
+    return min(math.ceil(0.5 * math.pi / profile.step) + 2, MOST_ROWS)

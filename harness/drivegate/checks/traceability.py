@@ -1,0 +1,120 @@
+"""Which runs exercise which check, and which check holds which fact of the paper."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.check import Check
+from drivegate_cases.publication.facts import Fact, facts
+
+EVERY_RUN: Final = ("PWR-1", "PWR-2", "ADV-2", "CMD-1", "CUR-1")
+"""Checks that judge every run in the closed loop."""
+FIXED: Final = "fixed"
+"""Name of the scenarios that are run first, whatever the seed; they exercise all checks but those of `SPECIAL`."""
+DRAWN: Final[Mapping[str, tuple[str, ...]]] = {
+    "steady": ("CNV-1", "CNV-2", "RIP-3"),
+    "constant power": ("CNV-1", "CNV-2", "CPW-1", "RIP-2", "RIP-3"),
+    "parameter": ("ROB-1",),
+    "load step": ("CNV-2", "CNV-3", "RIP-3"),
+    "sensor": ("ROB-2",),
+    "supply": ("CNV-2", "CNV-3", "RIP-3"),
+    "fault": ("ROB-3",),
+    "speed step": ("CNV-2", "CNV-3", "RIP-3"),
+    "base speed": ("ADV-1",),
+    "overspeed": ("CNV-1", "CNV-2", "CPW-2", "RIP-3"),
+    "vehicle": ("CNV-2", "CNV-3", "RIP-3"),
+}
+"""For each family of `scenarios.drawn`, the checks that it is there for, beside those of every run."""
+SPECIAL: Final[Mapping[str, tuple[str, ...]]] = {
+    "repetition": ("DET-1",),
+    "timing": ("TIM-1",),
+    "script": ("FLO-1",),
+}
+"""Checks that are judged on runs of their own kind."""
+
+
+def family_name(function_name: str) -> str:
+    """Name a family as people read it.
+
+    Parameters
+    ----------
+    function_name : str
+        Name of the function that draws it, such as ``load_step_scenarios``.
+
+    Returns
+    -------
+    str
+        Such as ``load step``.
+    """
+    return function_name.removesuffix("_scenarios").replace("_", " ")
+
+
+def families_of(check: str) -> tuple[str, ...]:
+    """List the kinds of runs that exercise a check.
+
+    Parameters
+    ----------
+    check : str
+        Identifier of the check.
+
+    Returns
+    -------
+    tuple of str
+        ``fixed`` and names of drawn families, or the one kind of run that the check has for itself.
+    """
+    special = tuple(kind for kind, checks in SPECIAL.items() if check in checks)
+    drawn = tuple(family for family, checks in DRAWN.items() if check in (*EVERY_RUN, *checks))
+    return special or (FIXED, *drawn)
+
+
+def facts_of(check: Check) -> tuple[Fact, ...]:
+    """List the facts that a check rests on.
+
+    Parameters
+    ----------
+    check : Check
+        The check.
+
+    Returns
+    -------
+    tuple of Fact
+        Those that its source names; none where it rests on the contract.
+    """
+    named = check.source.split(", ")
+    return tuple(fact for fact in facts() if fact.id in named)
+
+
+def traced_checks() -> list[dict[str, Any]]:
+    """Write down every check with what it rests on and what exercises it.
+
+    Returns
+    -------
+    list of dict
+        In the order of the catalogue.
+    """
+    keys = ("id", "requirement", "source", "subject", "level", "limit", "formula", "why", "scenarios")
+    return [
+        {key: getattr(check, key) for key in keys}
+        | {
+            "families": list(families_of(check.id)),
+            "facts": [{"id": fact.id, "title": fact.title, "where": fact.source} for fact in facts_of(check)],
+        }
+        for check in CHECKS
+    ]
+
+
+def traced_facts() -> list[dict[str, Any]]:
+    """Write down every fact with what covers it.
+
+    Returns
+    -------
+    list of dict
+        In the order of their numbers; checks, properties (tests) and figures of each.
+    """
+    return [
+        {"id": fact.id, "title": fact.title, "where": fact.source}
+        | {"covered_by": fact.covered_by.model_dump(mode="json")}
+        for fact in facts()
+    ]

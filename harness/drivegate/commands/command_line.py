@@ -1,0 +1,166 @@
+"""The command line: a group whose commands are imported only when they run, so that help answers at once."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from types import MappingProxyType
+from typing import Final, NoReturn
+
+import click
+
+from drivegate.commands.conduct import conducted, wants_json
+from drivegate.version import __version__
+
+COMMANDS: Final = MappingProxyType(
+    {
+        "check": "Check candidates: a verdict, and a report in a folder.",
+        "compare": "Compare candidates: who wins where, and by how much, in one report.",
+        "simulate": "Run a candidate once through a scenario: summary, trace and plot.",
+        "campaign": "Run many at once: grids of parameters and drives drawn at random, on every processor.",
+        "map": "Compute an operating map: of a candidate, of the best there is, or of the plant.",
+        "diff": "Compare two candidates step by step, up to the first difference.",
+        "replay": "Run a counterexample again: does its check still fail?",
+        "report": "Make the reports of a kept result anew.",
+        "point": "Compute the steady state at one operating point.",
+        "selftest": "Check the checks: faulty controllers must be caught, correct ones must pass.",
+        "reproduce": "Compute every published figure and number beside what is published.",
+        "calibrate": "Derive the motor anew from the published facts.",
+        "bench": "Measure how fast drivegate is on this machine.",
+        "new": "Write a small candidate to start from, with a test and a gate for CI.",
+        "checks": "List the checks with their requirements and limits.",
+        "include-dir": "Print the folder of drivegate.h, for a C compiler.",
+        "cases": "List the scenarios, operating points, sweeps and motors that come along.",
+    }
+)
+"""One line about each command, by its name; each is the object `command` in a module of `drivegate.commands`.
+
+Where the name has a hyphen, the module's has an underscore.
+"""
+
+
+class LazyGroup(click.Group):
+    """A group that imports a command's module only to run it or to show its own help."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  (click's signature)
+        """List the commands.
+
+        Parameters
+        ----------
+        ctx : click.Context
+            The group's context.
+
+        Returns
+        -------
+        list of str
+            Names, in the order in which they are shown.
+        """
+        return list(COMMANDS)
+
+    def get_command(
+        self,
+        ctx: click.Context,  # noqa: ARG002  (click's signature)
+        cmd_name: str,
+    ) -> click.Command | None:
+        """Import a command.
+
+        Parameters
+        ----------
+        ctx : click.Context
+            The group's context.
+        cmd_name : str
+            The command's name.
+
+        Returns
+        -------
+        click.Command or None
+            The command; None where there is none of this name.
+        """
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = import_module(f"drivegate.commands.{cmd_name.replace('-', '_')}").command
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command that the arguments begin with.
+
+        Parameters
+        ----------
+        ctx : click.Context
+            The group's context.
+        args : list of str
+            The command's name and its arguments.
+
+        Returns
+        -------
+        tuple
+            Name, command and remaining arguments.
+
+        Raises
+        ------
+        click.UsageError
+            When there is no such command.
+        """
+        from drivegate_cases.documents.wording import nearest, one_line
+
+        if args[0] not in COMMANDS and not args[0].startswith("-"):
+            raise click.UsageError(
+                f"the command '{one_line(args[0])}' is unknown, the nearest is "
+                f"'{nearest(args[0], COMMANDS)}'; there are {', '.join(COMMANDS)}",
+                ctx,
+            )
+        return super().resolve_command(ctx, args)
+
+    def format_commands(
+        self,
+        ctx: click.Context,  # noqa: ARG002  (click's signature)
+        formatter: click.HelpFormatter,
+    ) -> None:
+        """Write the commands into the help without importing them.
+
+        Parameters
+        ----------
+        ctx : click.Context
+            The group's context.
+        formatter : click.HelpFormatter
+            Receives the section.
+        """
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(
+    cls=LazyGroup,
+    invoke_without_command=True,
+    no_args_is_help=False,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+    epilog="Exit codes: 0 pass, 1 the candidate fails, 2 bad usage or input, 3 a fault of drivegate itself.",
+)
+@click.version_option(__version__, prog_name="drivegate", message="%(prog)s %(version)s")
+@click.option(
+    "--json", "as_json", is_flag=True, expose_value=False, help="Print one JSON document, errors too."
+)
+@click.pass_context
+def command_line(context: click.Context) -> None:
+    """Verify and benchmark controllers of permanent-magnet brushless drives."""
+    if context.invoked_subcommand is None:
+        raise click.UsageError(f"a command is missing; there are {', '.join(COMMANDS)}", context)
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run the command line and leave the process with its exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        The arguments; by default those that the process was started with.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+
+    def work() -> object:
+        return command_line.main(words, prog_name="drivegate", standalone_mode=False)
+
+    sys.exit(conducted(work, as_json=wants_json(words)))

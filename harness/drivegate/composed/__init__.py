@@ -1,1 +1,0 @@
-"""Candidates that replace a block of a built-in controller."""

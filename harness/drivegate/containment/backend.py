@@ -1,0 +1,155 @@
+"""Where a campaign's tasks are done: processes on this machine, or an existing dask cluster, through joblib."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any, Final, TypeVar
+
+from drivegate.containment.parent_death import end_with_parent
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.errors import HarnessFault, InputError
+
+BACKENDS: Final = ("local", "dask")
+_ATTEMPTS: Final = 3
+_CONNECTION_SECONDS: Final = 10.0
+
+ItemT = TypeVar("ItemT")
+ResultT = TypeVar("ResultT")
+
+
+@dataclass(frozen=True)
+class Backend:
+    """Where tasks are done.
+
+    Attributes
+    ----------
+    name : str
+        One of `BACKENDS`.
+    workers : int or None
+        Number of local processes; None for one a processor.
+    scheduler : str or None
+        Address of the scheduler of a dask cluster.
+    """
+
+    name: str = "local"
+    workers: int | None = None
+    scheduler: str | None = None
+
+    def require(self) -> None:
+        """Refuse a backend that is not installed.
+
+        Raises
+        ------
+        InputError
+            When dask is wanted and missing.
+        """
+        if self.name == "dask" and (find_spec("distributed") is None or find_spec("dask") is None):
+            raise InputError(
+                "--backend dask needs the packages dask and distributed, which are not installed; "
+                "install drivegate[cluster]"
+            )
+
+
+def done_by(
+    backend: Backend, task: Callable[[bytes, ItemT], ResultT], package: bytes, items: Sequence[ItemT]
+) -> Iterator[tuple[ItemT, ResultT]]:
+    """Do tasks side by side and give their results as they come.
+
+    Local processes that die are replaced, and what they were doing is done again; on a cluster its scheduler sees to
+    that. Only a few tasks wait at a time, whatever their number.
+
+    Parameters
+    ----------
+    backend : Backend
+        Where.
+    task : callable
+        A module's function, called with the package and an item.
+    package : bytes
+        What all tasks share.
+    items : sequence
+        One for each task; they can be told apart and pickled.
+
+    Yields
+    ------
+    tuple
+        Item and result, in any order.
+
+    Raises
+    ------
+    InputError
+        When a task raises it, or the cluster cannot be reached.
+    HarnessFault
+        When a task raises it, or processes die again and again.
+    """
+    from joblib import Parallel, cpu_count, delayed
+
+    left = dict.fromkeys(items)
+    failures = 0
+    while left:
+        progressed = False
+        with ExitStack() as stack:
+            jobs = backend.workers or cpu_count()
+            if backend.name == "dask":
+                stack.enter_context(_cluster(backend))
+                jobs = -1
+            else:
+                stack.callback(_end_local_workers)
+            parallel = Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered")
+            # Whoever kills the campaign means its workers too, which joblib would leave waiting for minutes.
+            parent = None if backend.name == "dask" else os.getpid()
+            results = parallel(delayed(_kept)(task, package, item, parent) for item in list(left))
+            try:
+                for item, result in results:
+                    del left[item]
+                    progressed = True
+                    yield item, result
+            except BrokenExecutor as error:
+                failures = 1 if progressed else failures + 1
+                if failures == _ATTEMPTS:
+                    raise HarnessFault(
+                        f"worker processes were killed {failures} times in a row, perhaps for want of memory; "
+                        "take fewer with --workers"
+                    ) from error
+
+
+def _end_local_workers() -> None:
+    """End the processes that joblib would keep for minutes, in case that more is to be done."""
+    from joblib.externals.loky import get_reusable_executor
+
+    get_reusable_executor(reuse=True).shutdown(wait=True, kill_workers=True)
+
+
+def _kept(
+    task: Callable[[bytes, ItemT], ResultT], package: bytes, item: ItemT, parent: int | None
+) -> tuple[ItemT, ResultT]:
+    # A single worker is the parent itself.
+    if parent is not None and os.getpid() != parent:
+        end_with_parent(parent)
+    return item, task(package, item)
+
+
+@contextmanager
+def _cluster(backend: Backend) -> Iterator[None]:
+    from distributed import Client
+    from joblib import parallel_config
+
+    connect: Any = Client
+    try:
+        client = connect(backend.scheduler, timeout=_CONNECTION_SECONDS, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise InputError(
+            f"no dask scheduler answers at {one_line(str(backend.scheduler))}: {one_line(str(error))}; "
+            "name the address that dask scheduler prints, such as tcp://127.0.0.1:8786"
+        ) from error
+    with client, parallel_config(backend="dask", client=client):
+        try:
+            yield
+        except TimeoutError as error:
+            raise InputError(
+                f"the dask cluster at {one_line(str(backend.scheduler))} has no workers; start some"
+            ) from error

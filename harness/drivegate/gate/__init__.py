@@ -1,0 +1,1 @@
+"""One check of one candidate, as events: plan, run, search, shrink, record."""

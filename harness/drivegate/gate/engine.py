@@ -1,0 +1,267 @@
+"""The check of a candidate: plan, work in contained processes, verdict. It tells what it does as events."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import astuple, dataclass, field
+from datetime import UTC, datetime
+from typing import Any, Final
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.loading import load_controller
+from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.margin import Margin
+from drivegate.containment.pool import WorkerPool
+from drivegate.gate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
+from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
+from drivegate.gate.recording import recording_job, recording_plans, with_recordings
+from drivegate.gate.repetition import repeated_elsewhere
+from drivegate.gate.shard import JudgedRun, SetAside, ShardOutcome
+from drivegate.gate.shrinking import Shrunk
+from drivegate.gate.simplest import simplest_failures, with_simplest
+from drivegate.gate.warm_up import compile_kernels, missing_marker
+from drivegate.results.baseline import Baseline, Comparison, compared
+from drivegate.results.counterexample import Counterexample
+from drivegate.results.provenance import machine, provenance
+from drivegate.results.result import CheckOutcome, CheckResult, FixedMargins
+from drivegate.results.verdict import candidate_verdict, check_outcomes, machine_dependent
+from drivegate.results.waivers import Waiver, present_day, under_waivers
+from drivegate_models.errors import InputError
+
+_REQUIRED: Final = frozenset(check.id for check in CHECKS if check.level == "required")
+_VOLATILE: Final = frozenset(check.id for check in CHECKS if check.volatile)
+
+
+@dataclass
+class _Progress:
+    """What the runs have come to so far."""
+
+    deadline: float | None
+    runs: dict[Origin, list[JudgedRun]] = field(default_factory=lambda: {origin: [] for origin in Origin})
+    faults: list[Fault] = field(default_factory=list)
+    set_aside: list[SetAside] = field(default_factory=list)
+    complete: bool = True
+
+    def add(self, work: Work, outcome: ShardOutcome | Fault) -> None:
+        if isinstance(outcome, Fault):
+            self.add_fault(outcome)
+        else:
+            self.runs[work.origin].extend(outcome.runs)
+            self.set_aside.extend(outcome.set_aside)
+
+    def add_fault(self, fault: Fault) -> None:
+        if (fault.kind, fault.message) not in [(known.kind, known.message) for known in self.faults]:
+            self.faults.append(fault)
+
+    @property
+    def all_runs(self) -> list[JudgedRun]:
+        return [run for origin in Origin for run in self.runs[origin]]
+
+    @property
+    def time_is_up(self) -> bool:
+        return self.deadline is not None and time.monotonic() > self.deadline
+
+
+def check_candidate(
+    candidate: Candidate,
+    *,
+    effort: str = "default",
+    seed: int = 0,
+    workers: int | None = None,
+    max_time: float | None = None,
+    search: bool = True,
+    corpus: Sequence[Counterexample] = (),
+    baseline: Baseline | None = None,
+    waivers: Sequence[Waiver] = (),
+    fail_on: str = "required",
+) -> Iterator[Event]:
+    """Check a candidate, and tell what is done as events.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The candidate.
+    effort : {"default", "quick", "nightly"}
+        Number of scenarios drawn.
+    seed : int
+        Seed of the search, 0 or more.
+    workers : int, optional
+        Number of worker processes; by default as many as there are processors. The result does not depend on it.
+    max_time : float, optional
+        Time after which no more work is begun (s); what is left makes the checks inconclusive.
+    search : bool
+        Whether the search climbs toward small margins; if not, scenarios are drawn at random throughout.
+    corpus : sequence of Counterexample
+        Counterexamples whose scenarios are run after the fixed ones.
+    baseline : Baseline, optional
+        An earlier result that margins are compared with.
+    waivers : sequence of Waiver
+        Failures that are accepted; those for other candidates are left alone.
+    fail_on : {"required", "advisory"}
+        Whether advisory checks count like required ones.
+
+    Yields
+    ------
+    Event
+        The last one holds the result.
+
+    Raises
+    ------
+    InputError
+        When an option is out of range or the candidate is refused.
+    HarnessFault
+        When the harness itself fails.
+    """
+    if effort not in EXAMPLES:
+        raise InputError(f"the effort is '{effort}', but must be one of {', '.join(EXAMPLES)}")
+    if seed < 0:
+        raise InputError(f"the seed is {seed}, but must be 0 or more")
+    today = present_day() if waivers else None
+    started = datetime.now(UTC)
+    began = time.monotonic()
+    count = workers or os.cpu_count() or 1
+    work = planned_work(
+        effort, seed, declaration=candidate.declaration, search=search, corpus=corpus, baseline=baseline
+    )
+    yield CheckStarted(candidate.name, sum(item.runs for item in work))
+    marker = missing_marker()
+    if marker is not None:
+        yield Compiling()
+        compile_kernels(marker)
+
+    progress = _Progress(None if max_time is None else began + max_time)
+    with WorkerPool(candidate, load_controller, workers=count) as pool:
+        yield from _run_all(pool, work, progress)
+        if not progress.time_is_up:
+            _repeat(pool, progress)
+        runs = progress.all_runs
+        outcomes = check_outcomes(
+            runs, candidate.declaration, complete=progress.complete and not progress.faults
+        )
+        outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)
+        outcomes, traces = _record(pool, outcomes, progress)
+    if any(outcome.id == REPEATED and outcome.verdict == "fail" for outcome in outcomes):
+        message = "the same scenario was answered differently when it was repeated"
+        progress.add_fault(Fault(FaultKind.NON_DETERMINISTIC, message, "step"))
+    if today is not None:
+        outcomes = under_waivers(outcomes, candidate.name, waivers, today)
+    comparisons = None if baseline is None else compared(baseline, runs)
+    timing: dict[str, Any] = {
+        "started_utc": started.isoformat(timespec="seconds"),
+        "seconds": round(time.monotonic() - began, 3),
+        "workers": count,
+        "machine": machine(),
+        "checks": machine_dependent(runs),
+    }
+    result = _result(candidate, effort, seed, outcomes, comparisons, traces, progress, timing, fail_on)
+    yield CheckFinished(result)
+
+
+def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Iterator[Event]:
+    planned = sum(item.runs for item in work)
+    outcomes = pool.map([item.job for item in work])
+    done = 0
+    for item, outcome in zip(work, outcomes, strict=True):
+        done += item.runs
+        progress.add(item, outcome)
+        yield RunDone(done, planned, item.label, _worst(progress.all_runs))
+        if progress.time_is_up and done < planned:
+            progress.complete = False
+            break
+
+
+def _repeat(pool: WorkerPool, progress: _Progress) -> None:
+    """Run once more, in processes of their own, what has been repeated within one."""
+    for origin in (Origin.FIXED, Origin.CORPUS):
+        endings = list(repeated_elsewhere(pool, progress.runs[origin]))
+        progress.runs[origin] = [ending for ending in endings if not isinstance(ending, Fault)]
+        for ending in endings:
+            if isinstance(ending, Fault):
+                progress.add_fault(ending)
+
+
+def _shrink(
+    pool: WorkerPool,
+    outcomes: tuple[CheckOutcome, ...],
+    runs: Sequence[JudgedRun],
+    effort: str,
+    progress: _Progress,
+) -> Generator[Event, None, tuple[CheckOutcome, ...]]:
+    """Make the failures simpler, and return the outcomes with their counterexamples."""
+    failures = simplest_failures(outcomes, runs)
+    shrinking = [failure for failure in failures if failure.shrinks() and not progress.time_is_up]
+    shrunk: dict[str, Shrunk | Fault | None] = {}
+    if shrinking:
+        yield Shrinking("", 0, len(shrinking))
+        endings = pool.map([failure.job(effort) for failure in shrinking])
+        for failure, ending in zip(shrinking, endings, strict=True):
+            shrunk[failure.check] = ending
+            if isinstance(ending, Fault):
+                progress.add_fault(ending)
+            yield Shrinking(failure.check, len(shrunk), len(shrinking))
+            if progress.time_is_up:
+                break
+    return tuple(with_simplest(outcome, failures, shrunk) for outcome in outcomes)
+
+
+def _record(
+    pool: WorkerPool, outcomes: tuple[CheckOutcome, ...], progress: _Progress
+) -> tuple[tuple[CheckOutcome, ...], tuple[dict[str, list[float]], ...]]:
+    """Keep the signals of the runs that reports show."""
+    plans = [] if progress.time_is_up else recording_plans(outcomes)
+    mapped = pool.map([recording_job(plan) for plan in plans])
+    endings = list(mapped)
+    for ending in endings:
+        if isinstance(ending, Fault):
+            progress.add_fault(ending)
+    return with_recordings(outcomes, plans, endings)
+
+
+def _result(
+    candidate: Candidate,
+    effort: str,
+    seed: int,
+    outcomes: tuple[CheckOutcome, ...],
+    comparisons: tuple[Comparison, ...] | None,
+    traces: tuple[dict[str, list[float]], ...],
+    progress: _Progress,
+    timing: dict[str, Any],
+    fail_on: str,
+) -> CheckResult:
+    verdict, exit_code = candidate_verdict(outcomes, progress.faults, comparisons or (), fail_on=fail_on)
+    return CheckResult(
+        candidate=candidate,
+        verdict=verdict,
+        exit_code=exit_code,
+        seed=seed,
+        effort=effort,
+        checks=outcomes,
+        faults=tuple(progress.faults),
+        runs=len(progress.all_runs),
+        set_aside=tuple(sorted(set(progress.set_aside), key=astuple)),
+        provenance=provenance(),
+        timing=timing,
+        corpus_runs=len(progress.runs[Origin.CORPUS]),
+        fixed=tuple(map(_fixed_margins, progress.runs[Origin.FIXED])),
+        baseline=comparisons,
+        fail_on=fail_on,
+        traces=traces,
+    )
+
+
+def _fixed_margins(run: JudgedRun) -> FixedMargins:
+    margins = {margin.check: margin.value for margin in run.margins if margin.check not in _VOLATILE}
+    return FixedMargins(str(run.scenario["name"]), run.scenario, margins)
+
+
+def _worst(runs: Sequence[JudgedRun]) -> str:
+    margins: list[Margin] = [
+        margin for run in runs for margin in run.margins if margin.check in _REQUIRED and not margin.advisory
+    ]
+    if not margins:
+        return ""
+    least = min(margins, key=lambda margin: margin.value)
+    return f"{least.check} {least.value:+.3g}"

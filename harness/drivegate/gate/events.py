@@ -1,0 +1,86 @@
+"""What the engine tells while it works; progress, JSON, JUnit and HTML are handlers of these."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from drivegate.results.result import CheckResult
+
+
+@dataclass(frozen=True)
+class CheckStarted:
+    """A candidate's check begins.
+
+    Attributes
+    ----------
+    candidate_name : str
+        The candidate.
+    planned_runs : int
+        Number of runs at most.
+    """
+
+    candidate_name: str
+    planned_runs: int
+
+
+@dataclass(frozen=True)
+class Compiling:
+    """The kernels are being compiled, which is done once for each installation and takes a minute."""
+
+
+@dataclass(frozen=True)
+class RunDone:
+    """Some runs have been made.
+
+    Attributes
+    ----------
+    done : int
+        Runs accounted for so far.
+    planned : int
+        Number of runs at most.
+    scenario : str
+        Name of the last scenario.
+    worst : str
+        Check with the least margin so far, with that margin; empty before there is one.
+    """
+
+    done: int
+    planned: int
+    scenario: str
+    worst: str
+
+
+@dataclass(frozen=True)
+class Shrinking:
+    """A failure has been made as simple as it could be had.
+
+    Attributes
+    ----------
+    check : str
+        Identifier of the check that fails; empty before the first one is done.
+    done : int
+        Failures that are done with.
+    planned : int
+        Number of failures.
+    """
+
+    check: str
+    done: int
+    planned: int
+
+
+@dataclass(frozen=True)
+class CheckFinished:
+    """A candidate's check has ended.
+
+    Attributes
+    ----------
+    result : CheckResult
+        The result.
+    """
+
+    result: CheckResult
+
+
+Event: TypeAlias = CheckStarted | Compiling | RunDone | Shrinking | CheckFinished

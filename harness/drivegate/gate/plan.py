@@ -1,0 +1,168 @@
+"""What a check does, in which order: a fixed number of jobs, whatever the number of workers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from enum import Enum, auto
+from typing import Final
+
+from drivegate.candidates.declaration import Declaration
+from drivegate.checks.flowchart.run import ScriptRuns, run_scripts, script_margin
+from drivegate.checks.flowchart.scripts import fixed_scripts, usual_speed
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.gate.shard import DrawnRuns, FixedRuns, JudgedRun, ShardOutcome, run_drawn, run_fixed
+from drivegate.gate.step_timing import TimedSteps, time_steps
+from drivegate.results.baseline import Baseline, scenario_key
+from drivegate.results.counterexample import Counterexample
+from drivegate.scenarios.fixed import REFERENCE_MOTOR, fixed_scenarios
+from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.script import Script
+
+EXAMPLES: Final = {"quick": 4, "default": 36, "nightly": 400}
+"""Scenarios drawn in each shard, by effort."""
+SHARDS: Final = 8
+"""Number of seeded shards, whatever the number of workers."""
+SCRIPTS: Final = {"quick": 10, "default": 60, "nightly": 600}
+"""Scripts drawn for a candidate of the profile `flowchart`, by effort."""
+NOTHING_DECLARED: Final = Declaration()
+"""What a candidate declares that declares nothing."""
+REPEATED: Final = "DET-1"
+"""Check that is judged on repetitions of a scenario."""
+
+
+class Origin(Enum):
+    """Where the scenarios of a job come from."""
+
+    FIXED = auto()
+    CORPUS = auto()
+    BASELINE = auto()
+    SCRIPTS = auto()
+    DRAWN = auto()
+    TIMED = auto()
+
+
+@dataclass(frozen=True)
+class Work:
+    """A job and what it is.
+
+    Attributes
+    ----------
+    job : Job
+        The job.
+    runs : int
+        Number of runs at most.
+    label : str
+        Name of its last scenario.
+    origin : Origin
+        Where its scenarios come from.
+    """
+
+    job: Job[ShardOutcome]
+    runs: int
+    label: str
+    origin: Origin
+
+
+def planned_work(
+    effort: str,
+    seed: int,
+    *,
+    declaration: Declaration = NOTHING_DECLARED,
+    search: bool = True,
+    corpus: Sequence[Counterexample] = (),
+    baseline: Baseline | None = None,
+) -> list[Work]:
+    """Plan the runs of a check.
+
+    Parameters
+    ----------
+    effort : {"default", "quick", "nightly"}
+        Number of scenarios drawn.
+    seed : int
+        Seed of the search.
+    declaration : Declaration
+        What the candidate declares of itself.
+    search : bool
+        Whether the search climbs toward small margins.
+    corpus : sequence of Counterexample
+        Counterexamples whose scenarios are run again.
+    baseline : Baseline, optional
+        An earlier result whose scenarios are run again, unless they are among the fixed ones.
+
+    Returns
+    -------
+    list of Work
+        In the order in which results are put together.
+    """
+    fixed = fixed_scenarios(declaration.speed_range_rpm)
+    examples = EXAMPLES[effort]
+    shards = [
+        DrawnRuns(REFERENCE_MOTOR, seed * SHARDS + shard, examples, search=search) for shard in range(SHARDS)
+    ]
+    return [
+        _as_they_are(fixed[:2], Origin.FIXED, repeat=True),
+        *(_as_they_are((scenario,), Origin.FIXED) for scenario in fixed[2:]),
+        *map(_stored, corpus),
+        *(_as_they_are((scenario,), Origin.BASELINE) for scenario in _not_among(fixed, baseline)),
+        *_scripts(declaration, seed, SCRIPTS[effort]),
+        *(
+            Work(Job(run_drawn, drawn), examples, f"shard {number}", Origin.DRAWN)
+            for number, drawn in enumerate(shards, start=1)
+        ),
+        # Last, so that fewer processes are at work beside it.
+        Work(Job(time_steps, TimedSteps(fixed[0])), 1, fixed[0].name, Origin.TIMED),
+    ]
+
+
+def _stored(stored: Counterexample) -> Work:
+    if isinstance(stored.scenario, Script):
+        return Work(Job(run_stored_script, stored.scenario), 1, stored.scenario.name, Origin.CORPUS)
+    return _as_they_are((stored.scenario,), Origin.CORPUS, repeat=stored.check == REPEATED)
+
+
+def run_stored_script(loaded: LoadedCandidate, script: Script) -> ShardOutcome:
+    """Run a script of the corpus; this is what the worker process does.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    script : Script
+        The script.
+
+    Returns
+    -------
+    ShardOutcome
+        Its margin; nothing where the candidate does not declare the profile `flowchart`.
+    """
+    margin = script_margin(loaded, script)
+    return ShardOutcome(() if margin is None else (JudgedRun(script.to_mapping(), (margin,)),))
+
+
+def _scripts(declaration: Declaration, seed: int, examples: int) -> list[Work]:
+    motor = load_motor(REFERENCE_MOTOR)
+    speed = usual_speed(motor, declaration.speed_range_rpm)
+    if declaration.flowchart is None or speed is None:
+        return []
+    count = len(fixed_scripts(motor, declaration.flowchart, speed)) + examples
+    job = Job(run_scripts, ScriptRuns(REFERENCE_MOTOR, seed, examples))
+    return [Work(job, count, "scripts", Origin.SCRIPTS)]
+
+
+def _as_they_are(scenarios: tuple[Scenario, ...], origin: Origin, *, repeat: bool = False) -> Work:
+    job = Job(run_fixed, FixedRuns(scenarios, repeat=repeat))
+    return Work(job, len(scenarios), scenarios[-1].name, origin)
+
+
+def _not_among(fixed: Iterable[Scenario], baseline: Baseline | None) -> list[Scenario]:
+    """Choose the baseline's scenarios that are not run anyway, each once."""
+    known = {scenario_key(scenario.to_mapping()) for scenario in fixed}
+    chosen = []
+    for scenario in (run.scenario for run in (baseline.fixed if baseline is not None else ())):
+        key = scenario_key(scenario.to_mapping())
+        if key not in known:
+            known.add(key)
+            chosen.append(scenario)
+    return chosen

@@ -1,0 +1,213 @@
+"""What a report shows of a run: its signals over time, few enough to be kept in the result document."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.fault import Fault
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.results.result import CheckOutcome, Recording
+from drivegate.runs.record import recorded
+from drivegate.studies.replay.replay import judged_window
+from drivegate_cases.documents.document import parse_document
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.loop.observation import TRACE_COLUMNS
+
+MOST_POINTS: Final = 300
+"""Most points that are kept of a run, each the mean of a stretch of it."""
+COLUMNS: Final = (
+    "time_s",
+    "speed_reference_rpm",
+    "speed_rpm",
+    "current_sum_a",
+    "current_reference_a",
+    "advance_deg",
+    "torque_nm",
+    "load_torque_nm",
+    "half_supply_v",
+)
+"""Columns of the trace that are kept."""
+_DIGITS: Final = 5
+_MOST_ROWS: Final = 60_000
+
+
+@dataclass(frozen=True)
+class RecordPlan:
+    """A run to be recorded.
+
+    Attributes
+    ----------
+    scenario : dict
+        The scenario as plain data.
+    checks : tuple of str
+        Checks that look at it.
+    """
+
+    scenario: dict[str, Any]
+    checks: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A recorded run.
+
+    Attributes
+    ----------
+    columns : dict
+        Lists of equal length by the name of the column.
+    windows : dict
+        By check, start and end of the stretch that it was judged on (s).
+    """
+
+    columns: dict[str, list[float]]
+    windows: dict[str, tuple[float, float]]
+
+
+def shown_scenario(outcome: CheckOutcome) -> dict[str, Any] | None:
+    """Choose the run that a report shows for a check.
+
+    Parameters
+    ----------
+    outcome : CheckOutcome
+        The outcome.
+
+    Returns
+    -------
+    dict or None
+        The counterexample, or the worst scenario; None where there is neither, or it is a script.
+    """
+    scenario = outcome.scenario if outcome.counterexample is None else outcome.counterexample
+    return None if scenario is None or scenario.get("kind") == "script" else scenario
+
+
+def recording_plans(outcomes: Iterable[CheckOutcome]) -> list[RecordPlan]:
+    """Plan which runs are recorded: each scenario once, whatever number of checks look at it.
+
+    Parameters
+    ----------
+    outcomes : iterable of CheckOutcome
+        Every check's outcome.
+
+    Returns
+    -------
+    list of RecordPlan
+        In the order of the outcomes.
+    """
+    plans: list[RecordPlan] = []
+    for outcome in outcomes:
+        scenario = shown_scenario(outcome)
+        if scenario is None:
+            continue
+        place = next((place for place, plan in enumerate(plans) if plan.scenario == scenario), None)
+        if place is None:
+            plans.append(RecordPlan(scenario, (outcome.id,)))
+        else:
+            plans[place] = replace(plans[place], checks=(*plans[place].checks, outcome.id))
+    return plans
+
+
+def recording_job(plan: RecordPlan) -> Job[Recorded]:
+    """Plan the work of a recording.
+
+    Parameters
+    ----------
+    plan : RecordPlan
+        The run.
+
+    Returns
+    -------
+    Job
+        The job.
+    """
+    return Job(run_recorded, plan)
+
+
+def run_recorded(loaded: LoadedCandidate, plan: RecordPlan) -> Recorded:
+    """Run a scenario again and keep its signals; this is what the worker process does.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    plan : RecordPlan
+        The run.
+
+    Returns
+    -------
+    Recorded
+        Its signals, and where each check was judged.
+    """
+    from drivegate.checks.catalogue import CHECKS
+
+    scenario = parse_document(plan.scenario, Scenario, "the recorded scenario")
+    every = -(-scenario.control_periods // _MOST_ROWS)
+    record = recorded(loaded, scenario, loaded.controller(), trace_every=every)
+    windows = {}
+    for check in CHECKS:
+        if check.id in plan.checks:
+            windows[check.id] = judged_window(check, record, check.evaluate(record))
+    return Recorded(thinned(record.run.trace), windows)
+
+
+def thinned(trace: NDArray[np.float64]) -> dict[str, list[float]]:
+    """Take the means of a trace over equal stretches.
+
+    Parameters
+    ----------
+    trace : ndarray, shape (n, len(TRACE_COLUMNS))
+        The trace.
+
+    Returns
+    -------
+    dict
+        At most `MOST_POINTS` numbers a column; the time is that of a stretch's middle. The half-supply is left out
+        where it is constant.
+    """
+    rows = trace.shape[0]
+    length = max(-(-rows // MOST_POINTS), 1)
+    begins = np.arange(0, rows, length)
+    counts = np.diff(np.append(begins, rows))
+    columns = {}
+    for name in COLUMNS:
+        values = trace[:, TRACE_COLUMNS.index(name)]
+        if name == "half_supply_v" and np.ptp(values) == 0.0:
+            continue
+        means = np.add.reduceat(values, begins) / counts
+        columns[name] = [float(f"{mean:.{_DIGITS}g}") for mean in means]
+    return columns
+
+
+def with_recordings(
+    outcomes: Iterable[CheckOutcome], plans: Iterable[RecordPlan], endings: Iterable[Recorded | Fault]
+) -> tuple[tuple[CheckOutcome, ...], tuple[dict[str, list[float]], ...]]:
+    """Put what was recorded into a result.
+
+    Parameters
+    ----------
+    outcomes : iterable of CheckOutcome
+        Every check's outcome.
+    plans : iterable of RecordPlan
+        What was to be recorded.
+    endings : iterable of Recorded or Fault
+        What came of each plan.
+
+    Returns
+    -------
+    outcomes : tuple of CheckOutcome
+        Each with the place of its recording.
+    traces : tuple of dict
+        The recorded signals.
+    """
+    traces: list[dict[str, list[float]]] = []
+    places: dict[str, Recording] = {}
+    for _, ending in zip(plans, endings, strict=False):
+        if isinstance(ending, Recorded):
+            windows: Mapping[str, tuple[float, float]] = ending.windows
+            places |= {check: Recording(len(traces), *window) for check, window in windows.items()}
+            traces.append(ending.columns)
+    return tuple(replace(outcome, recording=places.get(outcome.id)) for outcome in outcomes), tuple(traces)

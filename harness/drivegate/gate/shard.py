@@ -1,0 +1,297 @@
+"""The part of a check that one job does inside a worker process: run scenarios, judge them, search for worse."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from tempfile import TemporaryDirectory
+from typing import Any, Final
+
+from hypothesis import HealthCheck, Phase, assume, given, seed, settings, target
+from hypothesis import strategies as st
+from hypothesis.configuration import set_hypothesis_home_dir
+from hypothesis.errors import Unsatisfiable
+
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.fault import CandidateFault
+from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.margin import Margin
+from drivegate.containment.messages import LoadedCandidate
+from drivegate.runs.record import RunRecord, recorded
+from drivegate.scenarios.drawn.families import drawn_scenarios
+from drivegate.scenarios.feasibility import unfair_because
+from drivegate.scenarios.fixed import fixed_scenarios
+from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.scenario.scenario import Scenario
+
+_SEARCHED: Final = frozenset(
+    check.id
+    for check in CHECKS
+    if check.level == "required" and check.subject == "candidate" and not check.volatile
+)
+_GREATEST_SCORE: Final = 1e6
+_SAFE: Final = 0.95
+_TICKETS: Final = 2**48
+
+
+@dataclass(frozen=True)
+class FixedRuns:
+    """Scenarios to be run as they are.
+
+    Attributes
+    ----------
+    scenarios : tuple of Scenario
+        The scenarios.
+    repeat : bool
+        Whether the first of them is run again afterwards, on the same instance and on a new one.
+    """
+
+    scenarios: tuple[Scenario, ...]
+    repeat: bool = False
+
+
+@dataclass(frozen=True)
+class DrawnRuns:
+    """A shard of the search.
+
+    Attributes
+    ----------
+    motor : str
+        Name of the motor.
+    seed : int
+        Seed of this shard; shards of consecutive seeds take turns at the families of scenarios.
+    examples : int
+        Number of scenarios to run at most.
+    search : bool
+        Whether to climb toward small margins; if not, scenarios are drawn at random throughout.
+    """
+
+    motor: str
+    seed: int
+    examples: int
+    search: bool = True
+
+
+@dataclass(frozen=True)
+class JudgedRun:
+    """A run's scenario and margins; what a worker hands back.
+
+    Attributes
+    ----------
+    scenario : dict
+        The scenario as plain data.
+    margins : tuple of Margin
+        Of every check that applies.
+    digest : int
+        Digest of the commands; 0 where they are not compared.
+    """
+
+    scenario: dict[str, Any]
+    margins: tuple[Margin, ...]
+    digest: int = 0
+
+
+@dataclass(frozen=True)
+class SetAside:
+    """A drawn scenario on which no candidate may be judged; it was not run.
+
+    Attributes
+    ----------
+    scenario : str
+        Its name.
+    reason : str
+        Why no controller could do what it asks.
+    """
+
+    scenario: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class ShardOutcome:
+    """What a job came to.
+
+    Attributes
+    ----------
+    runs : tuple of JudgedRun
+        In the order in which they were made.
+    set_aside : tuple of SetAside
+        Drawn scenarios that no controller could do, which were not run.
+    """
+
+    runs: tuple[JudgedRun, ...]
+    set_aside: tuple[SetAside, ...] = ()
+
+
+def judged(record: RunRecord) -> JudgedRun:
+    """Apply every check to a run.
+
+    Parameters
+    ----------
+    record : RunRecord
+        The run.
+
+    Returns
+    -------
+    JudgedRun
+        Scenario and margins.
+    """
+    margins = (check.evaluate(record) for check in CHECKS)
+    return JudgedRun(
+        record.scenario.to_mapping(),
+        tuple(margin for margin in margins if margin is not None),
+        record.run.digest,
+    )
+
+
+def content_key(scenario: Mapping[str, Any]) -> str:
+    """Write what a scenario does, so that equal runs give the same text, whatever they are called.
+
+    Parameters
+    ----------
+    scenario : mapping
+        A scenario as plain data.
+
+    Returns
+    -------
+    str
+        The text.
+    """
+    content = {key: value for key, value in scenario.items() if key not in ("name", "description")}
+    return json.dumps(content, sort_keys=True)
+
+
+def run_fixed(loaded: LoadedCandidate, plan: FixedRuns) -> ShardOutcome:
+    """Run scenarios as they are.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    plan : FixedRuns
+        The scenarios.
+
+    Returns
+    -------
+    ShardOutcome
+        Their margins.
+    """
+    controller = loaded.controller()
+    records = [recorded(loaded, scenario, controller) for scenario in plan.scenarios]
+    if plan.repeat:
+        first = plan.scenarios[0]
+        again = recorded(loaded, first, controller).run.digest
+        afresh = recorded(loaded, first, loaded.controller()).run.digest
+        records[0] = replace(records[0], repeated_digests=(again, afresh))
+    return ShardOutcome(tuple(judged(record) for record in records))
+
+
+class _Collector:
+    """Runs what Hypothesis draws, and keeps what comes of it.
+
+    Each draw has a ticket. Hypothesis likes to vary what it has drawn, and a variation keeps the ticket: so the
+    first runs can be held to unrelated draws.
+    """
+
+    def __init__(self, loaded: LoadedCandidate, unrelated: int) -> None:
+        self._loaded = loaded
+        self._controller: Controller = loaded.controller()
+        self._unrelated = unrelated
+        self._known = {content_key(scenario.to_mapping()) for scenario in fixed_scenarios()}
+        self._tickets: set[int] = set()
+        self._answers: dict[tuple[int, str], tuple[Margin, ...] | None] = {}
+        self.fault: CandidateFault | None = None
+        self._examples = 0
+        self.runs: list[JudgedRun] = []
+        self.set_aside: list[SetAside] = []
+
+    def margins(self, ticket: int, scenario: Scenario) -> tuple[Margin, ...] | None:
+        """Run a scenario; None where that would tell nothing new, the same for the same draw."""
+        key = content_key(scenario.to_mapping())
+        if (ticket, key) not in self._answers:
+            self._answers[ticket, key] = self._new(ticket, key, scenario)
+        answer = self._answers[ticket, key]
+        self._examples += answer is not None
+        return answer
+
+    def _new(self, ticket: int, key: str, scenario: Scenario) -> tuple[Margin, ...] | None:
+        varied = ticket in self._tickets
+        self._tickets.add(ticket)
+        if key in self._known or (varied and self._examples < self._unrelated):
+            return None
+        self._known.add(key)
+        if (reason := unfair_because(scenario)) is not None:
+            self.set_aside.append(SetAside(scenario.name, reason))
+            return None
+        try:
+            record = recorded(self._loaded, scenario, self._controller)
+        except CandidateFault as fault:
+            self.fault = fault
+            return None
+        outcome = judged(record)
+        self.runs.append(outcome)
+        return outcome.margins
+
+
+def run_drawn(loaded: LoadedCandidate, plan: DrawnRuns) -> ShardOutcome:
+    """Draw scenarios, and climb toward the smallest margin.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    plan : DrawnRuns
+        Motor, seed and effort.
+
+    Returns
+    -------
+    ShardOutcome
+        Margins of every distinct scenario drawn.
+    """
+    collector = _Collector(loaded, plan.examples // 2 if plan.search else plan.examples)
+    drawn = drawn_scenarios(
+        load_motor(plan.motor), loaded.candidate.declaration.speed_range_rpm, group=plan.seed
+    )
+
+    @seed(plan.seed)
+    @settings(
+        max_examples=plan.examples,
+        database=None,
+        deadline=None,
+        derandomize=False,
+        phases=(Phase.generate, Phase.target) if plan.search else (Phase.generate,),
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(st.integers(0, _TICKETS), drawn)
+    def explore(ticket: int, scenario: Scenario) -> None:
+        # Hypothesis would run again what raises; a fault ends the search behind its back.
+        margins = collector.margins(ticket, scenario) if collector.fault is None else ()
+        # What tells nothing new does not count as an example.
+        assume(margins is not None)
+        for label, score in _scores(margins or ()).items():
+            target(score, label=label)
+
+    with TemporaryDirectory(prefix="drivegate") as folder:
+        # Hypothesis keeps notes of its own; they belong to nobody's working folder.
+        set_hypothesis_home_dir(folder)
+        with suppress(Unsatisfiable):
+            explore()
+    if collector.fault is not None:
+        raise collector.fault
+    return ShardOutcome(tuple(collector.runs), tuple(collector.set_aside))
+
+
+def _scores(margins: Iterable[Margin]) -> dict[str, float]:
+    """Give what the search climbs: by family of checks, such as CNV, the least required margin, upside down.
+
+    What is nowhere near its limit is left out, or its small changes would be climbed as well.
+    """
+    scores: dict[str, float] = {}
+    for margin in margins:
+        if margin.check in _SEARCHED and not margin.advisory and margin.value < _SAFE:
+            family = margin.check.partition("-")[0]
+            score = -max(min(margin.value, _GREATEST_SCORE), -_GREATEST_SCORE)
+            scores[family] = max(scores.get(family, score), score)
+    return scores

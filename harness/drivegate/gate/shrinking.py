@@ -1,0 +1,165 @@
+"""Making a scenario that breaks a check as simple as it can be had, within a number of runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from drivegate.candidates.fault import CandidateFault
+from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.margin import Margin
+from drivegate.containment.messages import LoadedCandidate
+from drivegate.gate.shard import content_key
+from drivegate.runs.record import recorded
+from drivegate.scenarios.feasibility import is_fair
+from drivegate.scenarios.simplification import SIMPLIFICATIONS, Simplification, simplified
+from drivegate.scenarios.size import size_of
+from drivegate.scenarios.title import titled
+from drivegate_cases.documents.document import parse_document
+from drivegate_cases.scenario.scenario import Scenario
+
+__all__ = ["ShrinkPlan", "Shrunk", "run_shrink", "size_of"]
+
+
+@dataclass(frozen=True)
+class ShrinkPlan:
+    """What is to be made simpler.
+
+    Attributes
+    ----------
+    scenario : mapping
+        A scenario as plain data that breaks the check, or a script.
+    check : str
+        Identifier of the check.
+    budget : int
+        Number of runs that may be spent.
+    """
+
+    scenario: Mapping[str, Any]
+    check: str
+    budget: int = 60
+
+
+@dataclass(frozen=True)
+class Shrunk:
+    """What the shrinking came to.
+
+    Attributes
+    ----------
+    scenario : dict
+        The simplest scenario found that breaks the check, as plain data.
+    margin : Margin
+        The check's margin on it.
+    runs : int
+        Number of runs that were spent.
+    size : int
+        How complicated the scenario is, by `size_of`.
+    """
+
+    scenario: dict[str, Any]
+    margin: Margin
+    runs: int
+    size: int
+
+
+def run_shrink(loaded: LoadedCandidate, plan: ShrinkPlan) -> Shrunk | None:
+    """Make a scenario simpler for as long as it breaks the same check; the same plan gives the same answer.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    plan : ShrinkPlan
+        Scenario, check and budget.
+
+    Returns
+    -------
+    Shrunk or None
+        The simplest failure found, a valid and feasible scenario; None where the check does not fail again, and
+        for a script, which is made shorter where it is found.
+
+    Raises
+    ------
+    InputError
+        When the scenario is not valid.
+    """
+    if plan.scenario.get("kind") == "script":
+        return None
+    scenario = parse_document(plan.scenario, Scenario, "the scenario")
+    trials = _Trials(loaded, plan)
+    margin = trials.failure(scenario)
+    if margin is None:
+        return None
+    simplest, margin = _simplest(scenario, margin, trials)
+    if simplest is not scenario:
+        simplest = titled(simplest)
+    mapping = simplest.to_mapping()
+    return Shrunk(mapping, margin, trials.runs, size_of(mapping))
+
+
+class _Trials:
+    """Runs of one check, each scenario at most once."""
+
+    def __init__(self, loaded: LoadedCandidate, plan: ShrinkPlan) -> None:
+        self._loaded = loaded
+        self._controller = loaded.controller()
+        self._check = next(check for check in CHECKS if check.id == plan.check)
+        self._budget = plan.budget
+        self._known: set[str] = set()
+        self.runs = 0
+
+    @property
+    def spent(self) -> bool:
+        """Whether no more runs may be made."""
+        return self.runs >= self._budget
+
+    def failure(self, scenario: Scenario) -> Margin | None:
+        """Run a scenario, and give the margin if the check fails."""
+        self._known.add(content_key(scenario.to_mapping()))
+        self.runs += 1
+        try:
+            record = recorded(self._loaded, scenario, self._controller)
+        except CandidateFault:
+            # Another failure than the one looked for.
+            return None
+        margin = self._check.evaluate(record)
+        return margin if margin is not None and not margin.met and not margin.advisory else None
+
+    def is_new(self, scenario: Scenario) -> bool:
+        """Tell whether a scenario has not been run yet."""
+        return content_key(scenario.to_mapping()) not in self._known
+
+
+def _simplest(scenario: Scenario, margin: Margin, trials: _Trials) -> tuple[Scenario, Margin]:
+    """Go through all simplifications until a whole round of them finds nothing more, or the budget is spent."""
+    improved = True
+    while improved and not trials.spent:
+        improved = False
+        for simplification in SIMPLIFICATIONS:
+            simpler = _simpler(scenario, simplification, trials)
+            while simpler is not None:
+                improved = True
+                scenario, margin = simpler
+                simpler = _simpler(scenario, simplification, trials)
+    return scenario, margin
+
+
+def _simpler(
+    scenario: Scenario, simplification: Simplification, trials: _Trials
+) -> tuple[Scenario, Margin] | None:
+    """Find the first simpler scenario that still breaks the check."""
+    for candidate in _candidates(scenario, simplification, trials):
+        if trials.spent:
+            return None
+        margin = trials.failure(candidate)
+        if margin is not None:
+            return candidate, margin
+    return None
+
+
+def _candidates(scenario: Scenario, simplification: Simplification, trials: _Trials) -> Iterator[Scenario]:
+    for fields in simplification(scenario):
+        simpler = simplified(scenario, fields)
+        if simpler is not None and trials.is_new(simpler) and is_fair(simpler):
+            yield simpler

@@ -1,0 +1,121 @@
+"""From the runs that break a check to one scenario, as simple as it can be had."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from drivegate.candidates.fault import Fault
+from drivegate.checks.margin import Margin
+from drivegate.containment.messages import Job
+from drivegate.gate.plan import REPEATED
+from drivegate.gate.shard import JudgedRun
+from drivegate.gate.shrinking import ShrinkPlan, Shrunk, run_shrink, size_of
+from drivegate.results.result import CheckOutcome, Found
+from drivegate.results.verdict import considered
+
+BUDGET: Final = {"quick": 15, "default": 40, "nightly": 200}
+"""Runs that may be spent on making one counterexample simpler, by effort."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """The simplest run that breaks a check of the candidate.
+
+    Attributes
+    ----------
+    check : str
+        Identifier of the check.
+    margin : Margin
+        Its margin.
+    run : JudgedRun
+        The run.
+    """
+
+    check: str
+    margin: Margin
+    run: JudgedRun
+
+    def shrinks(self) -> bool:
+        """Tell whether it is worth while to look for a simpler one.
+
+        Returns
+        -------
+        bool
+            Not for a candidate that is not deterministic, which breaks any scenario, nor for a script, which is
+            made shorter where it is found.
+        """
+        return self.check != REPEATED and self.run.scenario.get("kind") != "script"
+
+    def job(self, effort: str) -> Job[Shrunk | None]:
+        """Plan the search for a simpler one.
+
+        Parameters
+        ----------
+        effort : {"default", "quick", "nightly"}
+            Number of runs that may be spent.
+
+        Returns
+        -------
+        Job
+            The job.
+        """
+        return Job(run_shrink, ShrinkPlan(self.run.scenario, self.check, BUDGET[effort]))
+
+
+def simplest_failures(outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun]) -> list[Failure]:
+    """Choose for every failed check of the candidate the simplest scenario that breaks it.
+
+    Parameters
+    ----------
+    outcomes : iterable of CheckOutcome
+        Every check's outcome.
+    runs : sequence of JudgedRun
+        The runs.
+
+    Returns
+    -------
+    list of Failure
+        In the order of the outcomes; of scenarios that are equally simple, the first.
+    """
+    failures = []
+    for outcome in outcomes:
+        if outcome.counterexample is not None and outcome.subject == "candidate":
+            broken = [item for item in considered(outcome.id, runs) if not item[0].met]
+            margin, run = min(broken, key=lambda item: size_of(item[1].scenario))
+            failures.append(Failure(outcome.id, margin, run))
+    return failures
+
+
+def with_simplest(
+    outcome: CheckOutcome,
+    failures: Iterable[Failure],
+    shrunk: Mapping[str, Shrunk | Fault | None],
+) -> CheckOutcome:
+    """Put the simplest counterexample that was found into an outcome.
+
+    Parameters
+    ----------
+    outcome : CheckOutcome
+        The outcome of a check.
+    failures : iterable of Failure
+        The simplest runs that break checks.
+    shrunk : mapping
+        By check, what became of the search for a simpler one.
+
+    Returns
+    -------
+    CheckOutcome
+        The outcome; unchanged where the check does not fail.
+    """
+    failure = next((failure for failure in failures if failure.check == outcome.id), None)
+    if failure is None:
+        return outcome
+    simpler = shrunk.get(failure.check)
+    if isinstance(simpler, Shrunk):
+        found = Found(simpler.margin.value, simpler.margin.measured, simpler.size, simpler.runs)
+        return replace(outcome, counterexample=simpler.scenario, found=found)
+    scenario = failure.run.scenario
+    found = Found(failure.margin.value, failure.margin.measured, size_of(scenario), 0)
+    return replace(outcome, counterexample=scenario, found=found)

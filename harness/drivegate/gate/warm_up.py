@@ -1,0 +1,98 @@
+"""Compiling the kernels once, before a candidate's workers start, so that none of them compiles beside another."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, cast
+
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.fault import Fault
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.pool import WorkerPool
+from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.gate.shard import judged
+from drivegate.runs.record import rated_torque, recorded
+from drivegate.runs.scenario import RADIANS_PER_RPM
+from drivegate.scenarios.feasibility import is_feasible
+from drivegate.scenarios.fixed import fixed_scenarios
+from drivegate_models.compilation.kernels import choose_cache_folder
+from drivegate_models.errors import HarnessFault
+from drivegate_models.half_bridge.steady.oracle import least_current_sum, point_at_torque
+from drivegate_models.half_bridge.steady.steady_state import steady_state
+
+MARKER = "all-kernels"
+"""Name of the file in the cache folder that tells that every kernel has been compiled."""
+
+_LIMITS = WorkerLimits(start_processor_seconds=3600.0, idle_seconds=600.0)
+
+
+def missing_marker() -> Path | None:
+    """Tell whether the kernels are still to be compiled.
+
+    Returns
+    -------
+    Path or None
+        The file that `compile_kernels` writes; None when it is there, or where nothing can be kept anyway.
+    """
+    folder = choose_cache_folder()
+    if folder is None:
+        return None
+    marker = folder / MARKER
+    return None if marker.exists() else marker
+
+
+def compile_kernels(marker: Path) -> None:
+    """Compile every kernel in processes of their own, and note that it is done.
+
+    The oracle is compiled beside all else. What both need comes early in the one and late in the other, which finds it
+    compiled by then: the phase in the oracle, the whole steady state in what is beside it.
+
+    Parameters
+    ----------
+    marker : Path
+        The file to write.
+
+    Raises
+    ------
+    HarnessFault
+        When a kernel fails.
+    """
+    candidate = resolve_candidate(next(iter(BUILTIN_CANDIDATES)))
+    with WorkerPool(candidate, _load_nothing, workers=2, limits=_LIMITS) as pool:
+        for targets in ((_use_oracle, _use_closed_loop, _use_steady_state), (_judge_a_run,)):
+            for outcome in pool.map([Job(target, None) for target in targets]):
+                if isinstance(outcome, Fault):
+                    raise HarnessFault(f"the kernels cannot be compiled: {outcome.message}")
+    marker.touch()
+
+
+def _use_oracle(_loaded: LoadedCandidate, _payload: Any) -> None:
+    scenario = fixed_scenarios()[1]
+    is_feasible(scenario)
+    drive = scenario.motor.drive()
+    speed = scenario.speed_rpm[0][1] * RADIANS_PER_RPM
+    torque = rated_torque(scenario, speed)
+    optimum = least_current_sum(drive, speed, torque)
+    point_at_torque(drive, speed, optimum.advance, torque)
+
+
+def _load_nothing(_candidate: Candidate) -> Controller:
+    """Leave the controllers, which take long to compile, to the one job that needs them."""
+    return cast("Controller", None)
+
+
+def _use_closed_loop(loaded: LoadedCandidate, _payload: Any) -> None:
+    recorded(loaded, fixed_scenarios()[1], load_controller(loaded.candidate))
+
+
+def _use_steady_state(_loaded: LoadedCandidate, _payload: Any) -> None:
+    drive = fixed_scenarios()[1].motor.drive()
+    steady_state(drive, 100.0, 10.0, 0.5)
+
+
+def _judge_a_run(loaded: LoadedCandidate, _payload: Any) -> None:
+    judged(recorded(loaded, fixed_scenarios()[1], load_controller(loaded.candidate)))

@@ -1,1 +1,0 @@
-"""Candidates of machine code: C, shared libraries, and functions that numba compiles."""

@@ -1,0 +1,130 @@
+"""The console for people, on which nothing that a candidate or a file says can act."""
+
+from __future__ import annotations
+
+import os
+from typing import Final, TextIO
+
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from drivegate_cases.documents.wording import one_line
+
+WIDTH_OF_A_FILE: Final = 160
+"""Columns where the output is no terminal and none are told."""
+
+STYLES: Final = {
+    "pass": "green",
+    "fail": "bold red",
+    "waived": "yellow",
+    "unexpectedly passes": "bold yellow",
+    "no difference": "dim",
+    "too few pairs": "dim",
+    "not applicable": "dim",
+    "inconclusive": "yellow",
+}
+"""Style of a verdict; whatever is not in it is a fault."""
+
+
+def console_for(stream: TextIO) -> Console:
+    """Make a console that takes text as it is: no markup, no emoji, no highlighting.
+
+    Parameters
+    ----------
+    stream : file
+        Where it writes.
+
+    Returns
+    -------
+    Console
+        The console.
+    """
+    told = stream.isatty() or "COLUMNS" in os.environ
+    # Only tables are wrapped: a path or a command on more than one line could not be copied.
+    return Console(
+        file=stream,
+        markup=False,
+        emoji=False,
+        highlight=False,
+        soft_wrap=True,
+        width=None if told else WIDTH_OF_A_FILE,
+    )
+
+
+def plain(text: object, style: str = "") -> Text:
+    """Make any text harmless and keep it on one line.
+
+    Parameters
+    ----------
+    text : object
+        Anything; what does not print is written as an escape.
+    style : str
+        Style of the whole.
+
+    Returns
+    -------
+    Text
+        The text.
+    """
+    return Text(one_line(str(text)), style=style)
+
+
+def verdict_text(verdict: str) -> Text:
+    """Write a verdict in its style.
+
+    Parameters
+    ----------
+    verdict : str
+        The verdict.
+
+    Returns
+    -------
+    Text
+        The text.
+    """
+    return plain(verdict, STYLES.get(verdict, "bold red"))
+
+
+def table(*columns: str, right: tuple[str, ...] = (), title: str | None = None) -> Table:
+    """Make an empty table in the style of all of them.
+
+    Parameters
+    ----------
+    *columns : str
+        Headings.
+    right : tuple of str
+        Those of columns with numbers, which are aligned to the right.
+    title : str, optional
+        Title above.
+
+    Returns
+    -------
+    Table
+        The table.
+    """
+    made = Table(
+        box=SIMPLE, title=None if title is None else plain(title), title_justify="left", pad_edge=False
+    )
+    for column in columns:
+        made.add_column(plain(column), justify="right" if column in right else "left", overflow="fold")
+    return made
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """Write a number for a table.
+
+    Parameters
+    ----------
+    value : float or None
+        The number.
+    digits : int
+        Digits after the point.
+
+    Returns
+    -------
+    str
+        The number, or a dash where there is none.
+    """
+    return "–" if value is None or value != value else f"{value:.{digits}f}"

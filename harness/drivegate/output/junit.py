@@ -1,0 +1,113 @@
+"""The result as JUnit XML, which CI servers show: one test case for each check, one for each fault."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate.gate.events import CheckFinished, Event
+from drivegate.output.distinct_faults import distinct_faults, in_runs
+from drivegate.results.result import STALE_WAIVERS
+from drivegate_cases.documents.wording import one_line
+
+JUNIT_FILE: Final = "junit.xml"
+
+
+class JUnitFile:
+    """Writes JUnit XML.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __call__(self, event: Event) -> None:
+        """Write when the check has ended.
+
+        Parameters
+        ----------
+        event : Event
+            Any event.
+        """
+        if isinstance(event, CheckFinished):
+            (self._folder / JUNIT_FILE).write_bytes(junit_xml(event.result.document()))
+
+
+def junit_xml(result: dict[str, Any]) -> bytes:
+    """Make JUnit XML of a result document.
+
+    An advisory check that fails is told in the output of its case, which passes unless advisory checks count; so does
+    one that is waived. A
+    comparison with a baseline has cases of its own.
+
+    Parameters
+    ----------
+    result : dict
+        A result document.
+
+    Returns
+    -------
+    bytes
+        The XML in UTF-8.
+    """
+    name = one_line(result["candidate"]["name"])
+    suite = ElementTree.Element("testsuite", name=f"drivegate {name}")
+    counted = ("required", "advisory") if result.get("fail_on") == "advisory" else ("required",)
+    for check in result["checks"]:
+        case = _case(suite, name, check["id"])
+        _judge(case, check, counted)
+    for entry in result["baseline"] or ():
+        _compare(_case(suite, name, f"{entry['check']} against the baseline"), entry, counted)
+    for number, (fault, count) in enumerate(distinct_faults(result["faults"]), start=1):
+        case = _case(suite, name, f"fault {number}")
+        error = ElementTree.SubElement(
+            case,
+            "error",
+            type=one_line(fault["kind"]),
+            message=one_line(f"{fault['kind']}{in_runs(count)}: {fault['message']}"),
+        )
+        error.text = "\n".join(map(one_line, fault["traceback"].splitlines()))
+    cases = suite.findall("testcase")
+    suite.set("tests", str(len(cases)))
+    for kind, attribute in (("failure", "failures"), ("error", "errors"), ("skipped", "skipped")):
+        suite.set(attribute, str(sum(case.find(kind) is not None for case in cases)))
+    suite.set("time", f"{result['timing'].get('seconds', 0.0):.3f}")
+    suites = ElementTree.Element("testsuites")
+    suites.append(suite)
+    ElementTree.indent(suites)
+    text: bytes = ElementTree.tostring(suites, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _case(suite: ElementTree.Element, candidate: str, name: str) -> ElementTree.Element:
+    return ElementTree.SubElement(suite, "testcase", classname=candidate, name=one_line(name))
+
+
+def _judge(case: ElementTree.Element, check: dict[str, Any], counted: Collection[str]) -> None:
+    verdict, message = check["verdict"], one_line(check["message"])
+    required = check["level"] in counted
+    if verdict == "not applicable":
+        ElementTree.SubElement(case, "skipped", message=message)
+    elif verdict in STALE_WAIVERS or (required and verdict == "fail"):
+        failure = ElementTree.SubElement(case, "failure", type=verdict, message=message)
+        margin = "–" if check["margin"] is None else f"{check['margin']:.4g}"
+        failure.text = one_line(f"{check['requirement']} Limit: {check['limit']}. Margin: {margin}.")
+    elif required and verdict not in ("pass", "waived"):
+        ElementTree.SubElement(case, "error", type=one_line(verdict), message=message)
+    else:
+        output = ElementTree.SubElement(case, "system-out")
+        output.text = one_line(f"{check['level']}, {verdict}: {check['message']}")
+
+
+def _compare(case: ElementTree.Element, entry: dict[str, Any], counted: Collection[str]) -> None:
+    message = one_line(entry["message"])
+    if entry["level"] in counted and entry["verdict"] == "fail":
+        ElementTree.SubElement(case, "failure", type="fail", message=message)
+    else:
+        ElementTree.SubElement(case, "system-out").text = one_line(f"{entry['verdict']}: {message}")

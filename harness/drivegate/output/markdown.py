@@ -1,0 +1,118 @@
+"""The result as Markdown, for the summary that CI servers show beside a job."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate.gate.events import CheckFinished, Event
+from drivegate.output.distinct_faults import distinct_faults, in_runs
+from drivegate.output.result_file import counterexample_name
+from drivegate.results.wording import printed_margin, runs_in_short
+from drivegate_cases.documents.wording import one_line
+
+SUMMARY_FILE: Final = "summary.md"
+
+_SPECIAL = re.compile(r"([\\`*_\[\]<>|~#&@])")
+
+
+class MarkdownFile:
+    """Writes the summary.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __call__(self, event: Event) -> None:
+        """Write when the check has ended.
+
+        Parameters
+        ----------
+        event : Event
+            Any event.
+        """
+        if isinstance(event, CheckFinished):
+            text = markdown(event.result.document())
+            (self._folder / SUMMARY_FILE).write_text(text, encoding="utf-8")
+
+
+def escaped(text: object) -> str:
+    """Write any text so that Markdown shows it as it is, on one line.
+
+    Parameters
+    ----------
+    text : object
+        Anything.
+
+    Returns
+    -------
+    str
+        The text, with a backslash before every character that Markdown or HTML would act on.
+    """
+    return _SPECIAL.sub(r"\\\1", one_line(str(text)))
+
+
+def markdown(result: dict[str, Any]) -> str:
+    """Make the summary of a result document.
+
+    Parameters
+    ----------
+    result : dict
+        A result document.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
+    candidate = result["candidate"]
+    lines = [
+        f"# {escaped(candidate['name'])}: {escaped(result['verdict'])}",
+        "",
+        f"{runs_in_short(result)}, effort {escaped(result['effort'])}, "
+        f"seed {result['seed']}, drivegate {escaped(result['provenance']['drivegate'])}.",
+        "",
+        "| check | level | verdict | margin | message |",
+        "|---|---|---|---:|---|",
+    ]
+    for check in result["checks"]:
+        margin = printed_margin(result, check)
+        cells = (check["id"], check["level"], check["verdict"], margin, check["message"])
+        lines.append(f"| {' | '.join(map(escaped, cells))} |")
+    lines += _faults(result["faults"])
+    lines += _comparisons(result["baseline"] or [])
+    failed = [check for check in result["checks"] if check["counterexample"] is not None]
+    if failed:
+        lines += ["", "## Counterexamples", ""]
+    for check in failed:
+        file = counterexample_name(check["id"])
+        lines.append(
+            f"- {escaped(check['id'])}: {escaped(check['counterexample']['name'])}, in [{file}]({file})"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def _comparisons(entries: list[dict[str, Any]]) -> list[str]:
+    if not entries:
+        return []
+    lines = ["", "## Against the baseline", "", "| check | level | verdict | message |", "|---|---|---|---|"]
+    for entry in entries:
+        cells = (entry["check"], entry["level"], entry["verdict"], entry["message"])
+        lines.append(f"| {' | '.join(map(escaped, cells))} |")
+    return lines
+
+
+def _faults(faults: list[dict[str, Any]]) -> list[str]:
+    if not faults:
+        return []
+    told = (
+        f"- {escaped(fault['kind'])}{in_runs(count)}: {escaped(fault['message'])}"
+        for fault, count in distinct_faults(faults)
+    )
+    return ["", "## Faults", "", *told]

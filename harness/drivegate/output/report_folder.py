@@ -1,0 +1,144 @@
+"""The folder of a report: made beside its place, renamed onto it when complete, and nobody else's touched."""
+
+from __future__ import annotations
+
+import json
+import secrets
+import shutil
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Final, Self
+
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+MARK: Final = ".drivegate-report.json"
+"""File by which drivegate knows its own folder, and which files in it are its own."""
+
+
+class ReportFolder:
+    """A folder that is written as a whole or not at all.
+
+    Files that others have put into an earlier report's folder are kept.
+
+    Parameters
+    ----------
+    place : Path
+        Where the folder is to be; one that is there already must be empty or an earlier report's.
+
+    Attributes
+    ----------
+    place : Path
+        The same, absolute.
+    staging : Path
+        The folder to write into, while the context lasts.
+
+    Raises
+    ------
+    InputError
+        When the place cannot be used.
+    """
+
+    def __init__(self, place: Path) -> None:
+        try:
+            self.place = place.resolve()
+            working = Path.cwd()
+            if self.place == working or self.place in working.parents:
+                raise _refused(place, "holds the working folder; name a folder inside it")
+            if self.place.exists() and not self.place.is_dir():
+                raise _refused(place, "is a file; name a folder")
+            if self.place.is_dir() and any(self.place.iterdir()) and not (self.place / MARK).is_file():
+                raise _refused(
+                    place, "holds files that are no report of drivegate; name a new or an empty folder"
+                )
+        except (OSError, ValueError, RuntimeError) as error:
+            raise _unusable(place, error) from error
+        self.staging = self.place.with_name(f".{self.place.name}.{secrets.token_hex(6)}.partial")
+        self._shown = place
+        self._made: list[Path] = []
+
+    def __enter__(self) -> Self:
+        """Make the staging folder, and the folders above it that are missing."""
+        try:
+            missing = [parent for parent in self.staging.parents if not parent.exists()]
+            for parent in reversed(missing):
+                parent.mkdir()
+                self._made.insert(0, parent)
+            self.staging.mkdir()
+        except OSError as error:
+            self._discard()
+            raise _unusable(self._shown, error) from error
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Remove what was not committed."""
+        if self.staging.exists():
+            self._discard()
+
+    def commit(self) -> None:
+        """Put the folder into its place.
+
+        Raises
+        ------
+        InputError
+            When it cannot be put there.
+        """
+        own = sorted(
+            path.relative_to(self.staging).as_posix() for path in self.staging.rglob("*") if not path.is_dir()
+        )
+        former = self.staging.with_suffix(".former")
+        try:
+            self._keep_foreign_files()
+            (self.staging / MARK).write_text(json.dumps({"schema": 1, "files": own}, indent=2) + "\n")
+            if self.place.exists():
+                self.place.rename(former)
+            try:
+                self.staging.rename(self.place)
+            except OSError:
+                if former.exists():
+                    former.rename(self.place)
+                raise
+        except OSError as error:
+            raise _unusable(self._shown, error) from error
+        shutil.rmtree(former, ignore_errors=True)
+
+    def _keep_foreign_files(self) -> None:
+        """Copy what others have put into the earlier folder."""
+        if not self.place.exists():
+            return
+        own = {MARK, *_own_files(self.place)}
+        for path in sorted(self.place.rglob("*")):
+            relative = path.relative_to(self.place)
+            copy = self.staging / relative
+            if path.is_dir() and not path.is_symlink():
+                continue
+            if relative.as_posix() not in own and not copy.exists():
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(path, copy, follow_symlinks=False)
+
+    def _discard(self) -> None:
+        shutil.rmtree(self.staging, ignore_errors=True)
+        for folder in self._made:
+            with suppress(OSError):
+                folder.rmdir()
+
+
+def _own_files(folder: Path) -> list[str]:
+    """Read the mark; one that cannot be read owns nothing, so that nothing is lost."""
+    try:
+        mark = json.loads((folder / MARK).read_text(encoding="utf-8"))
+        return [str(name) for name in mark["files"]]
+    except (OSError, ValueError, TypeError, KeyError):
+        return []
+
+
+def _refused(place: Path, why: str) -> InputError:
+    return InputError(f"--output {shown_path(place)} {why}")
+
+
+def _unusable(place: Path, error: Exception) -> InputError:
+    reason = getattr(error, "strerror", None) or str(error)
+    return _refused(place, f"cannot be written: {one_line(reason)}; name a folder in a writable one")

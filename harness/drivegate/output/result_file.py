@@ -1,0 +1,151 @@
+"""The result as JSON, and a file for every counterexample."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate.candidates.fault import bounded_line
+from drivegate.gate.events import CheckFinished, Event
+
+RESULT_FILE: Final = "result.json"
+COUNTEREXAMPLES: Final = "counterexamples"
+
+_NUMBERS: Final = re.compile(r"\[\n\s+(?:[-+.\deE]+|null)(?:,\n\s+(?:[-+.\deE]+|null))*\n\s+\]")
+
+
+def as_json(document: dict[str, Any]) -> str:
+    """Write a document as the text of a file; a list of numbers stands on one line.
+
+    Parameters
+    ----------
+    document : dict
+        Plain data, all numbers finite.
+
+    Returns
+    -------
+    str
+        Indented JSON with a line end.
+    """
+    text = json.dumps(document, indent=2, ensure_ascii=True, allow_nan=False)
+    # Within a string a line end would be an escape.
+    return (
+        _NUMBERS.sub(lambda listed: " ".join(listed[0].split()).replace("[ ", "[").replace(" ]", "]"), text)
+        + "\n"
+    )
+
+
+class ResultFile:
+    """Writes the result document.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __call__(self, event: Event) -> None:
+        """Write when the check has ended.
+
+        Parameters
+        ----------
+        event : Event
+            Any event.
+        """
+        if isinstance(event, CheckFinished):
+            text = as_json(event.result.document())
+            (self._folder / RESULT_FILE).write_text(text, encoding="utf-8")
+
+
+class CounterexampleFiles:
+    """Writes every counterexample into a file of its own.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __call__(self, event: Event) -> None:
+        """Write when the check has ended.
+
+        Parameters
+        ----------
+        event : Event
+            Any event.
+        """
+        if not isinstance(event, CheckFinished):
+            return
+        for document in counterexamples(event.result.document()):
+            path = self._folder / counterexample_name(document["check"])
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(as_json(document), encoding="utf-8")
+
+
+def counterexample_name(check: str) -> str:
+    """Name the file of a counterexample, in the folder of the report.
+
+    Parameters
+    ----------
+    check : str
+        Identifier of the check.
+
+    Returns
+    -------
+    str
+        A relative path with forward slashes.
+    """
+    return f"{COUNTEREXAMPLES}/{check}.json"
+
+
+def counterexamples(result: dict[str, Any]) -> list[dict[str, Any]]:
+    """Make a document of every counterexample in a result.
+
+    Parameters
+    ----------
+    result : dict
+        A result document.
+
+    Returns
+    -------
+    list of dict
+        For each check that failed, the fully resolved scenario with what it is about.
+    """
+    # Typed documents take a while to import, and most checks end without a counterexample.
+    from drivegate.results.counterexample import KIND, Counterexample
+    from drivegate_cases.documents.document import parse_document
+
+    versions = {key: value for key, value in result["provenance"].items() if key != "content_hash"}
+    documents = []
+    for check in result["checks"]:
+        if check["counterexample"] is None:
+            continue
+        found = check["found"] or {"margin": check["margin"], "measured": check["measured"]}
+        content = {
+            "schema": Counterexample.schema_current,
+            "kind": KIND,
+            "check": check["id"],
+            "requirement": bounded_line(check["requirement"]),
+            "limit": bounded_line(check["limit"]),
+            "margin": found["margin"],
+            "measured": bounded_line(found["measured"]),
+            "seed": result["seed"],
+            "size": found.get("size"),
+            "candidate": {
+                "name": bounded_line(result["candidate"]["name"]),
+                "hash": result["candidate"]["hash"],
+            },
+            "versions": versions,
+            "scenario": check["counterexample"],
+        }
+        where = f"the counterexample to {check['id']}"
+        documents.append(parse_document(content, Counterexample, where).to_mapping())
+    return documents

@@ -1,0 +1,149 @@
+"""Writing a run's trace as CSV, Parquet or a figure; the target is looked at before the run."""
+
+from __future__ import annotations
+
+import io
+import os
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas
+
+PLOT_SUFFIXES: Final = (".png", ".svg")
+
+_PANELS: Final = (
+    (("speed_reference_rpm", "reference"), ("speed_rpm", "speed"), "speed (rpm)"),
+    (("advance_deg", "advance angle"), None, "angle (°)"),
+    (("current_sum_a", "Σ|i|"), ("current_reference_a", "current reference"), "current (A)"),
+    (("torque_nm", "torque"), ("load_torque_nm", "load"), "torque (N·m)"),
+)
+_MOST_POINTS: Final = 20_000
+
+
+def check_targets(csv: Path | None, parquet: Path | None, plot: Path | None) -> None:
+    """Refuse what could not be written after the run.
+
+    Parameters
+    ----------
+    csv, parquet, plot : Path or None
+        The files that are wanted.
+
+    Raises
+    ------
+    InputError
+        When one of them cannot be written.
+    """
+    targets = [target for target in (csv, parquet, plot) if target is not None]
+    for target in targets:
+        check_writable(target)
+    if len({target.resolve() for target in targets}) < len(targets):
+        raise InputError(
+            "two of --csv, --parquet and --plot name the same file, but each needs one of its own"
+        )
+    if plot is not None and plot.suffix.lower() not in PLOT_SUFFIXES:
+        raise InputError(
+            f"--plot {shown_path(plot)}: the name ends in '{one_line(plot.suffix)}', but must end in .png or .svg"
+        )
+    if parquet is not None and find_spec("pyarrow") is None:
+        raise InputError(
+            "--parquet needs the package pyarrow, which is not installed; install drivegate[parquet] or take --csv"
+        )
+
+
+def check_writable(path: Path) -> None:
+    """Refuse a file that cannot be written where it is wanted.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        When its folder does not exist or is not writable, or it is a folder itself.
+    """
+    try:
+        target = path.resolve()
+        if target.is_dir():
+            problem = "is a folder; name a file"
+        elif not target.parent.is_dir():
+            problem = "cannot be written, since its folder does not exist; name a file in an existing folder"
+        elif not os.access(target.parent, os.W_OK | os.X_OK):
+            problem = "cannot be written, since its folder is not writable; name a file in a writable folder"
+        elif target.exists() and not target.is_file():
+            problem = "is not a regular file; name one"
+        else:
+            return
+    except (OSError, ValueError, RuntimeError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(
+            f"{shown_path(path)} cannot be written: {one_line(reason)}; name another file"
+        ) from error
+    raise InputError(f"{shown_path(path)} {problem}")
+
+
+def write_trace(frame: pandas.DataFrame, csv: Path | None, parquet: Path | None) -> None:
+    """Write a trace as the files that are wanted.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        The trace.
+    csv, parquet : Path or None
+        The files.
+    """
+    if csv is not None:
+        write_atomically(csv, frame.to_csv(index=False, lineterminator="\n"))
+    if parquet is not None:
+        buffer = io.BytesIO()
+        frame.to_parquet(buffer, engine="pyarrow", index=False)
+        write_atomically(parquet, buffer.getvalue())
+
+
+def write_plot(
+    frame: pandas.DataFrame, plot: Path, title: str, *, shaded: tuple[float, float] | None = None
+) -> None:
+    """Draw a trace: speed, angle, currents and torque over time.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        The trace.
+    plot : Path
+        A file whose name ends in ``.png`` or ``.svg``.
+    title : str
+        Title of the figure.
+    shaded : tuple of float, optional
+        Start and end of a stretch that is set off (s).
+    """
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    thinned = frame.iloc[:: -(-len(frame) // _MOST_POINTS)]
+    buffer = io.BytesIO()
+    with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
+        figure = Figure(figsize=(9.0, 9.0), layout="constrained")
+        FigureCanvasAgg(figure)
+        all_axes = figure.subplots(len(_PANELS), 1, sharex=True)
+        for axes, (first, second, label) in zip(all_axes, _PANELS, strict=True):
+            for column, name in (line for line in (first, second) if line is not None):
+                axes.plot(thinned["time_s"], thinned[column], label=name, linewidth=1.0)
+            if shaded is not None:
+                axes.axvspan(*shaded, color="tab:orange", alpha=0.15, label="judged here")
+            axes.set_ylabel(label)
+            axes.grid(visible=True, alpha=0.3)
+            axes.legend(loc="best", fontsize="small")
+        all_axes[-1].set_xlabel("time (s)")
+        figure.suptitle(one_line(title))
+        kind = plot.suffix.lower().removeprefix(".")
+        metadata = {"Date": None} if kind == "svg" else None
+        figure.savefig(buffer, format=kind, dpi=120, metadata=metadata)
+    write_atomically(plot, buffer.getvalue())

@@ -1,1 +1,0 @@
-"""Candidates that are programs and talk in lines of JSON."""

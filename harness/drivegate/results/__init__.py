@@ -1,0 +1,1 @@
+"""Verdicts, the result document, and the files that it is compared with."""

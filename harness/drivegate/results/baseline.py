@@ -1,0 +1,205 @@
+"""Comparing margins with those of an earlier result, scenario by scenario."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal
+
+from pydantic import BeforeValidator, ConfigDict, Field
+
+from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.check import Check
+from drivegate.results.counterexample import require_kind, resolved_scenario
+from drivegate.results.result import RESULT_SCHEMA
+from drivegate_cases.documents.document import Document, Section, parse_document
+from drivegate_cases.documents.reading import read_mapping
+from drivegate_cases.documents.wording import shown_path
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate.gate.shard import JudgedRun
+
+FEWEST_PAIRS: Final = 5
+"""Pairs below which no test could tell anything: with 4, the least p-value there is is 1/16."""
+SIGNIFICANCE: Final = 0.05
+"""p-value below which a loss is taken for real."""
+LEAST_LOSS: Final = 0.05
+"""Loss of margin, in the median, that is put up with."""
+_ENUMERATED_PAIRS: Final = 8
+"""Pairs up to which all signs are enumerated, which is exact also where changes are equal."""
+
+
+class FixedRun(Section):
+    """A fixed scenario of an earlier result, and the margins that it had."""
+
+    name: str = Field(description="name of the scenario")
+    scenario: Annotated[Scenario, BeforeValidator(resolved_scenario)] = Field(
+        description="table with the whole scenario"
+    )
+    margins: dict[str, float | None] = Field(description="table of margins by check")
+
+
+class Baseline(Document):
+    """What a comparison needs of an earlier result."""
+
+    model_config = ConfigDict(extra="ignore")
+    schema_current: ClassVar[int] = RESULT_SCHEMA
+    kind: Literal["check"] = Field(description="kind of document")
+    fixed: tuple[FixedRun, ...] = Field(description="list of fixed scenarios with their margins")
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How the margins of one check have changed.
+
+    Attributes
+    ----------
+    check, level : str
+        The check.
+    pairs : int
+        Number of scenarios that have a margin in both results.
+    median_change : float or None
+        Median of the new margin less the old one; None without pairs.
+    p_value : float or None
+        Probability of such a loss by chance, one-sided; None where nothing was tested.
+    verdict : str
+        ``pass``, ``fail``, ``no difference`` or ``too few pairs``.
+    message : str
+        The same in one sentence.
+    """
+
+    check: str
+    level: str
+    pairs: int
+    median_change: float | None
+    p_value: float | None
+    verdict: str
+    message: str
+
+
+def read_baseline(path: Path) -> Baseline:
+    """Read an earlier result.
+
+    Parameters
+    ----------
+    path : Path
+        The file ``result.json`` of one candidate's report.
+
+    Returns
+    -------
+    Baseline
+        Its fixed scenarios and their margins.
+
+    Raises
+    ------
+    InputError
+        When the file is no such result, or one without fixed scenarios.
+    """
+    mapping = read_mapping(path)
+    if mapping.get("kind") == "checks":
+        raise InputError(
+            f"{shown_path(path)} holds the results of several candidates; name the result.json of one of them"
+        )
+    require_kind(mapping, "check", path)
+    if mapping.get("schema") == RESULT_SCHEMA - 1:
+        raise InputError(
+            f"{shown_path(path)} is a result of schema {RESULT_SCHEMA - 1}, which kept no margins of single "
+            "scenarios; check its candidate again for a baseline"
+        )
+    return parse_document(mapping, Baseline, str(path), folder=path.parent)
+
+
+def scenario_key(scenario: Mapping[str, Any]) -> str:
+    """Write a scenario so that equal ones give the same text.
+
+    Parameters
+    ----------
+    scenario : mapping
+        A scenario as plain data.
+
+    Returns
+    -------
+    str
+        The text.
+    """
+    return json.dumps(scenario, sort_keys=True)
+
+
+def compared(baseline: Baseline, runs: Iterable[JudgedRun]) -> tuple[Comparison, ...]:
+    """Compare the margins of every check of the candidate with the earlier ones.
+
+    Parameters
+    ----------
+    baseline : Baseline
+        The earlier result.
+    runs : iterable of JudgedRun
+        The runs of this check, those of the baseline's scenarios among them.
+
+    Returns
+    -------
+    tuple of Comparison
+        In the order of the catalogue; checks that had no margin in the earlier result are left out.
+    """
+    now: dict[str, dict[str, float]] = {}
+    for run in runs:
+        margins = {margin.check: margin.value for margin in run.margins}
+        now.setdefault(scenario_key(run.scenario), margins)
+    then = {scenario_key(run.scenario.to_mapping()): run.margins for run in baseline.fixed}
+    made = []
+    for check in CHECKS:
+        if check.subject == "plant" or all(check.id not in margins for margins in then.values()):
+            continue
+        changes = [
+            new - old
+            for key, margins in then.items()
+            if (old := margins.get(check.id)) is not None
+            and (new := now.get(key, {}).get(check.id)) is not None
+        ]
+        made.append(_comparison(check, changes))
+    return tuple(made)
+
+
+def _comparison(check: Check, changes: Sequence[float]) -> Comparison:
+    from statistics import median
+
+    pairs = len(changes)
+    change = median(changes) if changes else None
+    if change is None or pairs < FEWEST_PAIRS:
+        message = f"{pairs} scenarios have a margin in both results, but it takes {FEWEST_PAIRS} to compare"
+        return Comparison(check.id, check.level, pairs, change, None, "too few pairs", message)
+    if not any(changes):
+        message = f"the margins of {pairs} scenarios are the same"
+        return Comparison(check.id, check.level, pairs, change, None, "no difference", message)
+    p_value = loss_by_chance(changes)
+    lost = p_value < SIGNIFICANCE and change < -LEAST_LOSS
+    message = (
+        f"the margin changed by {change:+.3g} in the median of {pairs} scenarios (p = {p_value:.3g}); a loss "
+        f"above {LEAST_LOSS:g} with p below {SIGNIFICANCE:g} fails"
+    )
+    return Comparison(check.id, check.level, pairs, change, p_value, "fail" if lost else "pass", message)
+
+
+def loss_by_chance(changes: Sequence[float]) -> float:
+    """Test whether paired values have fallen, with Wilcoxon's signed ranks.
+
+    Parameters
+    ----------
+    changes : sequence of float
+        New value less old one of each pair, not all zero.
+
+    Returns
+    -------
+    float
+        One-sided p-value; exact for few pairs, also where changes are equal.
+    """
+    from scipy.stats import PermutationMethod, wilcoxon
+
+    changed = [change for change in changes if change != 0.0]
+    if len(changed) > _ENUMERATED_PAIRS:
+        return float(wilcoxon(changed, alternative="less").pvalue)
+    every_sign = PermutationMethod(n_resamples=2**_ENUMERATED_PAIRS)
+    return float(wilcoxon(changed, alternative="less", method=every_sign).pvalue)

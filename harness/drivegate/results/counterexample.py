@@ -1,0 +1,147 @@
+"""A counterexample: the file with a scenario that breaks a check, from which it can be run again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Final, Literal
+
+from pydantic import BeforeValidator, Field, field_validator
+
+from drivegate_cases.documents.document import Document, Section, parse_document
+from drivegate_cases.documents.reading import read_mapping
+from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.script import Script
+from drivegate_models.errors import InputError
+
+KIND: Final = "counterexample"
+
+Line = Annotated[str, Field(max_length=2000)]
+
+
+def resolved_scenario(value: Any) -> Any:
+    """Read a scenario that stands in another document in full: nothing in it is looked up by name.
+
+    Parameters
+    ----------
+    value : object
+        A table, as a parser gives it, or the scenario itself.
+
+    Returns
+    -------
+    object
+        The scenario.
+
+    Raises
+    ------
+    ValueError
+        With everything that is wrong with it in one sentence.
+    """
+    return _resolved(value, Scenario, "the scenario")
+
+
+def _resolved_script_or_scenario(value: Any) -> Any:
+    if isinstance(value, Mapping) and value.get("kind") == "script":
+        return _resolved(value, Script, "the script")
+    return resolved_scenario(value)
+
+
+def _resolved(value: Any, model: type[Scenario] | type[Script], noun: str) -> Any:
+    if isinstance(value, Document):
+        return value
+    if not isinstance(value, Mapping):
+        raise ValueError("must be a table with the whole scenario, not a name")
+    if not isinstance(value.get("motor"), Mapping):
+        raise ValueError("the key 'motor' must be a table with all of the motor's keys")
+    try:
+        return parse_document(value, model, noun)
+    except InputError as error:
+        raise ValueError(str(error)) from error
+
+
+class Provenance(Section):
+    """Who broke the check; a candidate that has been put right has another hash."""
+
+    name: Line = Field(min_length=1, description="name of the candidate")
+    hash: Line = Field(default="", description="hash of the candidate's sources")
+
+
+class Counterexample(Document):
+    """A scenario, fully resolved, with the check that it breaks and what was measured then."""
+
+    schema_current: ClassVar[int] = 2
+    kind: Literal["counterexample"] = Field(default=KIND, description="kind of document")
+    check: str = Field(description="identifier of the check that fails")
+    requirement: Line = Field(default="", description="requirement in one sentence")
+    limit: Line = Field(default="", description="limit of the check")
+    margin: float | None = Field(
+        default=None, description="margin that was found; left out where it is no finite number"
+    )
+    measured: Line = Field(default="", description="what the margin was measured as")
+    seed: int = Field(default=0, ge=0, lt=2**63, description="seed of the search that found it")
+    size: int | None = Field(default=None, ge=0, description="number of things that differ from nominal")
+    candidate: Provenance = Field(description="table with the candidate's name and hash")
+    versions: dict[str, Any] = Field(default_factory=dict, description="versions that it was found with")
+    scenario: Annotated[Scenario | Script, BeforeValidator(_resolved_script_or_scenario)] = Field(
+        description="table with the whole scenario or script"
+    )
+
+    @field_validator("check")
+    @classmethod
+    def _is_a_check(cls, name: str) -> str:
+        # The catalogue brings the compiled plant, which a file that is refused before does not need.
+        from drivegate.checks.catalogue import CHECKS
+
+        known = [check.id for check in CHECKS]
+        if name not in known:
+            raise ValueError(f"must be one of the checks, the nearest is '{nearest(name, known)}'")
+        return name
+
+
+def read_counterexample(path: str | Path) -> Counterexample:
+    """Read the file of a counterexample.
+
+    Parameters
+    ----------
+    path : str or Path
+        A JSON or TOML file, of this schema or the one before.
+
+    Returns
+    -------
+    Counterexample
+        The counterexample, valid throughout.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong with the file in one sentence.
+    """
+    mapping = read_mapping(path)
+    require_kind(mapping, KIND, path)
+    return parse_document(mapping, Counterexample, str(path), folder=Path(path).parent)
+
+
+def require_kind(mapping: Mapping[str, Any], kind: str, path: str | Path) -> None:
+    """Refuse a document of another kind before its keys are looked at.
+
+    Parameters
+    ----------
+    mapping : mapping
+        The document.
+    kind : str
+        What it has to say of itself.
+    path : str or Path
+        Where it was read, for the message.
+
+    Raises
+    ------
+    InputError
+        When it is another kind of document.
+    """
+    if mapping.get("kind") == kind:
+        return
+    told = f"is of kind {shown(mapping['kind'])}" if "kind" in mapping else "does not tell its kind"
+    raise InputError(
+        f"{shown_path(path)} {told}, but must be a document with the key kind = '{one_line(kind)}'"
+    )

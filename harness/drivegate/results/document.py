@@ -1,0 +1,166 @@
+"""The result document as it is read again: every key with its type and meaning, and the schema made from that."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from drivegate.results.result import RESULT_SCHEMA
+from drivegate_cases.documents.document import Document, Section
+
+Number = Annotated[float | None, Field(description="null where it is no finite number")]
+Text = str
+Table = dict[str, Any]
+
+
+class CandidateSection(Section):
+    """Who was checked."""
+
+    name: Text = Field(description="name, by which waivers are matched")
+    kind: Text = Field(description="kind of candidate, such as python")
+    specification: Text = Field(description="the string that named it on the command line")
+    hash: Text = Field(description="hash of its sources")
+    declaration: Table = Field(description="what it declares of itself")
+
+
+class FoundSection(Section):
+    """What a counterexample gave."""
+
+    margin: Number = Field(description="its margin")
+    measured: Text = Field(description="what the margin was measured as")
+    size: int = Field(ge=0, description="number of things that differ from the plainest scenario")
+    runs: int = Field(ge=0, description="runs that it took to make it simpler")
+
+
+class RecordingSection(Section):
+    """Where the signals of the run are that a report shows for a check."""
+
+    trace: int = Field(ge=0, description="place in the list 'traces'")
+    start_s: float = Field(description="begin of the stretch that the check was judged on, in seconds")
+    end_s: float = Field(description="end of that stretch, in seconds")
+
+
+class CheckSection(Section):
+    """What one check came to over all runs."""
+
+    id: Text = Field(description="identifier, such as CNV-1")
+    requirement: Text = Field(description="requirement in one sentence")
+    source: Text = Field(description="what it rests on, such as P6")
+    subject: Literal["candidate", "plant"] = Field(description="whose requirement it is")
+    level: Literal["required", "advisory"] = Field(description="whether a failure fails the candidate")
+    limit: Text = Field(description="the limit in people's units")
+    verdict: Text = Field(
+        description="pass, fail, waived, waiver expired, unexpectedly passes, not applicable or inconclusive"
+    )
+    margin: Number = Field(
+        description="least margin: distance from the limit over the limit, negative when not met"
+    )
+    measured: Text = Field(description="what the least margin was measured as")
+    runs: int = Field(ge=0, description="number of runs that decide")
+    message: Text = Field(description="the outcome in one sentence")
+    scenario: Table | None = Field(description="worst scenario, fully resolved")
+    counterexample: Table | None = Field(description="simplest scenario that breaks the check")
+    found: FoundSection | None = Field(default=None, description="what the counterexample gave")
+    waiver: Table | None = Field(default=None, description="the waiver for the check")
+    margins: tuple[Number, ...] = Field(default=(), description="margins of all runs that decide, in order")
+    recording: RecordingSection | None = Field(
+        default=None, description="signals of the run that reports show"
+    )
+
+
+class FaultSection(Section):
+    """A fault of the candidate, which no waiver covers."""
+
+    kind: Text = Field(description="exception, crash, hang, invalid output or non-deterministic")
+    message: Text = Field(description="what happened, in one sentence")
+    phase: Text = Field(description="when: loading, reset or step")
+    error: Text = Field(default="", description="type of the exception, or name of the signal")
+    traceback: Text = Field(
+        default="", description="what the candidate left behind; not part of the content hash"
+    )
+    step: int | None = Field(default=None, description="number of steps before")
+    time_s: Number = Field(default=None, description="simulated time, in seconds")
+    sense: Table | None = Field(default=None, description="what the candidate had been told")
+
+
+class FixedSection(Section):
+    """A fixed scenario and its margins, with which later results are compared."""
+
+    name: Text = Field(description="name of the scenario")
+    scenario: Table = Field(description="the scenario, fully resolved")
+    margins: dict[str, Number] = Field(description="margins by check")
+
+
+class ComparisonSection(Section):
+    """How the margins of one check have changed since the baseline."""
+
+    check: Text = Field(description="identifier of the check")
+    level: Text = Field(description="required or advisory")
+    pairs: int = Field(ge=0, description="number of scenarios in both results")
+    median_change: Number = Field(description="new margin less old one, in the median")
+    p_value: Number = Field(description="probability of such a loss by chance")
+    verdict: Text = Field(description="pass, fail, no difference or too few pairs")
+    message: Text = Field(description="the same in one sentence")
+
+
+class InfeasibleSection(Section):
+    """A drawn scenario that no controller could do, and that was not run."""
+
+    scenario: Text = Field(description="its name")
+    reason: Text = Field(description="why no controller could do what it asks")
+
+
+class ResultDocument(Document):
+    """The result of the check of one candidate."""
+
+    schema_current: ClassVar[int] = RESULT_SCHEMA
+    kind: Literal["check"] = Field(description="kind of document")
+    candidate: CandidateSection = Field(description="who was checked")
+    verdict: Text = Field(description="verdict on the candidate")
+    exit_code: int = Field(ge=0, le=3, description="exit code of the check")
+    seed: int = Field(ge=0, description="seed of the search")
+    effort: Text = Field(description="quick, default or nightly")
+    fail_on: Literal["required", "advisory"] = Field(
+        default="required", description="'advisory' where advisory checks count like required ones"
+    )
+    checks: tuple[CheckSection, ...] = Field(
+        description="outcome of every check, in the order of the catalogue"
+    )
+    faults: tuple[FaultSection, ...] = Field(description="the candidate's faults")
+    runs: int = Field(ge=0, description="number of runs")
+    set_aside: int = Field(ge=0, description="drawn scenarios that no controller could do")
+    infeasible: tuple[InfeasibleSection, ...] = Field(
+        default=(), description="those scenarios, each with the reason"
+    )
+    corpus_runs: int = Field(default=0, ge=0, description="number of scenarios of the corpus that were run")
+    fixed: tuple[FixedSection, ...] = Field(default=(), description="fixed scenarios and their margins")
+    baseline: tuple[ComparisonSection, ...] | None = Field(
+        default=None, description="comparison with an earlier result; null where there was none"
+    )
+    traces: tuple[dict[str, tuple[float, ...]], ...] = Field(
+        default=(), description="recorded signals: lists of equal length by column, units in the names"
+    )
+    provenance: Table = Field(description="versions, commit and content hash")
+    timing: Table = Field(
+        description="times and what else depends on the machine; not part of the content hash"
+    )
+
+
+def result_schema() -> dict[str, Any]:
+    """Make the JSON Schema of the result document.
+
+    Returns
+    -------
+    dict
+        The schema, of draft 2020-12.
+    """
+    schema = ResultDocument.model_json_schema(by_alias=True)
+    properties = schema["properties"]
+    properties["schema"] = {"const": RESULT_SCHEMA, "description": "number of the document's schema"}
+    schema["required"] = ["schema", *schema["required"]]
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": f"drivegate result, schema {RESULT_SCHEMA}",
+        **{key: value for key, value in schema.items() if key != "title"},
+    }

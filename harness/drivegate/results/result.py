@@ -1,0 +1,269 @@
+"""The result of a check, and the document that every report is made from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import Fault
+
+if TYPE_CHECKING:
+    from drivegate.gate.shard import SetAside
+    from drivegate.results.baseline import Comparison
+
+RESULT_SCHEMA: Final = 2
+"""Version of the result document."""
+MOST_MARGINS: Final = 1000
+"""Most margins of a check that a result keeps."""
+STALE_WAIVERS: Final = ("waiver expired", "unexpectedly passes")
+"""Verdicts of checks whose waiver has to be renewed or removed."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a counterexample gave.
+
+    Attributes
+    ----------
+    margin : float
+        Its margin.
+    measured : str
+        What the margin was measured as.
+    size : int
+        How much the scenario differs from the plainest one.
+    runs : int
+        Number of runs that it took to make it simpler.
+    """
+
+    margin: float
+    measured: str
+    size: int
+    runs: int
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Where the signals of the run that a report shows for a check are.
+
+    Attributes
+    ----------
+    trace : int
+        Place among the recorded signals of the result.
+    start_s, end_s : float
+        The stretch that the check was judged on (s).
+    """
+
+    trace: int
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True)
+class FixedMargins:
+    """A fixed scenario and its margins, with which a later result can be compared.
+
+    Attributes
+    ----------
+    name : str
+        Name of the scenario.
+    scenario : dict
+        The scenario as plain data.
+    margins : dict
+        Margins by check.
+    """
+
+    name: str
+    scenario: dict[str, Any]
+    margins: dict[str, float]
+
+
+@dataclass(frozen=True)
+class CheckOutcome:
+    """What one check came to over all runs.
+
+    Attributes
+    ----------
+    id, requirement, source, subject, level, limit : str
+        As in `drivegate.checks.check.Check`.
+    verdict : str
+        ``pass``, ``fail``, ``waived``, ``waiver expired``, ``unexpectedly passes``, ``not applicable`` or
+        ``inconclusive``.
+    margin : float or None
+        Least margin; None where the check did not apply, or depends on the machine.
+    measured : str
+        What the least margin was measured as; empty where there is none.
+    runs : int
+        Number of runs that the check applied to.
+    message : str
+        The outcome in one sentence.
+    scenario : dict or None
+        Worst scenario, as plain data.
+    counterexample : dict or None
+        When the check failed, the simplest scenario found that breaks it, as plain data.
+    found : Found or None
+        What the counterexample gave.
+    waiver : dict or None
+        Reason, owner, last day and margin of the waiver for the check.
+    margins : tuple of float
+        Margins of all runs that decide, from the least to the greatest; of more than `MOST_MARGINS` a part that is
+        spread evenly over their order. None of a check whose numbers depend on the machine.
+    recording : Recording or None
+        Signals of the counterexample, or of the worst scenario.
+    """
+
+    id: str
+    requirement: str
+    source: str
+    subject: str
+    level: str
+    limit: str
+    verdict: str
+    margin: float | None
+    measured: str
+    runs: int
+    message: str
+    scenario: dict[str, Any] | None
+    counterexample: dict[str, Any] | None
+    found: Found | None = None
+    waiver: dict[str, Any] | None = None
+    margins: tuple[float, ...] = ()
+    recording: Recording | None = None
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """Everything that a check of one candidate came to.
+
+    Attributes
+    ----------
+    candidate : Candidate
+        The candidate.
+    verdict : str
+        ``pass``, ``waived``, ``fail``, ``waiver expired``, ``unexpectedly passes``, ``inconclusive``,
+        ``harness fault``, or the kind of the candidate's fault.
+    exit_code : int
+        0, 1 or 3.
+    seed : int
+        Seed of the search.
+    effort : str
+        ``quick``, ``default`` or ``nightly``.
+    checks : tuple of CheckOutcome
+        In the order of the catalogue.
+    faults : tuple of Fault
+        The candidate's faults.
+    runs : int
+        Number of runs made.
+    set_aside : tuple of SetAside
+        Drawn scenarios that no controller could do, which were not run.
+    provenance : dict
+        Versions and machine-independent origin.
+    timing : dict
+        Times, outside the content hash, and under ``checks`` the numbers of checks that depend on the machine.
+    corpus_runs : int
+        Number of scenarios of the corpus that were run.
+    fixed : tuple of FixedMargins
+        The fixed scenarios and their margins.
+    baseline : tuple of Comparison or None
+        How margins have changed since an earlier result; None where it was not compared with one.
+    fail_on : str
+        ``required``, or ``advisory`` where advisory checks count like required ones.
+    traces : tuple of dict
+        Recorded signals: lists of equal length by column.
+    """
+
+    candidate: Candidate
+    verdict: str
+    exit_code: int
+    seed: int
+    effort: str
+    checks: tuple[CheckOutcome, ...]
+    faults: tuple[Fault, ...]
+    runs: int
+    set_aside: tuple[SetAside, ...]
+    provenance: dict[str, Any]
+    timing: dict[str, Any]
+    corpus_runs: int = 0
+    fixed: tuple[FixedMargins, ...] = ()
+    baseline: tuple[Comparison, ...] | None = None
+    fail_on: str = "required"
+    traces: tuple[dict[str, list[float]], ...] = ()
+
+    def document(self) -> dict[str, Any]:
+        """Write the result as plain data.
+
+        Returns
+        -------
+        dict
+            The result document; its provenance holds the hash of everything but `timing` and tracebacks.
+        """
+        candidate = self.candidate
+        content: dict[str, Any] = {
+            "schema": RESULT_SCHEMA,
+            "kind": "check",
+            "candidate": {
+                "name": candidate.name,
+                "kind": candidate.kind,
+                "specification": candidate.specification,
+                "hash": candidate.content_hash,
+                "declaration": asdict(candidate.declaration),
+            },
+            "verdict": self.verdict,
+            "exit_code": self.exit_code,
+            "seed": self.seed,
+            "effort": self.effort,
+            "fail_on": self.fail_on,
+            "checks": [asdict(outcome) for outcome in self.checks],
+            "faults": [_fault_document(fault) for fault in self.faults],
+            "runs": self.runs,
+            "set_aside": len(self.set_aside),
+            "infeasible": [asdict(drawn) for drawn in self.set_aside],
+            "corpus_runs": self.corpus_runs,
+            "fixed": [asdict(run) for run in self.fixed],
+            "baseline": None if self.baseline is None else [asdict(entry) for entry in self.baseline],
+            "traces": list(self.traces),
+            "provenance": self.provenance,
+        }
+        content = _finite_table(content)
+        # What a dying process printed differs from run to run.
+        hashed = {**content, "faults": [{**fault, "traceback": ""} for fault in content["faults"]]}
+        digest = hashlib.sha256(json.dumps(hashed, sort_keys=True).encode()).hexdigest()
+        content["provenance"] = {**self.provenance, "content_hash": digest}
+        content["timing"] = _finite_table(self.timing)
+        return content
+
+
+def _fault_document(fault: Fault) -> dict[str, Any]:
+    document = asdict(fault)
+    document["kind"] = fault.kind.value
+    document["time_s"] = document.pop("time")
+    return document
+
+
+def _finite_table(table: dict[str, Any]) -> dict[str, Any]:
+    return {key: finite(item) for key, item in table.items()}
+
+
+def finite(value: Any) -> Any:
+    """Replace numbers that JSON cannot write by null, and tuples by lists.
+
+    Parameters
+    ----------
+    value : object
+        Plain data.
+
+    Returns
+    -------
+    object
+        The same with every NaN and infinity as None.
+    """
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return _finite_table(value)
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    return value

@@ -1,0 +1,197 @@
+"""From the margins of all runs to a verdict for each check and for the candidate."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.fault import Fault
+from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin
+from drivegate.gate.shard import JudgedRun
+from drivegate.results.baseline import Comparison
+from drivegate.results.result import MOST_MARGINS, STALE_WAIVERS, CheckOutcome
+from drivegate_cases.documents.wording import counted
+
+_NAMED: Final = 4
+_DIGITS: Final = 6
+
+
+def considered(check: str, runs: Iterable[JudgedRun]) -> list[tuple[Margin, JudgedRun]]:
+    """Choose the runs that decide on a check.
+
+    Parameters
+    ----------
+    check : str
+        Identifier of the check.
+    runs : iterable of JudgedRun
+        The runs.
+
+    Returns
+    -------
+    list of tuple
+        Margin and run: those where the check is binding; where there are none, those where it only advises.
+    """
+    judged = [(margin, run) for run in runs for margin in run.margins if margin.check == check]
+    return [item for item in judged if not item[0].advisory] or judged
+
+
+def check_outcomes(
+    runs: Sequence[JudgedRun], declaration: Declaration, *, complete: bool
+) -> tuple[CheckOutcome, ...]:
+    """Judge every check over all runs.
+
+    Parameters
+    ----------
+    runs : sequence of JudgedRun
+        The runs.
+    declaration : Declaration
+        What the candidate declares of itself.
+    complete : bool
+        Whether all planned runs were made; if not, a check that has not failed is inconclusive.
+
+    Returns
+    -------
+    tuple of CheckOutcome
+        In the order of the catalogue; the worst scenario of a failure is its counterexample too.
+    """
+    return tuple(_outcome(check, runs, declaration, complete) for check in CHECKS)
+
+
+def machine_dependent(runs: Sequence[JudgedRun]) -> dict[str, dict[str, Any]]:
+    """Give the numbers of the checks that depend on the machine.
+
+    Parameters
+    ----------
+    runs : sequence of JudgedRun
+        The runs.
+
+    Returns
+    -------
+    dict
+        Least margin and what it was measured as, by check.
+    """
+    numbers = {}
+    for check in CHECKS:
+        items = considered(check.id, runs) if check.volatile else []
+        if items:
+            margin, _ = min(items, key=lambda item: item[0].value)
+            numbers[check.id] = {"margin": margin.value, "measured": margin.measured}
+    return numbers
+
+
+def _outcome(
+    check: Check, runs: Sequence[JudgedRun], declaration: Declaration, complete: bool
+) -> CheckOutcome:
+    reason = check.reason_not_applicable(declaration)
+    items = considered(check.id, runs) if reason is None else []
+    if not items:
+        verdict = "not applicable" if complete or reason is not None else "inconclusive"
+        message = reason or f"applies to {check.scenarios}; there was none"
+        return _made(check, verdict, None, 0, message, None)
+    margin, run = min(items, key=lambda item: item[0].value)
+    failed = [item for item in items if not item[0].met]
+    if failed:
+        verdict, told = "fail", f"fails in {len(failed)} of {len(items)} runs"
+    else:
+        verdict = "pass" if complete else "inconclusive"
+        told = f"met in {'its only run' if len(items) == 1 else f'all {len(items)} runs'}"
+    if check.volatile:
+        # Which run was the worst, and by how much, another machine would tell otherwise.
+        message = f"{'not ' if failed else ''}met; the numbers depend on the machine and are with the times"
+        return _made(check, verdict, None, len(items), message, None)
+    if failed:
+        told = f"{told}: {_names(run for _, run in failed)}"
+    advised = [other for run in runs for other in run.margins if other.check == check.id and other.advisory]
+    unmet = sum(not other.met for other in advised)
+    if unmet and not margin.advisory:
+        told += f"; advisory: not met in {counted(unmet, 'run')} at light load"
+    made = _made(check, verdict, margin, len(items), f"{margin.measured}; {told}", run.scenario)
+    return replace(made, margins=_spread([item.value for item, _ in items]))
+
+
+def _spread(margins: Sequence[float]) -> tuple[float, ...]:
+    """Order margins, and of very many take a part that keeps the least and the greatest."""
+    ordered = sorted(float(f"{margin:.{_DIGITS}g}") for margin in margins)
+    if len(ordered) <= MOST_MARGINS:
+        return tuple(ordered)
+    step = (len(ordered) - 1) / (MOST_MARGINS - 1)
+    return tuple(ordered[round(place * step)] for place in range(MOST_MARGINS))
+
+
+def _names(runs: Iterable[JudgedRun]) -> str:
+    names = list(dict.fromkeys(str(run.scenario["name"]) for run in runs))
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return ", ".join(names[:_NAMED]) + more
+
+
+def _made(
+    check: Check,
+    verdict: str,
+    margin: Margin | None,
+    runs: int,
+    message: str,
+    scenario: dict[str, Any] | None,
+) -> CheckOutcome:
+    return CheckOutcome(
+        id=check.id,
+        requirement=check.requirement,
+        source=check.source,
+        subject=check.subject,
+        level=check.level,
+        limit=check.limit,
+        verdict=verdict,
+        margin=None if margin is None else margin.value,
+        measured="" if margin is None else margin.measured,
+        runs=runs,
+        message=message,
+        scenario=scenario,
+        counterexample=scenario if verdict == "fail" else None,
+    )
+
+
+def candidate_verdict(
+    outcomes: Sequence[CheckOutcome],
+    faults: Sequence[Fault],
+    baseline: Sequence[Comparison] = (),
+    *,
+    fail_on: str = "required",
+) -> tuple[str, int]:
+    """Judge the candidate.
+
+    Parameters
+    ----------
+    outcomes : sequence of CheckOutcome
+        Every check's outcome.
+    faults : sequence of Fault
+        The candidate's faults, which no waiver covers.
+    baseline : sequence of Comparison
+        How margins have changed.
+    fail_on : {"required", "advisory"}
+        Whether advisory checks count like required ones.
+
+    Returns
+    -------
+    verdict : str
+        The first fault's kind, ``fail``, ``waiver expired``, ``unexpectedly passes``, ``inconclusive``,
+        ``waived`` or ``pass``.
+    exit_code : int
+        3 when a plant check failed, 1 when the candidate does not pass, 0 when it does.
+    """
+    levels = ("required",) if fail_on == "required" else ("required", "advisory")
+    required = [outcome for outcome in outcomes if outcome.level in levels]
+    found = {outcome.verdict for outcome in required}
+    found |= {entry.verdict for entry in baseline if entry.level in levels} & {"fail"}
+    # A waiver that is out of date is put right or removed, whatever its check's level.
+    found |= {outcome.verdict for outcome in outcomes} & set(STALE_WAIVERS)
+    if any(outcome.subject == "plant" and outcome.verdict == "fail" for outcome in required):
+        return "harness fault", 3
+    if faults:
+        return faults[0].kind.value, 1
+    for verdict in ("fail", *STALE_WAIVERS, "inconclusive"):
+        if verdict in found:
+            return verdict, 1
+    return ("waived" if "waived" in found else "pass"), 0

@@ -1,0 +1,202 @@
+"""Waivers: failures that somebody answers for, until a day and down to a margin."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Iterable
+from dataclasses import replace
+from datetime import UTC, date, datetime
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+from pydantic import BeforeValidator, Field
+
+from drivegate.checks.catalogue import CHECKS
+from drivegate.results.result import CheckOutcome
+from drivegate_cases.documents.document import Document, Section, read_document
+from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
+from drivegate_models.errors import InputError
+
+DAY_VARIABLE: Final = "SOURCE_DATE_EPOCH"
+"""Environment variable that stands for the present time (s since 1970), for results that can be made again."""
+
+NEVER_WAIVED: Final = frozenset({"DET-1"})
+"""Checks whose failure is a fault of the candidate."""
+
+Text = Annotated[str, Field(min_length=1, max_length=500)]
+
+
+def _day(value: Any) -> Any:
+    """Take a day from JSON, which has no type for it, and refuse a time of day."""
+    if isinstance(value, str):
+        try:
+            return date.fromisoformat(value)
+        except ValueError as error:
+            raise ValueError("must be a day such as 2030-12-31") from error
+    if not isinstance(value, date) or isinstance(value, datetime):
+        raise ValueError("must be a day such as 2030-12-31")
+    return value
+
+
+class Waiver(Section):
+    """A failure of one check by one candidate that is accepted for a while."""
+
+    check: Text = Field(description="identifier of the check")
+    candidate: Text = Field(description="name of the candidate")
+    reason: Text = Field(description="reason why the failure is accepted")
+    owner: Text = Field(description="person or team that answers for it")
+    expires: Annotated[date, BeforeValidator(_day)] = Field(description="last day on which it holds")
+    margin: float = Field(lt=0.0, description="margin below which it no longer holds, below 0")
+
+    def expired(self, today: date) -> bool:
+        """Tell whether the waiver's last day is over.
+
+        Parameters
+        ----------
+        today : date
+            The present day.
+
+        Returns
+        -------
+        bool
+            Whether it no longer holds.
+        """
+        return today > self.expires
+
+    def told(self) -> dict[str, Any]:
+        """Write what a result tells of the waiver.
+
+        Returns
+        -------
+        dict
+            Reason, owner, last day and margin.
+        """
+        return self.model_dump(mode="json", include={"reason", "owner", "expires", "margin"})
+
+
+class WaiverFile(Document):
+    """A file of waivers."""
+
+    waiver: tuple[Waiver, ...] = Field(default=(), description="list of waivers, each a table [[waiver]]")
+
+
+def read_waivers(path: Path, candidates: Collection[str]) -> tuple[Waiver, ...]:
+    """Read a file of waivers for the candidates of a call.
+
+    Parameters
+    ----------
+    path : Path
+        A TOML or JSON file.
+    candidates : collection of str
+        The candidates' names.
+
+    Returns
+    -------
+    tuple of Waiver
+        In the order of the file.
+
+    Raises
+    ------
+    InputError
+        When the file is not valid, or a waiver in it matches nothing or another one.
+    """
+    waivers = read_document(path, WaiverFile).waiver
+    problems = [
+        f"waiver {number} {problem}"
+        for number, waiver in enumerate(waivers, start=1)
+        for problem in _problems(waiver, waivers[: number - 1], candidates)
+    ]
+    if problems:
+        raise InputError(f"{shown_path(path)}: {'; '.join(problems)}")
+    return waivers
+
+
+def _problems(waiver: Waiver, earlier: Iterable[Waiver], candidates: Collection[str]) -> Iterable[str]:
+    named = f"is for the check {shown(waiver.check)}"
+    checks = {check.id: check for check in CHECKS}
+    if waiver.check not in checks:
+        yield f"{named}, but must be for one that there is, the nearest is '{nearest(waiver.check, checks)}'"
+    elif checks[waiver.check].subject == "plant":
+        yield f"{named}, but must be for one of the candidate, since a failure of the plant is never accepted"
+    elif waiver.check in NEVER_WAIVED:
+        yield f"{named}, but must be for another one, since a candidate that is not deterministic is never accepted"
+    elif checks[waiver.check].volatile:
+        yield f"{named}, but must be for another one, since its margin depends on the machine and it only advises"
+    if waiver.candidate not in candidates:
+        known = ", ".join(f"'{one_line(name)}'" for name in candidates)
+        yield f"is for the candidate {shown(waiver.candidate)}, but must be for one of those checked, {known}"
+    if any((waiver.check, waiver.candidate) == (other.check, other.candidate) for other in earlier):
+        yield f"{named} and the candidate {shown(waiver.candidate)}, for which there is one before; keep one of them"
+
+
+def under_waivers(
+    outcomes: Iterable[CheckOutcome], candidate: str, waivers: Iterable[Waiver], today: date
+) -> tuple[CheckOutcome, ...]:
+    """Apply the waivers to a candidate's outcomes.
+
+    Parameters
+    ----------
+    outcomes : iterable of CheckOutcome
+        Every check's outcome.
+    candidate : str
+        The candidate's name.
+    waivers : iterable of Waiver
+        The waivers, also those for other candidates.
+    today : date
+        The present day.
+
+    Returns
+    -------
+    tuple of CheckOutcome
+        The same, waived where a waiver holds, and with the waiver where there is one.
+    """
+    own = {waiver.check: waiver for waiver in waivers if waiver.candidate == candidate}
+    return tuple(
+        _waived(outcome, own[outcome.id], today) if outcome.id in own else outcome for outcome in outcomes
+    )
+
+
+def _waived(outcome: CheckOutcome, waiver: Waiver, today: date) -> CheckOutcome:
+    verdict, told = outcome.verdict, f"there is a waiver of {waiver.owner} for it"
+    if outcome.verdict == "pass":
+        verdict = "unexpectedly passes"
+        told = f"the waiver of {waiver.owner} is not needed any more and is to be removed"
+    elif outcome.verdict == "fail" and waiver.expired(today):
+        verdict = "waiver expired"
+        told = f"the waiver of {waiver.owner} held until {waiver.expires}"
+    elif outcome.verdict == "fail" and not _holds(waiver, outcome.margin):
+        told = f"the waiver of {waiver.owner} holds down to a margin of {waiver.margin:g} only"
+    elif outcome.verdict == "fail":
+        verdict = "waived"
+        told = f"waived by {waiver.owner} until {waiver.expires}: {waiver.reason}"
+    return replace(
+        outcome, verdict=verdict, message=f"{outcome.message}; {one_line(told)}", waiver=waiver.told()
+    )
+
+
+def _holds(waiver: Waiver, margin: float | None) -> bool:
+    return margin is not None and margin >= waiver.margin
+
+
+def present_day() -> date:
+    """Tell which day it is, in UTC.
+
+    Returns
+    -------
+    date
+        Today, or the day that the variable `DAY_VARIABLE` names.
+
+    Raises
+    ------
+    InputError
+        When the variable is set to what is no number of seconds.
+    """
+    text = os.environ.get(DAY_VARIABLE)
+    if text is None:
+        return datetime.now(UTC).date()
+    try:
+        return datetime.fromtimestamp(int(text), UTC).date()
+    except (ValueError, OverflowError, OSError) as error:
+        raise InputError(
+            f"the variable {DAY_VARIABLE} is {shown(text)}, but must be a whole number of seconds since 1970"
+        ) from error

@@ -1,0 +1,1 @@
+"""One run of one controller, in closed loop or after a script, and its record."""

@@ -1,0 +1,204 @@
+"""What the checks see of one finished run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.declaration import Declaration
+from drivegate.containment.messages import LoadedCandidate
+from drivegate.runs.scenario import RADIANS_PER_RPM, observed_windows, run_scenario
+from drivegate_cases.motor.scales import Scales
+from drivegate_cases.scenario.circumstance import Circumstance, circumstance
+from drivegate_cases.scenario.load import LockedLoad
+from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells, is_after_change
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.half_bridge.steady.oracle import feasible_edge
+from drivegate_models.loop.closed_loop import ClosedLoopRun
+
+_SAME = 1e-6
+
+
+@dataclass(frozen=True)
+class Window:
+    """A stretch in which convergence is judged.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        The scenario that it belongs to.
+    dwell : Dwell
+        The constant conditions it belongs to.
+    values : ndarray, shape (observation.WINDOW_ENTRIES,)
+        What was observed.
+    """
+
+    scenario: Scenario
+    dwell: Dwell
+    values: NDArray[np.float64]
+
+    @property
+    def speed(self) -> float:
+        """Speed reference (rad/s)."""
+        return self.dwell.speed_rpm * RADIANS_PER_RPM
+
+    @property
+    def torque_asked(self) -> float:
+        """Torque that the load asks for, without friction (N m)."""
+        return dwell_torque(self.scenario, self.dwell)
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether anything drives or holds the shaft besides friction."""
+        return isinstance(self.scenario.load, LockedLoad) or self.torque_asked != 0.0
+
+    @property
+    def is_after_change(self) -> bool:
+        """Whether load, speed reference, supply, plant or sensors have changed before."""
+        return is_after_change(self.scenario, self.dwell)
+
+    @property
+    def scales(self) -> Scales:
+        """How the plant differs from the nominal motor meanwhile."""
+        return dwell_scales(self.scenario, self.dwell)
+
+    @property
+    def has_nominal_supply(self) -> bool:
+        """Whether the supply has the motor's nominal voltage."""
+        return self.dwell.supply_v == self.scenario.motor.supply_voltage_v
+
+    @property
+    def asks_for_rated_power(self) -> bool:
+        """Whether the load asks for the motor's rated power, from a supply of nominal voltage."""
+        asked = self.torque_asked * self.speed
+        return self.has_nominal_supply and math.isclose(
+            asked, self.scenario.motor.rated_power_w, rel_tol=_SAME
+        )
+
+    def is_feasible(self) -> bool:
+        """Tell whether some advance angle lets the plant give what the load asks for.
+
+        Returns
+        -------
+        bool
+            Whether the oracle finds a robustly feasible angle; True for a locked shaft and where nothing is asked.
+            Unequal halves of the supply count as both the weaker one.
+        """
+        if isinstance(self.scenario.load, LockedLoad) or self.torque_asked <= 0.0:
+            return True
+        drive = self.scenario.motor.drive(self.scales)
+        torque = self.torque_asked + drive.friction + drive.viscous_friction * self.speed
+        voltage = self.dwell.supply_v * (1.0 - abs(self.dwell.imbalance))
+        return not math.isnan(feasible_edge(drive, self.speed, torque, voltage))
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """A finished run with what belongs to it.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        The scenario.
+    run : ClosedLoopRun
+        What was observed.
+    declaration : Declaration
+        What the candidate declares of itself.
+    repeated_digests : tuple of int
+        Digests of further runs of the same scenario; empty where it ran once.
+    """
+
+    scenario: Scenario
+    run: ClosedLoopRun
+    declaration: Declaration
+    repeated_digests: tuple[int, ...] = ()
+
+    @cached_property
+    def drive(self) -> Drive:
+        """The plant that the run was made on."""
+        return self.scenario.motor.drive(self.scenario.scales)
+
+    @cached_property
+    def circumstance(self) -> Circumstance:
+        """What is not nominal about the run."""
+        return circumstance(self.scenario)
+
+    def windows(self) -> Iterator[Window]:
+        """Go through the stretches in which the search is judged.
+
+        Yields
+        ------
+        Window
+            Conditions and observations; those at or below base speed, where there is nothing to search for, and
+            those at speeds that the candidate is not made for are left out.
+        """
+        lowest, highest = self.declaration.speed_range_rpm or (0.0, math.inf)
+        by_end = {dwell.end: dwell for dwell in dwells(self.scenario)}
+        for (_, end), values in zip(observed_windows(self.scenario), self.run.windows, strict=True):
+            dwell = by_end[end]
+            if dwell.speed_rpm > self.scenario.motor.base_speed_rpm and lowest <= dwell.speed_rpm <= highest:
+                yield Window(self.scenario, dwell, values)
+
+
+def recorded(
+    loaded: LoadedCandidate, scenario: Scenario, controller: Controller, *, trace_every: int = 0
+) -> RunRecord:
+    """Run a candidate through a scenario for the checks, observed as its declaration asks.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    scenario : Scenario
+        The scenario.
+    controller : Controller
+        An instance of the candidate.
+    trace_every : int
+        Keep every how many-th control period; 0 keeps none.
+
+    Returns
+    -------
+    RunRecord
+        What the checks see of it.
+
+    Raises
+    ------
+    CandidateFault
+        When the candidate ends the run.
+    HarnessFault
+        When the plant does.
+    """
+    declaration = loaded.candidate.declaration
+    run = run_scenario(
+        scenario,
+        controller,
+        progress=loaded.progress,
+        trace_every=trace_every,
+        power_window=declaration.power_window_s,
+    )
+    return RunRecord(scenario, run, declaration)
+
+
+def rated_torque(scenario: Scenario, speed: float) -> float:
+    """Give the torque of the motor's rated power at a speed.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario, whose motor has the rated power.
+    speed : float
+        Shaft speed (rad/s), above 0.
+
+    Returns
+    -------
+    float
+        Torque (N m).
+    """
+    return scenario.motor.rated_power_w / speed

@@ -1,0 +1,257 @@
+"""One run of a controller through a scenario: from plain data to what the closed loop observed."""
+
+from __future__ import annotations
+
+import math
+from contextlib import nullcontext
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.fault import CandidateFault, refused_command
+from drivegate_cases.scenario.load import (
+    GRAVITY,
+    ConstantPowerLoad,
+    ConstantTorqueLoad,
+    FanLoad,
+    LockedLoad,
+    VehicleLoad,
+)
+from drivegate_cases.scenario.piecewise import Profile
+from drivegate_cases.scenario.profile import dwells, profile_arrays
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import IdealSensors
+from drivegate_models.contract.outer_loop.signals import Sense
+from drivegate_models.errors import HarnessFault
+from drivegate_models.loop import closed_loop, sensors
+from drivegate_models.loop.schedule import Course, Schedule
+from drivegate_models.machine import load
+
+if TYPE_CHECKING:
+    from drivegate.containment.shared_progress import SharedProgress
+
+SETTLING_TIME = 6.0
+"""Time within which a search has to converge at a steady reference (s)."""
+SHORTEST_WINDOW = 3.0
+"""Shortest time over which convergence is judged (s)."""
+
+RADIANS_PER_RPM = math.pi / 30.0
+_PERCENT = 0.01
+_SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
+
+
+def observed_windows(scenario: Scenario) -> list[tuple[float, float]]:
+    """Find the stretches in which convergence is judged: from `SETTLING_TIME` into each long dwell to its end.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    list of tuple of float
+        Start and end of each stretch (s).
+    """
+    return [
+        (dwell.start + SETTLING_TIME, dwell.end)
+        for dwell in dwells(scenario)
+        if dwell.duration >= SETTLING_TIME + SHORTEST_WINDOW - 1e-9
+    ]
+
+
+def plant_load(scenario: Scenario) -> load.Load:
+    """Give a scenario's load as the plant takes it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    Load
+        Kind and size in SI units.
+    """
+    given = scenario.load
+    if isinstance(given, LockedLoad):
+        return load.Load(load.LOCKED)
+    if isinstance(given, ConstantTorqueLoad):
+        return load.Load(load.CONSTANT_TORQUE, given.torque_nm)
+    if isinstance(given, ConstantPowerLoad):
+        return load.Load(load.CONSTANT_POWER, given.power_w)
+    if isinstance(given, FanLoad):
+        return load.Load(load.FAN, given.torque_nm, given.speed_rpm * RADIANS_PER_RPM)
+    return load.Load(
+        load.VEHICLE,
+        size=given.mass_kg * GRAVITY * given.lever_m,
+        rolling=given.rolling_resistance,
+        drag=0.5 * given.air_density_kg_m3 * given.drag_area_m2 * given.lever_m**3,
+        inertia=given.inertia_kg_m2,
+    )
+
+
+def plant_schedule(scenario: Scenario) -> Schedule:
+    """Give what happens in a scenario as the plant takes it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    Schedule
+        In SI units.
+    """
+    load_unit = _PERCENT if isinstance(scenario.load, VehicleLoad) else 1.0
+    return Schedule(
+        speed=_course(scenario.speed_rpm, RADIANS_PER_RPM),
+        load=_course(scenario.load_profile, load_unit),
+        supply=_course(scenario.supply_profile),
+        imbalance=_course(scenario.imbalance_profile),
+        resistance=_course(scenario.resistance_profile),
+        emf=_course(scenario.emf_profile),
+    )
+
+
+def _course(profile: Profile, unit: float = 1.0) -> Course:
+    times, values = profile_arrays(profile)
+    return Course(times, values * unit)
+
+
+def plant_sensors(scenario: Scenario) -> sensors.Sensors:
+    """Make the sensors of a scenario, as at its start.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    Sensors
+        New ones, for one run.
+    """
+    dropouts = np.array(
+        [(_SIGNALS[lost.signal], lost.start_s, lost.end_s) for lost in scenario.dropouts], np.float64
+    ).reshape(-1, 3)
+    given = scenario.sensors
+    if isinstance(given, IdealSensors):
+        return sensors.ideal_sensors(scenario.motor.phases, dropouts)
+    glitches = np.array([(glitch.time_s, glitch.counts) for glitch in scenario.glitches], np.float64)
+    return sensors.real_sensors(
+        scenario.motor.phases,
+        encoder_lines=given.encoder_lines,
+        speed_window=given.speed_window_s,
+        clock=given.clock_s,
+        current_range=given.current_range_a,
+        current_gain_spread=given.current_gain_spread,
+        current_offset=given.current_offset_a,
+        current_noise=given.current_noise_a,
+        voltage_range=given.voltage_range_v,
+        voltage_noise=given.voltage_noise_v,
+        converter_bits=given.converter_bits,
+        control_period=scenario.control_period_s,
+        initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
+        seed=scenario.seed,
+        dropouts=dropouts,
+        glitches=glitches.reshape(-1, 2),
+    )
+
+
+def run_scenario(
+    scenario: Scenario,
+    controller: Controller,
+    *,
+    progress: SharedProgress | None = None,
+    power_window: float = 0.0,
+    trace_every: int = 0,
+) -> closed_loop.ClosedLoopRun:
+    """Reset a controller and run it through a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+    controller : Controller
+        The candidate's instance.
+    progress : SharedProgress, optional
+        Memory in which a parent process follows the run.
+    power_window : float
+        Time over which the candidate declares its estimate of the input power to be a mean (s).
+    trace_every : int
+        Keep every n-th control period in the trace; 0 keeps none.
+
+    Returns
+    -------
+    ClosedLoopRun
+        What was observed; its windows are those of `observed_windows`.
+
+    Raises
+    ------
+    CandidateFault
+        When the candidate raises or answers with what is no command.
+    HarnessFault
+        When the plant itself fails.
+    """
+    nameplate = scenario.nameplate()
+    drive = scenario.motor.drive(scenario.scales)
+    with progress.run() if progress is not None else nullcontext():
+        controller.reset(nameplate)
+        run = closed_loop.run_closed_loop(
+            drive,
+            plant_load(scenario),
+            plant_schedule(scenario),
+            step_address=controller.step_address,
+            state_address=controller.state_address,
+            initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
+            base_speed=nameplate.base_speed,
+            control_period=scenario.control_period_s,
+            duration=scenario.duration_s,
+            windows=observed_windows(scenario),
+            sensors=plant_sensors(scenario),
+            power_window=power_window,
+            sense=progress.sense if progress is not None else None,
+            sensed_currents=progress.phase_currents if progress is not None else None,
+            progress=progress.steps if progress is not None else None,
+            trace_every=trace_every,
+        )
+    if run.status != closed_loop.FINISHED:
+        _raise_ending(run, controller)
+    return run
+
+
+def _raise_ending(run: closed_loop.ClosedLoopRun, controller: Controller) -> None:
+    sense = last_sense(run)
+    step = int(run.steps)
+    fault = controller.fault
+    if run.status == closed_loop.STOPPED and fault is not None:
+        told = fault.sense is not None
+        raise CandidateFault(
+            fault if told else replace(fault, step=step, time=sense.time, sense=sense._asdict())
+        )
+    if run.status in (closed_loop.STOPPED, closed_loop.NOT_FINITE):
+        finite = run.status != closed_loop.NOT_FINITE
+        raise CandidateFault(refused_command(run.last_command[0], finite=finite, step=step, sense=sense))
+    raise HarnessFault(f"the plant ended with status {run.status} at step {step}, {sense.time:g} s")
+
+
+def last_sense(run: closed_loop.ClosedLoopRun) -> Sense:
+    """Give the last Sense of a run.
+
+    Parameters
+    ----------
+    run : ClosedLoopRun
+        The run.
+
+    Returns
+    -------
+    Sense
+        What the controller was told last.
+    """
+    record = run.last_sense[0]
+    scalars = {name: float(record[name]) for name in Sense._fields if name != "phase_currents"}
+    return Sense(phase_currents=tuple(run.last_currents.tolist()), **scalars)

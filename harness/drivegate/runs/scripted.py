@@ -1,0 +1,125 @@
+"""One run of a controller through given signals: its advance angles, or its fault."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.fault import CandidateFault, refused_command
+from drivegate_models.contract.outer_loop.signals import Nameplate, Sense
+from drivegate_models.loop import scripted_steps
+from drivegate_models.loop.scripted_steps import ScriptedSteps
+
+if TYPE_CHECKING:
+    from drivegate.containment.shared_progress import SharedProgress
+
+
+def prepared_steps(
+    controller: Controller,
+    nameplate: Nameplate,
+    signals: NDArray[np.float64],
+    progress: SharedProgress | None = None,
+) -> ScriptedSteps:
+    """Reset a controller and make ready to step it.
+
+    Parameters
+    ----------
+    controller : Controller
+        The candidate's instance.
+    nameplate : Nameplate
+        The drive's nominal data.
+    signals : ndarray, shape (n, len(scripted_steps.SIGNALS))
+        What it is told, one row for each step, in SI units.
+    progress : SharedProgress, optional
+        Memory in which a parent process follows the run.
+
+    Returns
+    -------
+    ScriptedSteps
+        Before its first step.
+
+    Raises
+    ------
+    CandidateFault
+        When the candidate does not reset.
+    """
+    controller.reset(nameplate)
+    return ScriptedSteps(
+        signals,
+        step_address=controller.step_address,
+        state_address=controller.state_address,
+        phases=nameplate.phases,
+        control_period=nameplate.control_period,
+        sense=progress.sense if progress is not None else None,
+        sensed_currents=progress.phase_currents if progress is not None else None,
+        progress=progress.steps if progress is not None else None,
+    )
+
+
+def advance(steps: ScriptedSteps, controller: Controller, begin: int = 0, end: int | None = None) -> None:
+    """Make steps, which have to follow on those made before.
+
+    Parameters
+    ----------
+    steps : ScriptedSteps
+        The run.
+    controller : Controller
+        The candidate's instance.
+    begin : int
+        First step.
+    end : int, optional
+        Step to stop before; by default all are made.
+
+    Raises
+    ------
+    CandidateFault
+        When the candidate raises or answers with what is no command.
+    """
+    status, step = steps.advance(begin, end)
+    if status == scripted_steps.COMPLETED:
+        return
+    if status == scripted_steps.STOPPED and controller.fault is not None:
+        raise CandidateFault(controller.fault)
+    sense = _last_sense(steps)
+    finite = status != scripted_steps.NOT_FINITE
+    raise CandidateFault(refused_command(steps.command[0], finite=finite, step=step, sense=sense))
+
+
+def scripted_angles(
+    controller: Controller,
+    nameplate: Nameplate,
+    signals: NDArray[np.float64],
+    progress: SharedProgress | None = None,
+) -> NDArray[np.float64]:
+    """Reset a controller, step it through given signals and collect its advance angles.
+
+    Parameters
+    ----------
+    controller, nameplate, signals, progress
+        As in `prepared_steps`.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Advance angle of every step (rad), as the controller asked for it.
+
+    Raises
+    ------
+    CandidateFault
+        When the candidate raises or answers with what is no command.
+    """
+    with progress.run() if progress is not None else nullcontext():
+        steps = prepared_steps(controller, nameplate, signals, progress)
+        advance(steps, controller)
+    return steps.angles
+
+
+def _last_sense(steps: ScriptedSteps) -> Sense:
+    record = steps.sense[0]
+    scalars = {name: float(record[name]) for name in Sense._fields if name != "phase_currents"}
+    currents = steps.currents[: int(record["phase_count"])]
+    return Sense(phase_currents=tuple(currents.tolist()), **scalars)

@@ -1,0 +1,1 @@
+"""Scenarios: plain ones, what may happen in them, what is fair, and how they become simpler."""

@@ -1,0 +1,225 @@
+"""The profiles of a scenario as values and their changes, which is how they are made simpler."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, Final, Literal, TypeAlias
+
+from drivegate_cases.scenario.disturbance import Drift
+from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
+from drivegate_cases.scenario.piecewise import Profile
+from drivegate_cases.scenario.scenario import Scenario
+
+Quantity: TypeAlias = Literal["speed", "load", "supply", "imbalance", "resistance", "emf_constant"]
+"""What a profile is of."""
+
+QUANTITIES: Final[tuple[Quantity, ...]] = (
+    "resistance",
+    "emf_constant",
+    "imbalance",
+    "supply",
+    "speed",
+    "load",
+)
+"""All of them, those that a plain run has not got first."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of a value, over a time or at once.
+
+    Attributes
+    ----------
+    start, end : float
+        Time at which it begins and is over (s).
+    value : float
+        Value afterwards.
+    """
+
+    start: float
+    end: float
+    value: float
+
+
+@dataclass(frozen=True)
+class Course:
+    """A profile as its first value and its changes.
+
+    Attributes
+    ----------
+    first : float
+        Value at the start.
+    changes : tuple of Change
+        In order of time.
+    """
+
+    first: float
+    changes: tuple[Change, ...]
+
+    @classmethod
+    def of(cls, profile: Profile) -> Course:
+        """Read a profile.
+
+        Parameters
+        ----------
+        profile : tuple of (float, float)
+            Times (s) and values.
+
+        Returns
+        -------
+        Course
+            The same values over time.
+        """
+        changes = [
+            Change(start, end, after)
+            for (start, before), (end, after) in pairwise(profile)
+            if before != after
+        ]
+        return cls(profile[0][1], tuple(changes))
+
+    def profile(self) -> Profile:
+        """Write the course as a profile.
+
+        Returns
+        -------
+        tuple of (float, float)
+            Times (s) and values, no point more than it takes.
+        """
+        points = [(0.0, self.first)]
+        for change in self.changes:
+            for point in ((change.start, points[-1][1]), (change.end, change.value)):
+                if point != points[-1]:
+                    points.append(point)
+        return tuple(points)
+
+    def values(self) -> tuple[float, ...]:
+        """Give the values that it goes through.
+
+        Returns
+        -------
+        tuple of float
+            The first one, and the one after each change.
+        """
+        return self.first, *(change.value for change in self.changes)
+
+    def steadier(self) -> Iterator[Course]:
+        """Leave changes out.
+
+        Yields
+        ------
+        Course
+            At first without any change, at each of its values from the last to the first; then with one change
+            less, either never made or made at once with the one before.
+        """
+        for value in dict.fromkeys(reversed(self.values())):
+            yield Course(value, ())
+        for index, change in enumerate(self.changes):
+            others = self.changes[:index] + self.changes[index + 1 :]
+            yield Course(self.first, others)
+            if index == 0:
+                yield Course(change.value, others)
+            else:
+                before = replace(self.changes[index - 1], value=change.value)
+                yield Course(self.first, (*self.changes[: index - 1], before, *self.changes[index + 1 :]))
+
+    def mapped(
+        self,
+        value: Callable[[float], float] = lambda value: value,
+        time: Callable[[float], float] = lambda time: time,
+    ) -> Course:
+        """Change all values or all times.
+
+        Parameters
+        ----------
+        value, time : callable
+            From the old to the new one.
+
+        Returns
+        -------
+        Course
+            The new course.
+        """
+        changes = (
+            Change(time(change.start), time(change.end), value(change.value)) for change in self.changes
+        )
+        return Course(value(self.first), tuple(changes))
+
+    def until(self, end: float) -> Course:
+        """Leave out what begins at a time or later, or is not over by then.
+
+        Parameters
+        ----------
+        end : float
+            The time (s).
+
+        Returns
+        -------
+        Course
+            What is left.
+        """
+        return Course(self.first, tuple(c for c in self.changes if c.start < end and c.end <= end))
+
+
+def course_of(scenario: Scenario, quantity: Quantity) -> Course:
+    """Read one of a scenario's profiles.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+    quantity : str
+        Which profile; of the load, shares or grades.
+
+    Returns
+    -------
+    Course
+        Its values over time.
+    """
+    profiles: dict[Quantity, Profile] = {
+        "speed": scenario.speed_rpm,
+        "load": scenario.load_profile,
+        "supply": scenario.supply_profile,
+        "imbalance": scenario.imbalance_profile,
+        "resistance": scenario.resistance_profile,
+        "emf_constant": scenario.emf_profile,
+    }
+    return Course.of(profiles[quantity])
+
+
+def fields_of(scenario: Scenario, quantity: Quantity, course: Course) -> dict[str, Any]:
+    """Write one of a scenario's profiles.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+    quantity : str
+        Which profile.
+    course : Course
+        Its new values over time.
+
+    Returns
+    -------
+    dict
+        The scenario's fields that change, for `Scenario.replaced`.
+    """
+    profile = course.profile()
+    match quantity:
+        case "speed":
+            return {"speed_rpm": profile, "initial_speed_rpm": course.first}
+        case "load":
+            if isinstance(scenario.load, LockedLoad):
+                return {}
+            key = "grade_percent" if isinstance(scenario.load, VehicleLoad) else "factor"
+            return {"load": scenario.load.model_copy(update={key: profile})}
+        case "supply":
+            nominal = ((0.0, scenario.motor.supply_voltage_v),)
+            return {"supply_v": None if profile == nominal else profile}
+        case "imbalance":
+            return {"imbalance": None if profile == ((0.0, 0.0),) else profile}
+    old = scenario.drift or Drift.model_construct(resistance=None, emf_constant=None)
+    new = {"resistance": old.resistance, "emf_constant": old.emf_constant}
+    new[quantity] = None if profile == ((0.0, 1.0),) else profile
+    return {"drift": Drift(**new) if any(new.values()) else None}

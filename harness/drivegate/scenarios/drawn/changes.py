@@ -1,0 +1,166 @@
+"""Drawn changes of load, speed reference and supply, and vehicles."""
+
+from __future__ import annotations
+
+import math
+
+from hypothesis import strategies as st
+
+from drivegate.scenarios.building import steady_scenario, vehicle_scenario
+from drivegate.scenarios.changes import (
+    pulsed,
+    stepped,
+    with_load_shares,
+    with_speed,
+    with_supply,
+)
+from drivegate.scenarios.drawn.steps import change_times, loaded_speeds, shares, steady_runs
+from drivegate.scenarios.speed_range import SpeedRange
+from drivegate_cases.motor.motor import Motor
+from drivegate_cases.scenario.scenario import Scenario
+
+COASTING_SHARE = 0.5
+"""Greatest rate at which a loaded reference falls, over the rate at which the load alone slows the shaft (1)."""
+_RAMP_STEP_S = 0.1
+_WEIGHTS_KG = (150.0, 200.0)
+_GEARS = (6.0, 8.0)
+
+
+def load_step_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+    """Draw steps of the load, up or down, lasting or soon taken back.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float, optional
+        What the candidate is made for (rpm).
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios.
+    """
+
+    def build(
+        constant_power: bool, back: int, at: float, before: float, after: float, speed: float
+    ) -> Scenario:
+        whole = steady_scenario(motor, speed, power_share=1.0, constant_power=constant_power)
+        changes = [(0.0, before), (at, after)]
+        if back:
+            changes.append((round(at + 0.1 * back, 9), before))
+        return with_load_shares(whole, *changes)
+
+    return st.builds(
+        build,
+        st.booleans(),
+        st.one_of(st.just(0), st.integers(1, 30)),
+        change_times(),
+        shares(),
+        shares(),
+        loaded_speeds(motor, speed_range),
+    )
+
+
+def speed_step_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+    """Draw changes of the speed reference under load: up at once or as a ramp, down slower than the shaft coasts.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float, optional
+        What the candidate is made for (rpm).
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios.
+    """
+
+    def build(
+        constant_power: bool, at: float, longer: int, share: float, before: float, after: float
+    ) -> Scenario:
+        faster = max(before, after)
+        run = steady_scenario(motor, faster, power_share=share, constant_power=constant_power)
+        over = _RAMP_STEP_S * longer
+        if after < before:
+            # At the higher speed a constant power load is lightest.
+            torque = motor.rated_power_w * share / (faster * math.pi / 30.0)
+            fastest = COASTING_SHARE * torque / motor.inertia_kg_m2
+            least = (before - after) * math.pi / 30.0 / fastest
+            over += _RAMP_STEP_S * math.ceil(least / _RAMP_STEP_S)
+        return with_speed(run, stepped(before, after, at, over_s=over))
+
+    return st.builds(
+        build,
+        st.booleans(),
+        change_times(),
+        st.integers(0, 30),
+        shares(),
+        loaded_speeds(motor, speed_range),
+        loaded_speeds(motor, speed_range),
+    )
+
+
+def supply_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+    """Draw dips and swells of the supply, for a moment or for good.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float, optional
+        What the candidate is made for (rpm).
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios with -10 to +10 %, for 0.1 to 1 s or lasting.
+    """
+
+    def build(swell: bool, tenths: int, at: float, percent: int, run: Scenario) -> Scenario:
+        share = round(1.0 + (percent if swell else -percent) / 100.0, 2)
+        if tenths == 0:
+            return with_supply(run, stepped(1.0, share, at))
+        return with_supply(run, pulsed(1.0, share, at, round(0.1 * tenths, 1)))
+
+    return st.builds(
+        build,
+        st.booleans(),
+        st.integers(0, 10),
+        change_times(),
+        st.integers(1, 10),
+        steady_runs(motor, speed_range),
+    )
+
+
+def vehicle_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+    """Draw runs of a light vehicle, on a flat road at first.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float, optional
+        What the candidate is made for (rpm).
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios with 150 to 200 kg, a shaft up to ten times as heavy as the bare one, and a grade of 0 to 1 %
+        later on.
+    """
+
+    def build(mass: float, gear: float, at: float, half_percents: int, speed: float) -> Scenario:
+        grade = stepped(0.0, 0.5 * half_percents, at) if half_percents else ((0.0, 0.0),)
+        return vehicle_scenario(motor, speed, mass_kg=mass, gear_ratio=gear, grade_percent=grade)
+
+    return st.builds(
+        build,
+        st.sampled_from(_WEIGHTS_KG),
+        st.sampled_from(_GEARS),
+        change_times(),
+        st.integers(0, 2),
+        loaded_speeds(motor, speed_range),
+    )

@@ -1,0 +1,141 @@
+"""Drawn plants that differ from the nameplate, sensors that are not ideal, and faults."""
+
+from __future__ import annotations
+
+from hypothesis import strategies as st
+
+from drivegate.scenarios.changes import (
+    stepped,
+    with_drift,
+    with_dropout,
+    with_glitch,
+    with_imbalance,
+    with_mcs96,
+    with_scales,
+)
+from drivegate.scenarios.drawn.changes import load_step_scenarios
+from drivegate.scenarios.drawn.steps import change_times, nonzero, steady_runs
+from drivegate.scenarios.speed_range import SpeedRange
+from drivegate_cases.motor.motor import Motor
+from drivegate_cases.motor.scales import NOMINAL
+from drivegate_cases.scenario.scenario import Scenario
+
+
+def _any_runs(motor: Motor, speed_range: SpeedRange | None) -> st.SearchStrategy[Scenario]:
+    """Draw steady runs, those at rated power apart, and load steps."""
+    return st.one_of(
+        steady_runs(motor, speed_range),
+        steady_runs(motor, speed_range, lightest=0),
+        load_step_scenarios(motor, speed_range),
+    )
+
+
+def parameter_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+    """Draw plants whose parameters are not the nameplate's, one of them or several.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float, optional
+        What the candidate is made for (rpm).
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios with R × 0.5 to 2, L ± 20 %, EMF constant ± 5 %, friction of 0 to 0.5 N m added.
+    """
+    values = {
+        "resistance": _factors(-5, 10, 0.1),
+        "inductance": _factors(-4, 4, 0.05),
+        "emf_constant": _factors(-5, 5, 0.01),
+        "friction_added_n_m": st.integers(0, 5).map(lambda count: round(0.1 * count, 1)),
+    }
+    nominal = NOMINAL.model_dump()
+    single = [
+        st.fixed_dictionaries({key: value.filter(nominal[key].__ne__)}) for key, value in values.items()
+    ]
+    factors = st.one_of(*single, st.fixed_dictionaries(values))
+    return st.builds(lambda values, run: with_scales(run, **values), factors, _any_runs(motor, speed_range))
+
+
+def _factors(lowest: int, highest: int, step: float) -> st.SearchStrategy[float]:
+    return st.integers(lowest, highest).map(lambda count: round(1.0 + step * count, 2))
+
+
+def sensor_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+    """Draw runs through the sensors of the published implementation.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float, optional
+        What the candidate is made for (rpm).
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios.
+    """
+    return _seen(_any_runs(motor, speed_range))
+
+
+def _seen(runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
+    """Put the published implementation's sensors before runs."""
+    return st.builds(lambda seed, run: with_mcs96(run, seed), st.integers(0, 999), runs)
+
+
+def fault_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+    """Draw signals that are lost for a moment, false encoder edges, unequal supply halves and drift.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float, optional
+        What the candidate is made for (rpm).
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios with one of them: 1 to 20 ms, up to 50 edges, up to 5 %, R up to × 1.4 and the EMF
+        constant down to × 0.95.
+    """
+    runs = steady_runs(motor, speed_range)
+    lost = st.builds(
+        lambda signal, at, milliseconds, run: with_dropout(run, signal, at, milliseconds / 1000.0),
+        st.sampled_from(("speed", "currents", "supply")),
+        change_times(),
+        st.integers(1, 20),
+        st.one_of(runs, _seen(runs)),
+    )
+    false_edges = st.builds(
+        lambda at, counts, run: with_glitch(run, counts, at), change_times(), nonzero(50), _seen(runs)
+    )
+    unequal = st.builds(
+        lambda at, percent, run: with_imbalance(run, stepped(0.0, percent / 100.0, at)),
+        change_times(),
+        nonzero(5),
+        runs,
+    )
+    return st.one_of(lost, false_edges, unequal, _drifts(runs))
+
+
+def _drifts(runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
+    def build(at: float, over: int, amounts: tuple[int, int], run: Scenario) -> Scenario:
+        warmer, weaker = amounts
+        resistance = stepped(1.0, round(1.0 + 0.05 * warmer, 2), at, over_s=over)
+        emf_constant = stepped(1.0, round(1.0 - 0.01 * weaker, 2), at, over_s=over)
+        return with_drift(
+            run,
+            resistance=resistance if warmer else None,
+            emf_constant=emf_constant if weaker else None,
+        )
+
+    amounts = st.one_of(
+        st.tuples(st.integers(1, 8), st.just(0)),
+        st.tuples(st.just(0), st.integers(1, 5)),
+        st.tuples(st.integers(1, 8), st.integers(1, 5)),
+    )
+    return st.builds(build, change_times(), st.integers(1, 10), amounts, runs)

@@ -1,0 +1,170 @@
+"""Scenarios drawn by Hypothesis, as integer steps from nominal, so that they shrink and print well."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final, TypeAlias
+
+from hypothesis import strategies as st
+
+from drivegate.scenarios.building import base_speed_scenario, steady_scenario
+from drivegate.scenarios.drawn.changes import (
+    load_step_scenarios,
+    speed_step_scenarios,
+    supply_scenarios,
+    vehicle_scenarios,
+)
+from drivegate.scenarios.drawn.circumstances import fault_scenarios, parameter_scenarios, sensor_scenarios
+from drivegate.scenarios.drawn.steps import SPEED_STEP_RPM, loaded_speeds, steady_runs, steps_between
+from drivegate.scenarios.speed_range import HIGHEST_LOADED, SpeedRange
+from drivegate_cases.motor.motor import Motor
+from drivegate_cases.scenario.scenario import Scenario
+
+Family: TypeAlias = Callable[[Motor, SpeedRange | None], st.SearchStrategy[Scenario]]
+"""From a motor and the speeds that a candidate is made for to scenarios of one kind."""
+
+HIGHEST_ADVISED = 4.0
+"""Highest speed over base speed, up to which constant power is asked for in an advisory way (1)."""
+
+
+def steady_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+    """Draw runs at one speed under one load.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float, optional
+        What the candidate is made for (rpm).
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios from 550 to 1500 rpm and from 10 % to all of rated power; simplest at 1500 rpm and rated
+        power.
+    """
+    return steady_runs(motor, speed_range)
+
+
+def constant_power_scenarios(
+    motor: Motor, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
+    """Draw runs at rated power.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float, optional
+        What the candidate is made for (rpm).
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios from 550 to 1500 rpm.
+    """
+    return loaded_speeds(motor, speed_range).map(
+        lambda speed: steady_scenario(motor, speed, power_share=1.0, constant_power=True)
+    )
+
+
+def overspeed_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+    """Draw runs at rated power beyond the required speeds.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float, optional
+        What the candidate is made for (rpm).
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios from 1510 to 2000 rpm; of none where the candidate is not made for them.
+    """
+    lowest = HIGHEST_LOADED * motor.base_speed_rpm + SPEED_STEP_RPM
+    highest = HIGHEST_ADVISED * motor.base_speed_rpm
+    if speed_range is not None:
+        lowest, highest = max(lowest, speed_range[0]), min(highest, speed_range[1])
+    if lowest > highest:
+        return st.nothing()
+    return steps_between(lowest, highest).map(
+        lambda speed: steady_scenario(motor, speed, power_share=1.0, constant_power=True)
+    )
+
+
+def base_speed_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+    """Draw unloaded runs through base speed.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float, optional
+        What the candidate is made for (rpm).
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios that start 5 to 400 rpm below base speed, go 5 to 40 rpm above it, and come down by 4 to
+        10 rpm/s to 10 rpm below it, slower than the unloaded shaft coasts; of none where the candidate is not
+        made for these speeds.
+    """
+    below, above = 80, 8
+    if speed_range is not None:
+        below = min(below, int((motor.base_speed_rpm - speed_range[0]) // 5.0))
+        above = min(above, int((speed_range[1] - motor.base_speed_rpm) // 5.0))
+    if below < 2 or above < 1:
+        return st.nothing()
+    return st.builds(
+        lambda below, above, fall: base_speed_scenario(
+            motor, motor.base_speed_rpm - 5.0 * below, motor.base_speed_rpm + 5.0 * above, float(fall)
+        ),
+        st.integers(1, below),
+        st.integers(1, above),
+        st.integers(4, 10),
+    )
+
+
+FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
+    (steady_scenarios, constant_power_scenarios),
+    (parameter_scenarios,),
+    (load_step_scenarios,),
+    (sensor_scenarios,),
+    (supply_scenarios,),
+    (fault_scenarios,),
+    (speed_step_scenarios,),
+    (base_speed_scenarios, overspeed_scenarios, vehicle_scenarios),
+)
+"""Families of scenarios that a shard of the search draws from; shards take turns at them."""
+
+
+def drawn_scenarios(
+    motor: Motor, speed_range: SpeedRange | None = None, group: int | None = None
+) -> st.SearchStrategy[Scenario]:
+    """Draw a scenario of any family, or of one group of them.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float, optional
+        What the candidate is made for (rpm).
+    group : int, optional
+        Which group of `FAMILY_GROUPS`, counted on from its start after its end; all by default.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios.
+
+    Raises
+    ------
+    InputError
+        When the candidate is made for no speed at which it is checked under load.
+    """
+    groups = FAMILY_GROUPS if group is None else (FAMILY_GROUPS[group % len(FAMILY_GROUPS)],)
+    drawn = [family(motor, speed_range) for families in groups for family in families]
+    filled = [strategy for strategy in drawn if not strategy.is_empty]
+    return st.one_of(filled or [steady_scenarios(motor, speed_range)])

@@ -1,0 +1,138 @@
+"""Numbers that scenarios are drawn from: whole steps from nominal, each simplest where Hypothesis starts.
+
+Hypothesis climbs from the number drawn last to the first, so what matters most, speed and load, is drawn last.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hypothesis import strategies as st
+
+from drivegate.scenarios.building import steady_scenario
+from drivegate.scenarios.changes import (
+    CHANGE_S,
+)
+from drivegate.scenarios.speed_range import SpeedRange, loaded_range
+from drivegate_cases.motor.motor import Motor
+from drivegate_cases.scenario.scenario import Scenario
+
+SPEED_STEP_RPM = 10.0
+"""Step of drawn speeds (rpm)."""
+LOAD_STEP = 0.05
+"""Step of drawn loads, as a share of rated power (1)."""
+LIGHTEST_STEPS = 18
+"""Greatest number of these steps below rated power."""
+TIME_STEP_S = 0.5
+"""Step of the times of changes (s)."""
+
+
+def steps_between(lowest: float, highest: float) -> st.SearchStrategy[float]:
+    """Draw a speed of whole steps, simplest at the highest.
+
+    Parameters
+    ----------
+    lowest, highest : float
+        Bounds (rpm); where no whole step lies between them, the highest is drawn.
+
+    Returns
+    -------
+    SearchStrategy
+        Of speeds (rpm).
+    """
+    top = math.floor(highest / SPEED_STEP_RPM + 1e-9)
+    bottom = math.ceil(lowest / SPEED_STEP_RPM - 1e-9)
+    if bottom > top:
+        return st.just(highest)
+    return st.integers(0, top - bottom).map(lambda slower: SPEED_STEP_RPM * (top - slower))
+
+
+def loaded_speeds(motor: Motor, speed_range: SpeedRange | None) -> st.SearchStrategy[float]:
+    """Draw a speed of a loaded run.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float or None
+        What the candidate is made for (rpm).
+
+    Returns
+    -------
+    SearchStrategy
+        Of speeds (rpm), simplest at the highest.
+    """
+    return steps_between(*loaded_range(motor, speed_range))
+
+
+def shares(lightest: int = LIGHTEST_STEPS) -> st.SearchStrategy[float]:
+    """Draw a share of rated power.
+
+    Parameters
+    ----------
+    lightest : int
+        Greatest number of steps below 1.
+
+    Returns
+    -------
+    SearchStrategy
+        Of shares (1), simplest at 1.
+    """
+    return st.integers(0, lightest).map(lambda lighter: round(1.0 - LOAD_STEP * lighter, 2))
+
+
+def change_times() -> st.SearchStrategy[float]:
+    """Draw the time of a change.
+
+    Returns
+    -------
+    SearchStrategy
+        Of times (s), simplest when a search has converged, at the earliest in the midst of it.
+    """
+    return st.integers(0, 18).map(lambda earlier: CHANGE_S - TIME_STEP_S * earlier)
+
+
+def nonzero(greatest: int) -> st.SearchStrategy[int]:
+    """Draw a whole number other than 0.
+
+    Parameters
+    ----------
+    greatest : int
+        Greatest magnitude.
+
+    Returns
+    -------
+    SearchStrategy
+        Of integers, simplest at 1.
+    """
+    sizes = st.integers(1, greatest)
+    return st.builds(lambda size, negative: -size if negative else size, sizes, st.booleans())
+
+
+def steady_runs(
+    motor: Motor, speed_range: SpeedRange | None, *, lightest: int = LIGHTEST_STEPS
+) -> st.SearchStrategy[Scenario]:
+    """Draw runs at one speed under one load, of constant torque or constant power.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    speed_range : tuple of float or None
+        What the candidate is made for (rpm).
+    lightest : int
+        Greatest number of load steps below rated power.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios; simplest at the highest speed and rated power.
+    """
+    return st.builds(
+        lambda constant_power, share, speed: steady_scenario(
+            motor, speed, power_share=share, constant_power=constant_power
+        ),
+        st.booleans(),
+        shares(lightest),
+        loaded_speeds(motor, speed_range),
+    )

@@ -1,0 +1,270 @@
+"""What a drive can do at all: the rules for scenarios that a candidate may fairly be judged on.
+
+There is no braking, since a current reference is never negative: a reference may fall no faster than the
+shaft coasts. Below base speed there is no advance, so that a load could not be driven from there, nor may a step
+of the load throw the shaft there before any controller can answer. And at every operating point some advance angle
+must give the torque; of a load of constant power, whose torque grows as the speed sags, also a little below it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from drivegate.runs.scenario import RADIANS_PER_RPM
+from drivegate_cases.motor.motor import Motor
+from drivegate_cases.motor.scales import NOMINAL, Scales
+from drivegate_cases.scenario.load import ConstantPowerLoad, LockedLoad
+from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
+from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.half_bridge.steady.oracle import feasible_edge
+
+STEP_ACCELERATION_S = 2.0
+"""Time in which a step up of the speed reference must be possible, which leaves 4 s to converge (s)."""
+REACTION_S = 0.02
+"""Time after a step of the load in which no controller can be asked to have the torque (s)."""
+SPEED_RESERVE = 0.1
+"""Sag of the speed from which a plant that is not nominal must be able to recover under constant power (1)."""
+_ROUNDING = 1e-6
+_KEPT_DRIVES = 1_000
+_KEPT_POINTS = 20_000
+
+
+class _Stretch(NamedTuple):
+    """A straight piece of all profiles, with the conditions at its two ends; a step is one of no length."""
+
+    duration: float
+    first: Dwell
+    last: Dwell
+
+
+def is_feasible(scenario: Scenario) -> bool:
+    """Tell whether the plant can give what a scenario asks for wherever it goes, at some angle.
+
+    Every corner of the profiles counts, however short the time spent there; a rising speed reference asks for
+    the torque that accelerates too. Unequal halves of the supply count as both the weaker one.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    bool
+        Whether the oracle finds a robustly feasible angle at each operating point under load.
+    """
+    if isinstance(scenario.load, LockedLoad):
+        return True
+    return all(_reaches(scenario, corner, accelerating) for corner, accelerating in _demands(scenario))
+
+
+def coasts(scenario: Scenario) -> bool:
+    """Tell whether the speed reference never falls faster than the shaft does by itself.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    bool
+        Whether load, friction and core loss together slow the shaft at least that fast.
+    """
+    if isinstance(scenario.load, LockedLoad):
+        return True
+    inertia = scenario.nameplate().inertia
+    for stretch in _stretches(scenario):
+        fall = (stretch.first.speed_rpm - stretch.last.speed_rpm) * RADIANS_PER_RPM
+        if fall <= 0.0:
+            continue
+        if stretch.duration == 0.0:
+            return False
+        drag = min(_drag(scenario, end) for end in (stretch.first, stretch.last))
+        if fall * inertia > drag * stretch.duration * (1.0 + _ROUNDING):
+            return False
+    return True
+
+
+def is_fast_while_loaded(scenario: Scenario) -> bool:
+    """Tell whether the speed reference stays at or above base speed wherever there is a load.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    bool
+        Whether no load is asked for below base speed.
+    """
+    if isinstance(scenario.load, LockedLoad):
+        return True
+    base = scenario.motor.base_speed_rpm
+    ends = [end for stretch in _stretches(scenario) for end in (stretch.first, stretch.last)]
+    return all(end.speed_rpm >= base or dwell_torque(scenario, end) <= 0.0 for end in ends)
+
+
+def withstands_steps(scenario: Scenario) -> bool:
+    """Tell whether no step of the load takes the shaft below base speed before a controller can answer.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    bool
+        Whether the speed that each step costs within `REACTION_S` leaves the shaft above base speed.
+    """
+    inertia = scenario.nameplate().inertia
+    base = scenario.motor.base_speed_rpm * RADIANS_PER_RPM
+    for stretch in _stretches(scenario):
+        if stretch.duration > 0.0 or stretch.first.speed_rpm <= scenario.motor.base_speed_rpm:
+            continue
+        added = dwell_torque(scenario, stretch.last) - dwell_torque(scenario, stretch.first)
+        if stretch.first.speed_rpm * RADIANS_PER_RPM - added * REACTION_S / inertia <= base:
+            return False
+    return True
+
+
+def is_fair(scenario: Scenario) -> bool:
+    """Tell whether a candidate may be judged on a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    bool
+        Whether nothing speaks against it.
+    """
+    return unfair_because(scenario) is None
+
+
+def unfair_because(scenario: Scenario) -> str | None:
+    """Tell why a candidate may not be judged on a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    str or None
+        The rule of this module that it breaks; None where it keeps to all of them.
+    """
+    if scenario.initial_speed_rpm != scenario.speed_rpm[0][1]:
+        return "it does not start at its speed reference"
+    if not is_fast_while_loaded(scenario):
+        return "it asks for a load below base speed"
+    if not withstands_steps(scenario):
+        return "a step of the load throws the shaft below base speed before a controller can answer"
+    if not coasts(scenario):
+        return "its speed reference falls faster than the shaft coasts, and there is no braking"
+    if not is_feasible(scenario):
+        return "at one of its operating points no advance angle gives the torque"
+    return None
+
+
+def _stretches(scenario: Scenario) -> Iterator[_Stretch]:
+    """Cut a run at every corner of its profiles; steps come as pieces of no length."""
+    times = breakpoints(_profiles(scenario), scenario.duration_s)
+    before = _conditions(scenario, times[0], value_from)
+    for start, end in pairwise(times):
+        first = _conditions(scenario, start, value_from)
+        if first != before:
+            yield _Stretch(0.0, before, first)
+        before = _conditions(scenario, end, value_until)
+        yield _Stretch(end - start, first, before)
+
+
+def _profiles(scenario: Scenario) -> tuple[Profile, ...]:
+    return (
+        scenario.speed_rpm,
+        scenario.load_profile,
+        scenario.supply_profile,
+        scenario.imbalance_profile,
+        scenario.resistance_profile,
+        scenario.emf_profile,
+    )
+
+
+def _conditions(scenario: Scenario, time: float, value_at: Callable[[Profile, float], float]) -> Dwell:
+    # The time itself is no condition.
+    return Dwell(0.0, 0.0, *(value_at(profile, time) for profile in _profiles(scenario)))
+
+
+def _demands(scenario: Scenario) -> Iterator[tuple[Dwell, float]]:
+    """Give each corner's conditions with the torque that accelerates the shaft there (N m)."""
+    inertia = scenario.nameplate().inertia
+    for stretch in _stretches(scenario):
+        rise = (stretch.last.speed_rpm - stretch.first.speed_rpm) * RADIANS_PER_RPM
+        accelerating = inertia * max(rise, 0.0) / (stretch.duration or STEP_ACCELERATION_S)
+        yield stretch.first, accelerating
+        yield stretch.last, accelerating
+
+
+def _reaches(scenario: Scenario, conditions: Dwell, accelerating: float) -> bool:
+    load = dwell_torque(scenario, conditions)
+    speed = conditions.speed_rpm * RADIANS_PER_RPM
+    if load == 0.0 or speed == 0.0:
+        return True
+    scales = dwell_scales(scenario, conditions)
+    drive = _drive(scenario.motor, scales)
+    held = load + _own_drag(drive, speed)
+    if held < 0.0:
+        # A vehicle that runs downhill by itself would have to be braked.
+        return False
+    voltage = conditions.supply_v * (1.0 - abs(conditions.imbalance))
+    if not _has_angle(scenario.motor, scales, speed, held + accelerating, voltage):
+        return False
+    is_nominal = scales == NOMINAL and voltage >= scenario.motor.supply_voltage_v
+    if is_nominal or not isinstance(scenario.load, ConstantPowerLoad):
+        return True
+    sagged = 1.0 - SPEED_RESERVE
+    return _has_angle(
+        scenario.motor, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage
+    )
+
+
+def _drag(scenario: Scenario, conditions: Dwell) -> float:
+    """Torque that slows the shaft while no phase carries current: the load and the drive's own (N m)."""
+    drive = _drive(scenario.motor, dwell_scales(scenario, conditions))
+    return dwell_torque(scenario, conditions) + _own_drag(drive, conditions.speed_rpm * RADIANS_PER_RPM)
+
+
+def _own_drag(drive: Drive, speed: float) -> float:
+    """Friction, and the core loss of the whole EMF, more of which the shaft never has to bear (N m)."""
+    core = drive.phases * drive.core_loss_conductance * drive.emf_constant**2 * _mean_square(drive) * speed
+    return drive.friction + drive.viscous_friction * speed + core
+
+
+def _mean_square(drive: Drive) -> float:
+    """Mean square of the back-EMF's shape, exact for its straight pieces (1)."""
+    first, last = drive.emf_values[:-1], drive.emf_values[1:]
+    pieces = (first * first + first * last + last * last) / 3.0
+    return float(np.sum(pieces * np.diff(drive.emf_angles)) / (drive.emf_angles[-1] - drive.emf_angles[0]))
+
+
+@lru_cache(maxsize=_KEPT_DRIVES)
+def _drive(motor: Motor, scales: Scales) -> Drive:
+    return motor.drive(scales)
+
+
+@lru_cache(maxsize=_KEPT_POINTS)
+def _has_angle(motor: Motor, scales: Scales, speed: float, torque: float, voltage: float) -> bool:
+    return math.isfinite(feasible_edge(_drive(motor, scales), speed, torque, voltage))

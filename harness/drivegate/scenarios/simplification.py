@@ -1,0 +1,239 @@
+"""How a scenario can be made simpler."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any, Final, TypeAlias
+
+from drivegate.runs.scenario import SETTLING_TIME, SHORTEST_WINDOW
+from drivegate.scenarios.building import LOAD_RAMP_S
+from drivegate.scenarios.courses import QUANTITIES, Course, Quantity, course_of, fields_of
+from drivegate.scenarios.size import size_of
+from drivegate_cases.motor.scales import NOMINAL
+from drivegate_cases.scenario.load import (
+    ConstantPowerLoad,
+    ConstantTorqueLoad,
+    FanLoad,
+    LockedLoad,
+    VehicleLoad,
+)
+from drivegate_cases.scenario.profile import dwell_torque, dwells
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import IDEAL, MCS96
+from drivegate_models.errors import InputError
+
+Fields: TypeAlias = dict[str, Any]
+"""Fields of a scenario that change."""
+Simplification: TypeAlias = Callable[[Scenario], Iterator[Fields]]
+"""From a scenario to changes that make it simpler in one respect, the boldest first."""
+
+_TIMES = (5.0, 1.0, 0.5, 0.1)
+_GRAINS: Final[dict[Quantity, tuple[float, ...]]] = {
+    "speed": (500.0, 100.0, 50.0, 10.0),
+    "load": (0.5, 0.25, 0.1, 0.05),
+    "supply": (1.0, 0.5, 0.1),
+    "imbalance": (0.05, 0.01),
+    "resistance": (0.5, 0.1, 0.05),
+    "emf_constant": (0.05, 0.01),
+}
+
+
+def simplified(scenario: Scenario, fields: Fields) -> Scenario | None:
+    """Apply a change, if it gives a valid and simpler scenario that is still loaded where it was.
+
+    An unloaded drive has hardly any current, so that shares of it say little: a failure there would be another one.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+    fields : dict
+        Fields that change.
+
+    Returns
+    -------
+    Scenario or None
+        The simpler scenario.
+    """
+    try:
+        simpler = scenario.replaced(**fields)
+    except InputError:
+        return None
+    if _is_loaded(scenario) and not _is_loaded(simpler):
+        return None
+    return simpler if size_of(simpler.to_mapping()) < size_of(scenario.to_mapping()) else None
+
+
+def _is_loaded(scenario: Scenario) -> bool:
+    return any(dwell_torque(scenario, dwell) > 0.0 for dwell in dwells(scenario))
+
+
+def _fewer_failures(scenario: Scenario) -> Iterator[Fields]:
+    yield {"dropouts": (), "glitches": ()}
+    for key, failures in (("dropouts", scenario.dropouts), ("glitches", scenario.glitches)):
+        for index in range(len(failures)):
+            yield {key: failures[:index] + failures[index + 1 :]}
+
+
+def _plainer_sensors(scenario: Scenario) -> Iterator[Fields]:
+    yield {"sensors": IDEAL, "glitches": (), "seed": 0}
+    yield {"sensors": IDEAL, "glitches": ()}
+    if scenario.sensors.kind == MCS96.kind:
+        yield {"sensors": MCS96}
+    yield {"seed": 0}
+
+
+def _nominal_parameters(scenario: Scenario) -> Iterator[Fields]:
+    yield {"scales": NOMINAL}
+    for key in type(NOMINAL).model_fields:
+        yield {"scales": scenario.scales.model_copy(update={key: getattr(NOMINAL, key)})}
+
+
+def _without_disturbance(scenario: Scenario) -> Iterator[Fields]:
+    """Take drift, unequal halves and another supply away altogether."""
+    given = [key for key in ("drift", "imbalance", "supply_v") if getattr(scenario, key) is not None]
+    yield dict.fromkeys(given)
+    for key in given:
+        yield {key: None}
+
+
+def _steadier(quantity: Quantity) -> Simplification:
+    def candidates(scenario: Scenario) -> Iterator[Fields]:
+        course = course_of(scenario, quantity)
+        if not course.changes:
+            return
+        for steadier in course.steadier():
+            yield fields_of(scenario, quantity, _coming_on(scenario, quantity, steadier))
+
+    return candidates
+
+
+def _coming_on(scenario: Scenario, quantity: Quantity, course: Course) -> Course:
+    """Let a switched load come on as in every other run, from a shaft that turns freely."""
+    if quantity != "load" or isinstance(scenario.load, VehicleLoad) or course.first == 0.0:
+        return course
+    return Course.of(((0.0, 0.0), (LOAD_RAMP_S, course.first), *course.profile()[1:]))
+
+
+def _plainer_load(scenario: Scenario) -> Iterator[Fields]:
+    """Ask for the torque of the last steady stretch, whatever the speed."""
+    load = scenario.load
+    steady = [dwell for dwell in dwells(scenario) if dwell_torque(scenario, dwell) > 0.0]
+    if not steady or isinstance(load, (LockedLoad, ConstantTorqueLoad)):
+        return
+    torque = round(dwell_torque(scenario, steady[-1]), 3)
+    factor = ((0.0, 0.0), (LOAD_RAMP_S, 1.0))
+    if not isinstance(load, VehicleLoad):
+        share = course_of(scenario, "load").values()[-1]
+        if share > 0.0:
+            whole = round(torque / share, 3)
+            yield {"load": ConstantTorqueLoad(kind="constant_torque", torque_nm=whole, factor=load.factor)}
+    yield {"load": ConstantTorqueLoad(kind="constant_torque", torque_nm=torque, factor=factor)}
+
+
+def _shorter(scenario: Scenario) -> Iterator[Fields]:
+    """End at the first time at which a stretch can be judged, or after a part of the run."""
+    judged = [dwell.start + SETTLING_TIME + SHORTEST_WINDOW for dwell in dwells(scenario)]
+    parts = [share * scenario.duration_s for share in (0.1, 0.25, 0.5, 0.75)]
+    for end in sorted({math.ceil(round(end * 10.0, 6)) / 10.0 for end in (*judged, *parts)}):
+        if end < scenario.duration_s:
+            yield _until(scenario, end)
+
+
+def _until(scenario: Scenario, end: float) -> Fields:
+    fields: Fields = {"duration_s": end}
+    shorter = scenario
+    for quantity in QUANTITIES:
+        changed = fields_of(shorter, quantity, course_of(shorter, quantity).until(end))
+        fields |= changed
+        shorter = shorter.model_copy(update=changed)
+    fields["dropouts"] = tuple(dropout for dropout in scenario.dropouts if dropout.end_s <= end)
+    fields["glitches"] = tuple(glitch for glitch in scenario.glitches if glitch.time_s <= end)
+    return fields
+
+
+def _rounder(quantity: Quantity) -> Simplification:
+    def candidates(scenario: Scenario) -> Iterator[Fields]:
+        course = course_of(scenario, quantity)
+        for grain in _GRAINS[quantity]:
+            yield fields_of(scenario, quantity, course.mapped(value=_to(grain)))
+
+    return candidates
+
+
+def _rounder_times(scenario: Scenario) -> Iterator[Fields]:
+    for grain in _TIMES:
+        rounded = _to(grain)
+        fields: Fields = {"duration_s": max(rounded(scenario.duration_s), grain)}
+        changed = scenario
+        for quantity in QUANTITIES:
+            course = course_of(scenario, quantity)
+            # A load that comes on does so in a fifth of a second.
+            kept = 1 if quantity == "load" and course.first == 0.0 else 0
+            later = Course(course.first, course.changes[kept:]).mapped(time=rounded)
+            rounder = Course(course.first, course.changes[:kept] + later.changes)
+            fields |= fields_of(changed, quantity, rounder)
+            changed = scenario.model_copy(update=fields)
+        fields["dropouts"] = tuple(
+            dropout.model_copy(update={"start_s": rounded(dropout.start_s)}) for dropout in scenario.dropouts
+        )
+        fields["glitches"] = tuple(
+            glitch.model_copy(update={"time_s": rounded(glitch.time_s)}) for glitch in scenario.glitches
+        )
+        yield fields
+
+
+def _rounder_load(scenario: Scenario) -> Iterator[Fields]:
+    load = scenario.load
+    if isinstance(load, ConstantPowerLoad):
+        rated = scenario.motor.rated_power_w
+        for share in (0.5, 0.25, 0.1, 0.05):
+            yield {"load": load.model_copy(update={"power_w": _to(share * rated)(load.power_w)})}
+    elif isinstance(load, (ConstantTorqueLoad, FanLoad)):
+        for grain in (5.0, 1.0, 0.5, 0.1):
+            yield {"load": load.model_copy(update={"torque_nm": _to(grain)(load.torque_nm)})}
+    elif isinstance(load, VehicleLoad):
+        for grain in (100.0, 50.0):
+            yield {"load": load.model_copy(update={"mass_kg": max(grain, _to(grain)(load.mass_kg))})}
+
+
+def _rounder_parameters(scenario: Scenario) -> Iterator[Fields]:
+    for grain in (0.5, 0.25, 0.1, 0.05):
+        for key in type(NOMINAL).model_fields:
+            value = _to(grain)(getattr(scenario.scales, key))
+            yield {"scales": scenario.scales.model_copy(update={key: value})}
+
+
+def _rounder_failures(scenario: Scenario) -> Iterator[Fields]:
+    for grain in (0.01, 0.005, 0.001):
+        lasting = [max(grain, _to(grain)(dropout.duration_s)) for dropout in scenario.dropouts]
+        pairs = zip(scenario.dropouts, lasting, strict=True)
+        yield {"dropouts": tuple(old.model_copy(update={"duration_s": time}) for old, time in pairs)}
+    for count in (50, 10, 5, 1):
+        signs = [count if glitch.counts > 0 else -count for glitch in scenario.glitches]
+        edges = zip(scenario.glitches, signs, strict=True)
+        yield {"glitches": tuple(old.model_copy(update={"counts": counts}) for old, counts in edges)}
+
+
+def _to(grain: float) -> Callable[[float], float]:
+    """Round to whole grains."""
+    return lambda value: round(round(value / grain) * grain, 9)
+
+
+SIMPLIFICATIONS: Final[tuple[Simplification, ...]] = (
+    _fewer_failures,
+    _without_disturbance,
+    _plainer_sensors,
+    _nominal_parameters,
+    *(_steadier(quantity) for quantity in QUANTITIES),
+    _shorter,
+    _plainer_load,
+    _rounder("speed"),
+    _rounder_load,
+    _rounder_parameters,
+    _rounder_failures,
+    _rounder_times,
+    *(_rounder(quantity) for quantity in QUANTITIES if quantity != "speed"),
+)
+"""All of them, in the order in which they are tried."""

@@ -1,0 +1,77 @@
+"""How complicated a scenario is, so that the simplest of several failures can be told."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from drivegate_cases.motor.scales import NOMINAL
+from drivegate_cases.scenario.sensors import IDEAL, MCS96
+
+_FAILURE, _PARAMETER, _POINT, _LOAD, _SEED, _DIGIT = 2000, 1000, 300, 100, 20, 5
+_LOAD_KINDS: Final = {"locked": 0, "constant_torque": 0, "constant_power": 1, "fan": 2, "vehicle": 4}
+
+
+def size_of(scenario: Mapping[str, Any]) -> int:
+    """Measure how complicated a scenario is.
+
+    Parameters
+    ----------
+    scenario : mapping
+        A scenario as plain data, or a script, whose ``kind`` is ``script``.
+
+    Returns
+    -------
+    int
+        The more, the less simple: failures first, then parameters and sensors that are not nominal, points of
+        profiles, the kind of load, digits of numbers and seconds; of a script the number of its values.
+    """
+    if scenario.get("kind") == "script":
+        return _leaves(scenario)
+    failures = len(scenario.get("dropouts", ())) + len(scenario.get("glitches", ()))
+    load = scenario["load"]
+    profiles = [
+        scenario["speed_rpm"],
+        load.get("factor", load.get("grade_percent", ())),
+        scenario.get("supply_v", ()),
+        scenario.get("imbalance", ()),
+        *(scenario.get("drift") or {}).values(),
+    ]
+    numbers = [number for profile in profiles for point in profile for number in point]
+    numbers += [value for key, value in load.items() if isinstance(value, float)]
+    for failure in (*scenario.get("dropouts", ()), *scenario.get("glitches", ())):
+        numbers += [value for value in failure.values() if not isinstance(value, str)]
+    scales = scenario.get("scales", {})
+    numbers += scales.values()
+    parts = (
+        _FAILURE * (failures + len(scenario.get("drift") or {}) + ("imbalance" in scenario)),
+        _PARAMETER * len([key for key, value in scales.items() if value != getattr(NOMINAL, key)]),
+        _sensor_size(scenario.get("sensors", "ideal")),
+        _SEED * (scenario.get("seed", 0) != 0),
+        _POINT * sum(map(len, profiles)),
+        _LOAD * _LOAD_KINDS[load["kind"]],
+        _DIGIT * sum(map(_digits, numbers)),
+        math.ceil(scenario["duration_s"]),
+    )
+    return int(sum(parts))
+
+
+def _leaves(value: object) -> int:
+    if isinstance(value, Mapping):
+        return sum(map(_leaves, value.values()))
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return sum(map(_leaves, value))
+    return 1
+
+
+def _sensor_size(sensors: str | Mapping[str, Any]) -> int:
+    keys = {"kind": sensors} if isinstance(sensors, str) else sensors
+    if keys["kind"] == IDEAL.kind:
+        return 0
+    return _PARAMETER + _LOAD * len([key for key, value in keys.items() if getattr(MCS96, key) != value])
+
+
+def _digits(number: float) -> int:
+    """Count the digits that it takes to write a number, without zeros at its ends."""
+    return len(f"{abs(number):.9f}".replace(".", "").strip("0"))

@@ -1,0 +1,48 @@
+"""Speeds at which candidates are checked under load, as far as they are made for them."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from drivegate_cases.motor.motor import Motor
+from drivegate_models.errors import InputError
+
+SpeedRange: TypeAlias = tuple[float, float]
+"""Lowest and highest speed (rpm)."""
+
+LOWEST_LOADED = 1.1
+"""Lowest speed of a loaded run over base speed; with less, rated power is out of reach without advance (1)."""
+HIGHEST_LOADED = 3.0
+"""Highest speed of a loaded run over base speed, up to which constant power is required (1)."""
+
+
+def loaded_range(motor: Motor, declared_rpm: SpeedRange | None) -> SpeedRange:
+    """Give the speeds of loaded runs.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+    declared_rpm : tuple of float or None
+        Lowest and highest speed that a candidate is made for (rpm); None for all.
+
+    Returns
+    -------
+    tuple of float
+        Lowest and highest speed of loaded runs (rpm).
+
+    Raises
+    ------
+    InputError
+        When a candidate is made for none of them.
+    """
+    lowest = round(LOWEST_LOADED * motor.base_speed_rpm, 6)
+    highest = round(HIGHEST_LOADED * motor.base_speed_rpm, 6)
+    if declared_rpm is None:
+        return lowest, highest
+    if declared_rpm[1] < lowest or declared_rpm[0] > highest:
+        raise InputError(
+            f"the candidate declares a speed_range_rpm of {declared_rpm[0]:g} to {declared_rpm[1]:g} rpm, but is "
+            f"checked under load from {lowest:g} to {highest:g} rpm; declare a range that has some of these speeds"
+        )
+    return max(lowest, declared_rpm[0]), min(highest, declared_rpm[1])

@@ -1,0 +1,183 @@
+"""Names and descriptions that say what a scenario is, made from its content."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+from drivegate_cases.scenario.load import (
+    ConstantPowerLoad,
+    ConstantTorqueLoad,
+    FanLoad,
+    LockedLoad,
+    VehicleLoad,
+)
+from drivegate_cases.scenario.piecewise import Profile
+from drivegate_cases.scenario.scenario import Scenario
+
+_LONGEST_NAME = 200
+_LONGEST_DESCRIPTION = 2000
+
+
+class _Trait(NamedTuple):
+    """Something about a scenario, as part of a name and as part of a sentence."""
+
+    label: str
+    words: str
+
+
+def titled(scenario: Scenario) -> Scenario:
+    """Name and describe a scenario by its content.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    Scenario
+        The same run under its new name; two different runs may share one.
+    """
+    traits = [
+        _speed(scenario),
+        *_load(scenario),
+        *_supply(scenario),
+        *_parameters(scenario),
+        *_sensors(scenario),
+        *_failures(scenario),
+    ]
+    sentence = "; ".join(trait.words for trait in traits)
+    return scenario.model_copy(
+        update={
+            "name": "-".join(trait.label for trait in traits)[:_LONGEST_NAME],
+            "description": f"{sentence}."[:_LONGEST_DESCRIPTION],
+        }
+    )
+
+
+def _levels(profile: Profile) -> list[float]:
+    """Values that a profile goes through, without immediate repetitions."""
+    values = [value for _, value in profile]
+    return [value for index, value in enumerate(values) if index == 0 or value != values[index - 1]]
+
+
+def _sequence(values: list[float], scale: float = 1.0) -> str:
+    return "-".join(f"{scale * value:.4g}" for value in values)
+
+
+def _in_words(values: list[float], unit: str, scale: float = 1.0) -> str:
+    return f"{', then '.join(f'{scale * value:.4g}' for value in values)} {unit}"
+
+
+def _changing(profile: Profile, unit: str, scale: float = 1.0) -> str:
+    return f"{_in_words(_levels(profile), unit, scale)}{_change_times(profile)}"
+
+
+def _change_times(profile: Profile) -> str:
+    changes = [time for (time, value), (_, after) in pairwise(profile) if value != after]
+    return f" (changing at {', '.join(f'{time:.4g}' for time in changes)} s)" if changes else ""
+
+
+def _speed(scenario: Scenario) -> _Trait:
+    levels = _levels(scenario.speed_rpm)
+    words = _changing(scenario.speed_rpm, "rpm")
+    if scenario.initial_speed_rpm != levels[0]:
+        words += f", starting from {scenario.initial_speed_rpm:.4g} rpm"
+    return _Trait(f"{_sequence(levels)}rpm", words)
+
+
+def _load(scenario: Scenario) -> list[_Trait]:
+    load = scenario.load
+    match load:
+        case LockedLoad():
+            return [_Trait("locked", "locked to a dynamometer")]
+        case VehicleLoad():
+            whole = _Trait(f"vehicle-{load.mass_kg:g}kg", f"a vehicle of {load.mass_kg:g} kg")
+            grades = _levels(load.grade_percent)
+            if grades == [0.0]:
+                return [whole]
+            grade = f"grade {_changing(load.grade_percent, '%')}"
+            return [whole, _Trait(f"grade-{_sequence(grades)}%", grade)]
+        case ConstantTorqueLoad():
+            whole = _Trait(f"{load.torque_nm:.4g}Nm", f"constant torque of {load.torque_nm:.4g} N·m")
+        case ConstantPowerLoad():
+            whole = _Trait(f"{load.power_w:.4g}W", f"constant power of {load.power_w:.4g} W")
+        case FanLoad():
+            words = f"fan of {load.torque_nm:.4g} N·m at {load.speed_rpm:.4g} rpm"
+            whole = _Trait(f"fan-{load.torque_nm:.4g}Nm", words)
+    return _switched(whole, load.factor)
+
+
+def _switched(whole: _Trait, factor: Profile) -> list[_Trait]:
+    """Tell shares of a load, except for the rise from nothing to all of it."""
+    levels = _levels(factor)
+    if not any(levels) or whole.label in ("0Nm", "0W"):
+        return [_Trait("unloaded", "unloaded")]
+    comes_on = levels[0] == 0.0
+    shares = levels[1:] if comes_on else levels
+    if shares == [1.0]:
+        return [whole]
+    percent = _Trait(
+        f"{_sequence(shares, 100.0)}%",
+        f"{_in_words(shares, '% of it', 100.0)}{_change_times(factor[comes_on:])}",
+    )
+    return [whole, percent]
+
+
+def _supply(scenario: Scenario) -> list[_Trait]:
+    traits = []
+    supply = scenario.supply_profile
+    if _levels(supply) != [scenario.motor.supply_voltage_v]:
+        traits.append(_Trait(f"{_sequence(_levels(supply))}V", f"half-supply {_changing(supply, 'V')}"))
+    if scenario.imbalance is not None:
+        shares = _levels(scenario.imbalance)
+        words = f"halves apart by {_changing(scenario.imbalance, '%', 100.0)}"
+        traits.append(_Trait(f"imbalance-{_sequence(shares, 100.0)}%", words))
+    return traits
+
+
+def _parameters(scenario: Scenario) -> list[_Trait]:
+    scales = scenario.scales
+    traits = [
+        _Trait(f"{symbol}×{factor:.4g}", f"{symbol} × {factor:.4g}")
+        for symbol, factor in (
+            ("R", scales.resistance),
+            ("L", scales.inductance),
+            ("ke", scales.emf_constant),
+        )
+        if factor != 1.0
+    ]
+    if scales.friction_added_n_m:
+        added = f"{scales.friction_added_n_m:.4g}"
+        traits.append(_Trait(f"friction+{added}Nm", f"friction + {added} N·m"))
+    for symbol, profile in (("R", scenario.resistance_profile), ("ke", scenario.emf_profile)):
+        if _levels(profile) != [1.0]:
+            label = f"{symbol}-drifts×{_sequence(_levels(profile))}"
+            traits.append(_Trait(label, f"{symbol} drifts by {_changing(profile, 'times')}"))
+    return traits
+
+
+def _sensors(scenario: Scenario) -> list[_Trait]:
+    kind = scenario.sensors.kind
+    if kind == "ideal":
+        return []
+    return [_Trait(kind, f"{kind} sensors, seed {scenario.seed}")]
+
+
+def _failures(scenario: Scenario) -> list[_Trait]:
+    lost = [
+        _Trait(
+            f"{dropout.signal}-lost-{1000.0 * dropout.duration_s:.4g}ms",
+            f"{dropout.signal} lost for {1000.0 * dropout.duration_s:.4g} ms at {dropout.start_s:.4g} s",
+        )
+        for dropout in scenario.dropouts
+    ]
+    false_edges = [
+        _Trait(
+            f"glitch{glitch.counts:+d}",
+            f"{glitch.counts:+d} encoder counts too many at {glitch.time_s:.4g} s",
+        )
+        for glitch in scenario.glitches
+    ]
+    return lost + false_edges

@@ -1,1 +1,0 @@
-"""The harness checked itself: controllers with one known fault, and the checks that must catch them."""

@@ -1,1 +1,0 @@
-"""Two candidates step by step, up to the first difference."""

@@ -1,0 +1,1 @@
+"""How fast drivegate is on this machine."""

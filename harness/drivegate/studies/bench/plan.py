@@ -1,0 +1,257 @@
+"""The list of what ``drivegate bench`` measures, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+from drivegate.studies.bench.loop_rates import (
+    CANDIDATES,
+    SENSORS,
+    SIMULATED,
+    SPEEDS_RPM,
+    YARDSTICK_SIMULATED,
+    loop_rate,
+    yardstick_ratio,
+)
+from drivegate.studies.bench.measurement import Better, NotMeasured, Row, Value
+from drivegate.studies.bench.point_rates import POINTS, oracle_time, steady_rate
+from drivegate.studies.bench.process_times import gate_time, help_words, start_time
+from drivegate.studies.bench.python_overhead import SIMULATED as OVERHEAD_SIMULATED
+from drivegate.studies.bench.python_overhead import python_overhead
+from drivegate.studies.bench.run_memory import run_memory
+from drivegate.studies.bench.workbench import Workbench
+from drivegate_cases.documents.wording import nearest, one_line
+from drivegate_models.errors import InputError
+
+RATE_UNIT: Final = "× real time"
+"""Unit of the closed loop's rate: simulated seconds a second."""
+NATIVE_BAR: Final = 300.0
+"""Rate that the reference is meant to reach at 1500 rpm, 9.8 N·m and a control period of 0.5 ms."""
+PYTHON_BAR: Final = 50.0
+"""The same of a controller in Python."""
+EXEC_BAR: Final = 3.0
+"""The same of a program of its own."""
+OVERHEAD_BAR: Final = 5.0
+"""Time that calling a candidate in Python is meant to cost a step beyond its own (µs)."""
+YARDSTICK_BAR: Final = 1.2
+"""Time over that of the same algorithm in C that the closed loop is meant to stay below."""
+POINTS_BAR: Final = 50_000.0
+"""Steady states a second."""
+HELP_BAR: Final = 0.3
+"""Time until the command line answers (s)."""
+IMPORT_BAR: Final = 0.15
+"""Time of ``import drivegate`` in a fresh process (s)."""
+GATE_BARS: Final = {"warm": 60.0, "cold": 120.0}
+"""Time of a gate at default effort, with everything compiled and with nothing (s)."""
+
+_POINT = (1500.0, 9.8)
+_BARRED_RPM = 1500
+
+
+@dataclass(frozen=True)
+class Planned:
+    """Something to measure.
+
+    Attributes
+    ----------
+    name, title, setting, unit, better, bar
+        As in `drivegate.studies.bench.measurement.Row`.
+    measure : callable
+        Does it.
+    """
+
+    name: str
+    title: str
+    setting: str
+    unit: str
+    better: Better
+    bar: float | None
+    measure: Callable[[Workbench], Value]
+
+    def row(self, bench: Workbench) -> Row:
+        """Measure.
+
+        Parameters
+        ----------
+        bench : Workbench
+            The workbench.
+
+        Returns
+        -------
+        Row
+            The number, or why there is none.
+        """
+        value, reason = None, ""
+        try:
+            value = self.measure(bench)
+        except NotMeasured as error:
+            reason = one_line(str(error))
+        return Row(self.name, self.title, self.setting, self.unit, self.better, self.bar, value, reason)
+
+
+def planned(*, quick: bool, cold: bool) -> tuple[Planned, ...]:
+    """List all that can be measured.
+
+    Parameters
+    ----------
+    quick : bool
+        Whether few and short rounds will do.
+    cold : bool
+        Whether to include the gate with nothing compiled.
+
+    Returns
+    -------
+    tuple of Planned
+        In the order in which they are shown.
+    """
+    return (*_loops(quick), _overhead(quick), *_yardsticks(quick), *_points(quick), *_processes(quick, cold))
+
+
+def chosen(plan: Sequence[Planned], names: Sequence[str]) -> tuple[Planned, ...]:
+    """Choose from a plan by name, or by the beginning of names up to a point.
+
+    Parameters
+    ----------
+    plan : sequence of Planned
+        What there is.
+    names : sequence of str
+        What is wanted, such as ``loop.python`` or ``steady``; empty for all.
+
+    Returns
+    -------
+    tuple of Planned
+        In the plan's order.
+
+    Raises
+    ------
+    InputError
+        When a name fits nothing.
+    """
+    known = _names_and_groups(plan)
+    for name in names:
+        if name not in known:
+            groups = dict.fromkeys(planned.name.partition(".")[0] for planned in plan)
+            raise InputError(
+                f"--only '{one_line(name)}' names nothing that is measured, the nearest is "
+                f"'{nearest(name, known)}'; there are {', '.join(groups)}, and each row's own name"
+            )
+    if not names:
+        return tuple(plan)
+    return tuple(
+        one for one in plan if any(one.name == name or one.name.startswith(f"{name}.") for name in names)
+    )
+
+
+def _names_and_groups(plan: Sequence[Planned]) -> list[str]:
+    known: dict[str, None] = {}
+    for one in plan:
+        words = one.name.split(".")
+        known |= dict.fromkeys(".".join(words[: end + 1]) for end in range(len(words)))
+    return list(known)
+
+
+def _loops(quick: bool) -> list[Planned]:
+    bars = {"reference": NATIVE_BAR, "python": PYTHON_BAR, "exec": EXEC_BAR}
+    return [
+        Planned(
+            f"loop.{candidate}.{speed}.{sensors}",
+            f"{candidate}, {speed} rpm, {sensors} sensors",
+            f"{_shortened(SIMULATED[candidate], quick)} s at a control period of 0.5 ms",
+            RATE_UNIT,
+            "more",
+            bars.get(candidate) if speed == _BARRED_RPM and sensors == "ideal" else None,
+            partial(loop_rate, candidate=candidate, speed_rpm=speed, sensors=sensors),
+        )
+        for candidate in CANDIDATES
+        for speed in SPEEDS_RPM
+        for sensors in SENSORS
+    ]
+
+
+def _overhead(quick: bool) -> Planned:
+    return Planned(
+        "overhead.python",
+        "calling a candidate in Python",
+        f"{_shortened(OVERHEAD_SIMULATED, quick)} s at a control period of 0.5 ms",
+        "µs a step",
+        "less",
+        OVERHEAD_BAR,
+        python_overhead,
+    )
+
+
+def _yardsticks(quick: bool) -> list[Planned]:
+    titles = {"initial": "initial against all of it in C", "reference": "reference against its plant in C"}
+    return [
+        Planned(
+            f"yardstick.{candidate}.{speed}",
+            f"{title}, {speed} rpm",
+            f"{_shortened(YARDSTICK_SIMULATED, quick)} s at a control period of 0.5 ms",
+            "× its time",
+            "less",
+            YARDSTICK_BAR,
+            partial(yardstick_ratio, candidate=candidate, speed_rpm=speed),
+        )
+        for candidate, title in titles.items()
+        for speed in (1000, _BARRED_RPM)
+    ]
+
+
+def _shortened(seconds: float, quick: bool) -> str:
+    return f"{seconds * (0.5 if quick else 1.0):g}"
+
+
+def _points(quick: bool) -> list[Planned]:
+    count = POINTS // 10 if quick else POINTS
+    speed, torque = _POINT
+    steady = [
+        Planned(
+            f"steady.{name}",
+            f"steady states, band {band:g} A",
+            f"{count} points over speed, angle and current",
+            "points/s",
+            "more",
+            POINTS_BAR,
+            partial(steady_rate, band=band),
+        )
+        for name, band in (("band", 0.25), ("ideal", 0.0))
+    ]
+    oracle = Planned(
+        "oracle.least-sum",
+        "oracle, angle of least Σ|i|",
+        f"at {speed:g} rpm and {torque:g} N·m",
+        "ms",
+        "less",
+        None,
+        partial(oracle_time, speed_rpm=speed, torque=torque),
+    )
+    return [*steady, oracle]
+
+
+def _processes(quick: bool, cold: bool) -> list[Planned]:
+    effort = "quick" if quick else "default"
+    gates = [
+        Planned(
+            f"gate.{state}",
+            f"check reference, {state}",
+            f"{effort} effort",
+            "s",
+            "less",
+            None if quick else GATE_BARS[state],
+            partial(gate_time, effort=effort, cold=state == "cold"),
+        )
+        for state in (("warm", "cold") if cold else ("warm",))
+    ]
+    shown = partial(start_time, words=help_words(), expected="Commands")
+    imported = partial(
+        start_time, words=("-c", "import drivegate; print(drivegate.__name__)"), expected="drivegate"
+    )
+    return [
+        *gates,
+        Planned("start.help", "drivegate --help", "a fresh process", "s", "less", HELP_BAR, shown),
+        Planned("start.import", "import drivegate", "a fresh process", "s", "less", IMPORT_BAR, imported),
+        Planned("memory.run", "memory of a run", "4 s, no trace", "KiB", "less", None, run_memory),
+    ]

@@ -1,0 +1,106 @@
+"""How fast steady states and the oracle are on one processor."""
+
+from __future__ import annotations
+
+import time
+from math import degrees, radians
+from typing import Final
+
+from drivegate.studies.bench.measurement import Checked, Value, duration, rate, timed
+from drivegate.studies.bench.workbench import Workbench
+
+POINTS: Final = 20_000
+"""Number of steady states, of which each has its own speed, angle and current reference."""
+LEAST_CERTIFIED: Final = 0.98
+"""Share of them that has to be certified periodic."""
+CLOSING: Final = 1e-9
+"""Residual of the power of a point, over its input power, up to which it is right."""
+
+_MOTOR = "paper-5-phase"
+# How closely the edge is located.
+_EDGE = radians(2e-4)
+
+
+def steady_rate(bench: Workbench, band: float) -> Value:
+    """Measure the solution of steady states.
+
+    Parameters
+    ----------
+    bench : Workbench
+        The workbench.
+    band : float
+        Hysteresis band (A).
+
+    Returns
+    -------
+    Value
+        Points a second.
+    """
+    import numpy as np
+
+    from drivegate_cases.motor.motor import load_motor
+    from drivegate_models.half_bridge.plant.phases import make_phases
+    from drivegate_models.half_bridge.steady.grid import POINT_COLUMNS, solve_points
+    from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME
+
+    # Without core loss, which floating phases take from the shaft, powers add up from what a point tells.
+    drive = load_motor(_MOTOR).drive()._replace(hysteresis_band=band, core_loss_conductance=0.0)
+    work, slices = make_phases(drive, KEPT_TIME), make_phases(drive)
+    count = POINTS // 10 if bench.quick else POINTS
+    places = np.arange(count, dtype=np.float64)
+    # Three lengths without a common divisor: no two points are alike.
+    speeds = 60.0 + 100.0 * (places % 97) / 97.0
+    references = 5.0 + 20.0 * (places % 89) / 89.0
+    advances = 1.2 * (places % 83) / 83.0
+    values = np.empty((count, len(POINT_COLUMNS)))
+
+    def solve() -> None:
+        solve_points(drive, work, slices, drive.half_supply_voltage, speeds, advances, references, values)
+
+    solve()
+    columns = dict(zip(POINT_COLUMNS, values.T, strict=True))
+    certified = float(columns["certified"].mean())
+    # What goes in and is neither shaft power nor loss is what the solution got wrong.
+    exact = columns["certified"] > 0.0
+    shaft = columns["torque_mean_nm"] * speeds
+    lost = columns["input_power_w"] - shaft - columns["copper_loss_w"]
+    residual = float(np.abs(lost[exact] / np.maximum(np.abs(columns["exchanged_power_w"][exact]), 1.0)).max())
+    right = certified >= LEAST_CERTIFIED and residual <= CLOSING
+    checked = Checked(right, f"{100.0 * certified:.1f} % certified periodic, power within {residual:.0e}")
+    return rate(count, timed(solve, time.process_time, bench.rounds), checked)
+
+
+def oracle_time(bench: Workbench, speed_rpm: float, torque: float) -> Value:
+    """Measure how long the angle of least Σ|i| takes at one point.
+
+    Parameters
+    ----------
+    bench : Workbench
+        The workbench.
+    speed_rpm : float
+        Speed (rpm).
+    torque : float
+        Mean torque (N·m).
+
+    Returns
+    -------
+    Value
+        Time (ms).
+    """
+    from drivegate.runs.scenario import RADIANS_PER_RPM
+    from drivegate_cases.motor.motor import load_motor
+    from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, point_at_torque
+
+    drive = load_motor(_MOTOR).drive()
+    speed = speed_rpm * RADIANS_PER_RPM
+    best = least_current_sum(drive, speed, torque)
+    there = point_at_torque(drive, speed, best.advance, torque)
+    edge = feasible_edge(drive, speed, torque)
+    right = (
+        best.advance >= edge - _EDGE
+        and abs(there.torque - torque) <= 1e-6 * torque
+        and abs(there.current_sum - best.current_sum) <= 1e-6 * best.current_sum
+    )
+    told = f"{degrees(best.advance):.2f}° gives {there.torque:.4f} N·m with {best.current_sum:.3f} A"
+    times = timed(lambda: least_current_sum(drive, speed, torque), time.process_time, bench.rounds)
+    return duration(times, Checked(right, told), 1e3)

@@ -1,0 +1,162 @@
+"""What the measurements share: scenarios, candidates written for the occasion, and the compiled yardstick."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from shlex import quote
+from typing import TYPE_CHECKING, Final
+
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.results.waivers import present_day
+from drivegate.studies.bench.measurement import NotMeasured
+from drivegate.studies.bench.yardstick import Yardstick, build_yardstick
+from drivegate.studies.new.write import write_candidate
+from drivegate_cases.scenario.scenario import Scenario, load_scenario
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate.candidates.controller import Controller
+
+BUILTIN: Final = ("reference", "initial")
+"""Candidates that are there already; those of other kinds are written by the templates of ``drivegate new``."""
+
+_MOST_TORQUE = 9.8
+_SHARE_OF_POWER = 0.98
+
+
+@dataclass
+class Workbench:
+    """Where and how measurements are made.
+
+    Attributes
+    ----------
+    scratch : Path
+        An empty folder that is removed afterwards.
+    quick : bool
+        Whether few and short rounds will do.
+    yardstick_folder : Path or None
+        Where the yardstick's sources are, if they are here.
+    """
+
+    scratch: Path
+    quick: bool
+    yardstick_folder: Path | None
+    _controllers: dict[str, Controller] = field(default_factory=dict)
+    _yardstick: Yardstick | None = None
+
+    @property
+    def rounds(self) -> int:
+        """Number of rounds of each measurement."""
+        return 3 if self.quick else 11
+
+    def simulated(self, seconds: float) -> float:
+        """Tell how much time a run simulates.
+
+        Parameters
+        ----------
+        seconds : float
+            That of the unabridged measurement (s), a multiple of 0.5 s.
+
+        Returns
+        -------
+        float
+            As much, or half of it (s).
+        """
+        return 0.5 * seconds if self.quick else seconds
+
+    def controller(self, kind: str) -> Controller:
+        """Load a controller, once.
+
+        Parameters
+        ----------
+        kind : str
+            One of `BUILTIN`, or a kind of `drivegate new`.
+
+        Returns
+        -------
+        Controller
+            The instance.
+
+        Raises
+        ------
+        NotMeasured
+            When a tool that it needs is missing.
+        """
+        if kind not in self._controllers:
+            self._controllers[kind] = self._loaded(kind)
+        return self._controllers[kind]
+
+    def _loaded(self, kind: str) -> Controller:
+        if kind in BUILTIN:
+            return load_controller(resolve_candidate(kind))
+        folder = self.scratch / f"bench-{kind}"
+        if not folder.exists():
+            write_candidate(kind, f"bench-{kind}", folder, present_day())
+        manifest = folder / "candidate.toml"
+        if kind == "exec":
+            # The interpreter that runs here, whatever is first on the path.
+            command = f'entry = "{quote(sys.executable)} controller.py"'
+            manifest.write_text(manifest.read_text().replace('entry = "python3 controller.py"', command))
+        try:
+            return load_controller(resolve_candidate(str(manifest)))
+        except InputError as error:
+            raise NotMeasured(str(error)) from error
+
+    def yardstick(self) -> Yardstick:
+        """Compile the yardstick, once.
+
+        Returns
+        -------
+        Yardstick
+            The yardstick.
+
+        Raises
+        ------
+        NotMeasured
+            When its sources or a compiler are missing.
+        """
+        if self._yardstick is None:
+            if self.yardstick_folder is None:
+                raise NotMeasured(
+                    "the C yardstick is in drivegate's sources: run this command there, or name its folder "
+                    "with --yardstick"
+                )
+            try:
+                library = build_yardstick(self.yardstick_folder, self.scratch)
+            except InputError as error:
+                raise NotMeasured(str(error)) from error
+            self._yardstick = Yardstick(library)
+        return self._yardstick
+
+
+def operating_scenario(speed_rpm: int, sensors: str, seconds: float) -> Scenario:
+    """Make a run at one speed: 9.8 N·m, or less where that would be more than rated power.
+
+    Parameters
+    ----------
+    speed_rpm : int
+        Speed (rpm).
+    sensors : str
+        ``ideal`` or ``mcs96``.
+    seconds : float
+        Simulated time (s).
+
+    Returns
+    -------
+    Scenario
+        The scenario; its load rises in the first 0.2 s.
+    """
+    published = load_scenario("fig5-search")
+    rated = published.motor.rated_power_w / (speed_rpm * 3.141592653589793 / 30.0)
+    torque = round(min(_MOST_TORQUE, _SHARE_OF_POWER * rated), 2)
+    return published.replaced(
+        name=f"bench-{speed_rpm}-{sensors}",
+        duration_s=seconds,
+        initial_speed_rpm=float(speed_rpm),
+        speed_rpm=((0.0, float(speed_rpm)),),
+        sensors=sensors,
+        load={"kind": "constant_torque", "torque_nm": torque, "factor": [[0.0, 0.0], [0.2, 1.0]]},
+    )

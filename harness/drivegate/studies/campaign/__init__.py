@@ -1,0 +1,1 @@
+"""Campaigns: grids and drawn drives, many thousands of runs."""

@@ -1,0 +1,122 @@
+"""A campaign from its plan to complete files, going on from those that are there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final, TypeAlias
+
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.backend import Backend, done_by
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.worker import CandidateWorker
+from drivegate.gate.warm_up import compile_kernels, missing_marker
+from drivegate.studies.campaign.folder import CampaignFolder
+from drivegate.studies.campaign.plan import CampaignPlan
+from drivegate.studies.campaign.row import RowRequest, run_row
+from drivegate.studies.campaign.run import packed, run_chunk
+from drivegate.studies.campaign.table import table_bytes
+
+_REHEARSED: Final = "published"
+"""A candidate that fails checks, so that what only failures need is compiled too."""
+
+Tell: TypeAlias = Callable[[int, int], None]
+"""Takes the number of runs that are kept so far, and how many of them were there before."""
+
+
+def make_runs(plan: CampaignPlan, folder: CampaignFolder, backend: Backend, tell: Tell) -> int:
+    """Make every run of a campaign that is not kept yet.
+
+    Nothing of a run stays in memory once its file is complete, so a campaign may be as long as the disk allows.
+
+    Parameters
+    ----------
+    plan : CampaignPlan
+        The campaign.
+    folder : CampaignFolder
+        Where results are kept, held for this campaign.
+    backend : Backend
+        Where runs are made.
+    tell : callable
+        Hears of progress.
+
+    Returns
+    -------
+    int
+        Number of runs that were made now.
+
+    Raises
+    ------
+    InputError
+        When a candidate is refused or results cannot be written; what is complete stays.
+    HarnessFault
+        When the harness itself fails.
+    """
+    left = [chunk for chunk in plan.chunks() if not folder.is_complete(chunk)]
+    missing = sum(chunk.length for chunk in left)
+    before = kept = plan.runs - missing
+    tell(kept, before)
+    if not left:
+        return 0
+    require_loadable(plan)
+    marker = missing_marker()
+    if marker is not None:
+        compile_kernels(marker)
+    rehearse(plan)
+    parameters, checks = plan.campaign.parameters, plan.checks
+    tell(kept, before)
+    for chunk, result in done_by(backend, run_chunk, packed(plan), left):
+        runs = [plan.run(number) for number in range(chunk.first, chunk.first + chunk.length)]
+        folder.write(folder.path_of(chunk), table_bytes(runs, result.rows, parameters, checks))
+        kept += chunk.length
+        tell(kept, before)
+    return missing
+
+
+def require_loadable(plan: CampaignPlan) -> None:
+    """Refuse candidates that cannot be used as they are before anything is run.
+
+    Parameters
+    ----------
+    plan : CampaignPlan
+        The campaign.
+
+    Raises
+    ------
+    InputError
+        When a candidate is refused; one whose own code fails is not, since that is what its runs tell.
+    """
+    for candidate in plan.candidates:
+        if candidate.kind != "builtin":
+            with CandidateWorker(candidate, load_controller) as worker:
+                worker.run(Job(_nothing, None))
+
+
+def rehearse(plan: CampaignPlan) -> None:
+    """Make the first run of every case in a process that then ends, so that all others only load compiled code.
+
+    A process that compiles a kernel itself may round it otherwise, in the last digit, than one that loads it.
+
+    Parameters
+    ----------
+    plan : CampaignPlan
+        The campaign.
+
+    Raises
+    ------
+    HarnessFault
+        When the harness itself fails.
+    """
+    step = plan.campaign.runs_per_candidate // len(plan.cases)
+    asked = [RowRequest(plan.run(place * step).scenario, plan.checks) for place in range(len(plan.cases))]
+    with CandidateWorker(resolve_candidate(_REHEARSED), load_controller) as worker:
+        worker.run(Job(_rehearsed, asked))
+
+
+def _rehearsed(loaded: LoadedCandidate, asked: list[RowRequest]) -> None:
+    for request in asked:
+        run_row(loaded, request)
+
+
+def _nothing(_loaded: LoadedCandidate, _payload: None) -> None:
+    return None

@@ -1,0 +1,222 @@
+"""The folder of a campaign's results: whose it is, who writes into it, which files are complete."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import socket
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, Self
+from urllib.parse import quote
+
+from drivegate.studies.campaign.manifest import MANIFEST, manifest_of, read_manifest, refuse_other
+from drivegate.studies.campaign.plan import CampaignPlan, Chunk
+from drivegate.studies.campaign.table import rows_in
+from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+LOCK: Final = "campaign.lock"
+ROWS: Final = "runs"
+
+
+class CampaignFolder:
+    """The folder, held for one campaign alone as long as the context lasts.
+
+    Parameters
+    ----------
+    place : Path
+        Where the results are kept; made where it is missing.
+    plan : CampaignPlan
+        The campaign.
+    """
+
+    def __init__(self, place: Path, plan: CampaignPlan) -> None:
+        self.place = place
+        self._plan = plan
+        self._lock = -1
+        self._names = [f"candidate={quote(candidate.name, safe='')}" for candidate in plan.candidates]
+
+    def __enter__(self) -> Self:
+        """Make the folder or find it, take its lock, and see that it belongs to this campaign.
+
+        Raises
+        ------
+        InputError
+            When it cannot be written, is another campaign's, or another process writes into it.
+        """
+        with _told(self.place, "use"):
+            self._refuse_foreign()
+            self.place.mkdir(parents=True, exist_ok=True)
+            self._take_lock()
+        try:
+            with _told(self.place, "write"):
+                self._claim()
+        except BaseException:
+            self._release()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Let others write into the folder."""
+        self._release()
+
+    def _refuse_foreign(self) -> None:
+        if self.place.exists() and not self.place.is_dir():
+            raise InputError(f"--output {shown_path(self.place)} is a file; name a folder")
+        if not self.place.is_dir() or (self.place / MANIFEST).exists():
+            return
+        if any(entry.name != LOCK and not _is_partial(entry) for entry in self.place.iterdir()):
+            raise InputError(
+                f"--output {shown_path(self.place)} holds files that are no campaign of drivegate; "
+                "name a new or an empty folder"
+            )
+
+    def _take_lock(self) -> None:
+        """Lock a file, which the system unlocks when this process ends, however it ends."""
+        path = self.place / LOCK
+        while self._lock < 0:
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                holder = one_line(os.read(descriptor, 1000).decode(errors="replace").strip())
+                os.close(descriptor)
+                raise InputError(
+                    f"--output {shown_path(self.place)} is being written by another campaign"
+                    f"{f' ({holder})' if holder else ''}; wait for its end, or name another folder"
+                ) from error
+            if _is_still(descriptor, path):
+                self._lock = descriptor
+            else:
+                # Its last holder removed the file between our opening and locking it.
+                os.close(descriptor)
+        os.ftruncate(self._lock, 0)
+        os.write(self._lock, f"process {os.getpid()} on {socket.gethostname()}\n".encode())
+
+    def _release(self) -> None:
+        with suppress(OSError):
+            (self.place / LOCK).unlink()
+        os.close(self._lock)
+        self._lock = -1
+
+    def _claim(self) -> None:
+        ours = manifest_of(self._plan)
+        path = self.place / MANIFEST
+        if path.exists():
+            refuse_other(self.place, read_manifest(path), ours)
+        else:
+            write_atomically(path, self.as_json(ours))
+        for name in self._names:
+            (self.place / ROWS / name).mkdir(parents=True, exist_ok=True)
+        for partial in self.place.rglob(".*.partial"):
+            partial.unlink()
+
+    def path_of(self, chunk: Chunk) -> Path:
+        """Give the file of some runs.
+
+        Parameters
+        ----------
+        chunk : Chunk
+            The runs.
+
+        Returns
+        -------
+        Path
+            The file, which is complete when it exists.
+        """
+        return self.place / ROWS / self._names[chunk.candidate] / f"part-{chunk.part:06d}.parquet"
+
+    def is_complete(self, chunk: Chunk) -> bool:
+        """Tell whether some runs have been made.
+
+        Parameters
+        ----------
+        chunk : Chunk
+            The runs.
+
+        Returns
+        -------
+        bool
+            Whether their file is there.
+
+        Raises
+        ------
+        InputError
+            When there is one that holds something else.
+        """
+        path = self.path_of(chunk)
+        if not path.exists():
+            return False
+        found = rows_in(path)
+        if found != chunk.length:
+            raise InputError(
+                f"{shown_path(path)} has {found} rows, but must have {chunk.length}; delete it and run the campaign "
+                "again, which makes only these runs anew"
+            )
+        return True
+
+    @staticmethod
+    def as_json(document: Mapping[str, Any]) -> str:
+        """Write plain data as the text of a file.
+
+        Parameters
+        ----------
+        document : mapping
+            Plain data, all numbers finite.
+
+        Returns
+        -------
+        str
+            Indented JSON with a line end.
+        """
+        return json.dumps(document, indent=2, allow_nan=False) + "\n"
+
+    def write(self, path: Path, content: str | bytes) -> None:
+        """Write a file of the folder.
+
+        Parameters
+        ----------
+        path : Path
+            The file.
+        content : str or bytes
+            Its whole content.
+
+        Raises
+        ------
+        InputError
+            When it cannot be written; what was complete before still is.
+        """
+        with _told(path, "write"):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(path, content)
+
+
+def _is_partial(path: Path) -> bool:
+    return path.name.startswith(".") and path.suffix == ".partial"
+
+
+def _is_still(descriptor: int, path: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(descriptor), path.stat())
+    except FileNotFoundError:
+        return False
+
+
+@contextmanager
+def _told(path: Path, verb: str) -> Iterator[None]:
+    """Turn a failure of the file system into a sentence."""
+    try:
+        yield
+    except OSError as error:
+        reason = one_line(error.strerror or str(error))
+        raise InputError(
+            f"{shown_path(path)} cannot be {'written' if verb == 'write' else 'used'}: {reason}; make room or name a "
+            "writable folder, then run the same command again: it goes on from the files that are complete"
+        ) from error

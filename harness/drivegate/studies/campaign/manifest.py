@@ -1,0 +1,139 @@
+"""What a campaign's results follow from, kept beside them, so that no others are ever mixed in."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate.results.provenance import provenance
+from drivegate.studies.campaign.plan import CampaignPlan
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+MANIFEST: Final = "campaign.json"
+SCHEMA: Final = 1
+
+
+def manifest_of(plan: CampaignPlan) -> dict[str, Any]:
+    """Tell everything that a campaign's results follow from.
+
+    Parameters
+    ----------
+    plan : CampaignPlan
+        The campaign.
+
+    Returns
+    -------
+    dict
+        Plain data: the campaign with its cases in full, its candidates with their hashes, and all versions.
+    """
+    import pyarrow
+
+    versions = provenance()
+    versions["packages"] = versions["packages"] | {"pyarrow": pyarrow.__version__}
+    content = {
+        "campaign": plan.campaign.to_mapping(),
+        "cases": [case.to_mapping() for case in plan.cases],
+        "checks": list(plan.checks),
+        "runs": plan.runs,
+        "runs_per_file": plan.campaign.file_length,
+    }
+    candidates = [
+        {"name": candidate.name, "kind": candidate.kind, "hash": candidate.content_hash}
+        for candidate in plan.candidates
+    ]
+    digest = hashlib.sha256(json.dumps(content).encode()).hexdigest()
+    head = {"schema": SCHEMA, "kind": "campaign", "content_hash": digest}
+    return head | content | {"candidates": candidates, "versions": versions}
+
+
+def read_manifest(path: Path) -> dict[str, Any]:
+    """Read the manifest of a folder.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    dict
+        The manifest.
+
+    Raises
+    ------
+    InputError
+        When it is none, or of another schema.
+    """
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"{shown_path(path)} cannot be read; name a new or an empty folder") from error
+    if not isinstance(manifest, dict) or manifest.get("kind") != "campaign":
+        raise InputError(f"{shown_path(path)} is no manifest of a campaign; name a new or an empty folder")
+    if manifest.get("schema") != SCHEMA:
+        raise InputError(
+            f"{shown_path(path)} is of schema {manifest.get('schema')!r}, but this drivegate goes on with "
+            f"schema {SCHEMA} only; name a new or an empty folder"
+        )
+    return manifest
+
+
+def refuse_other(place: Path, theirs: dict[str, Any], ours: dict[str, Any]) -> None:
+    """Refuse to mix results: another campaign, another version of a candidate, or other software.
+
+    Parameters
+    ----------
+    place : Path
+        The folder.
+    theirs, ours : dict
+        The manifest that is there, and the one that would be.
+
+    Raises
+    ------
+    InputError
+        When they differ.
+    """
+    where = f"--output {shown_path(place)}"
+    if theirs.get("content_hash") != ours["content_hash"]:
+        campaign = theirs.get("campaign")
+        name = campaign.get("name") if isinstance(campaign, dict) else None
+        raise InputError(
+            f"{where} holds another campaign, '{one_line(str(name))}', or an earlier state of this one "
+            f"({_difference(theirs, ours)} differs); name a new folder, or give the file that it was begun with"
+        )
+    if theirs.get("candidates") != ours["candidates"]:
+        known = theirs.get("candidates")
+        changed = next(
+            (
+                entry["name"]
+                for entry in ours["candidates"]
+                if not isinstance(known, list) or entry not in known
+            ),
+            "?",
+        )
+        raise InputError(
+            f"{where} was begun with another version of the candidate '{one_line(changed)}'; name a new folder, "
+            "since results of two versions are not mixed"
+        )
+    if theirs.get("versions") != ours["versions"]:
+        raise InputError(
+            f"{where} was begun with other versions of drivegate or of what it computes with; name a new folder, or "
+            f"go on with the versions that {MANIFEST} there tells"
+        )
+
+
+def _difference(theirs: dict[str, Any], ours: dict[str, Any]) -> str:
+    """Name the first key that differs, for a person to look at."""
+    own, other = ours["campaign"], theirs.get("campaign")
+    if isinstance(other, dict):
+        for key in (*own, *other):
+            if own.get(key) != other.get(key):
+                return f"the key '{one_line(str(key))}'"
+            if isinstance(own.get(key), dict) and list(own[key]) != list(other[key]):
+                return f"the order in '{one_line(str(key))}'"
+    return next(
+        (f"'{key}'" for key in ("cases", "checks", "runs_per_file") if ours[key] != theirs.get(key)), "it"
+    )

@@ -1,0 +1,105 @@
+"""The parameters of a run: a value from its distribution, and a case changed as parameters say."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from drivegate.studies.campaign.file import MOTOR_KEYS, SCALES, SPEED, NormalSpread, Spread
+from drivegate_cases.documents.wording import one_line
+from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
+from drivegate_cases.scenario.piecewise import Profile
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.errors import InputError
+
+_DIGITS = 6
+
+
+def drawn(spread: Spread, share: float) -> float:
+    """Draw a value.
+
+    Parameters
+    ----------
+    spread : UniformSpread or NormalSpread
+        The distribution.
+    share : float
+        The random number: the share of all values that lie below the drawn one, between 0 and 1.
+
+    Returns
+    -------
+    float
+        The value, rounded to 6 digits so that it prints well, within the bounds.
+    """
+    if isinstance(spread, NormalSpread):
+        from scipy.special import ndtr, ndtri
+
+        low, high = (ndtr((end - spread.mean) / spread.sigma) for end in (spread.lowest, spread.highest))
+        value = spread.mean + spread.sigma * float(ndtri(low + share * (high - low)))
+    else:
+        value = spread.lowest + share * (spread.highest - spread.lowest)
+    return min(max(float(f"{value:.{_DIGITS}g}"), spread.lowest), spread.highest)
+
+
+def with_parameters(case: Scenario, parameters: Mapping[str, float], *, name: str, seed: int) -> Scenario:
+    """Change a case as parameters say.
+
+    Parameters
+    ----------
+    case : Scenario
+        The case.
+    parameters : mapping
+        Value by parameter: factors multiply those of the case, added friction is added to its own.
+    name : str
+        Name of the changed scenario.
+    seed : int
+        Its seed.
+
+    Returns
+    -------
+    Scenario
+        The changed scenario.
+
+    Raises
+    ------
+    InputError
+        When the case cannot have them.
+    """
+    changes: dict[str, Any] = {"name": name[:200], "seed": seed}
+    scales = {key: value for key, value in parameters.items() if key in SCALES}
+    if scales:
+        changes["scales"] = _scaled(case, scales)
+    motor = {key: value for key, value in parameters.items() if key in MOTOR_KEYS}
+    if motor:
+        changes["motor"] = case.motor.with_overrides([f"{key}={value:.17g}" for key, value in motor.items()])
+    if SPEED in parameters:
+        changes["initial_speed_rpm"] = parameters[SPEED]
+        changes["speed_rpm"] = ((0.0, parameters[SPEED]),)
+    if "supply_share" in parameters:
+        changes["supply_v"] = _times(case.supply_profile, parameters["supply_share"])
+    if "load_share" in parameters:
+        if isinstance(case.load, (LockedLoad, VehicleLoad)):
+            raise InputError(
+                f"the case '{one_line(case.name)}' has a load of kind '{case.load.kind}', which has no share; "
+                "leave 'load_share' out, or take a case with another load"
+            )
+        factor = _times(case.load.factor, parameters["load_share"])
+        changes["load"] = {**case.load.model_dump(), "factor": factor}
+    try:
+        return case.replaced(**changes)
+    except InputError as error:
+        raise InputError(
+            f"the case '{one_line(case.name)}' cannot have the parameters of the campaign: {error}"
+        ) from error
+
+
+def _scaled(case: Scenario, scales: Mapping[str, float]) -> dict[str, float]:
+    own = case.scales.model_dump()
+    changed = {
+        key: own[key] + value if key == "friction_added_n_m" else own[key] * value
+        for key, value in scales.items()
+    }
+    return {**own, **changed}
+
+
+def _times(profile: Profile, share: float) -> Profile:
+    return tuple((time, value * share) for time, value in profile)

@@ -1,0 +1,251 @@
+"""The runs of a campaign: which candidate meets which scenario in which run, known from its number alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.studies.campaign.file import SPREADABLE, Campaign
+from drivegate.studies.campaign.parameters import drawn, with_parameters
+from drivegate.studies.campaign.row import JUDGED_CHECKS
+from drivegate_cases.documents.wording import one_line
+from drivegate_cases.scenario.scenario import Scenario, load_scenario
+from drivegate_models.errors import InputError
+
+_MANTISSA = 2.0**-53
+_MOST_CHECKED = 2_000
+_PATH_ENDINGS = (".toml", ".json", ".py", ".c", ".so", ".fmu")
+
+
+@dataclass(frozen=True)
+class CampaignRun:
+    """One run, before it is made.
+
+    Attributes
+    ----------
+    number : int
+        Number of the run in the campaign, from 0.
+    case : str
+        Name of the case.
+    draw : int
+        Number of the drawn drive at this point of the grid, from 0.
+    seed : int
+        Seed of everything random in the run.
+    parameters : dict
+        Value of every parameter that differs between runs.
+    scenario : Scenario
+        The scenario, with all of that in it.
+    """
+
+    number: int
+    case: str
+    draw: int
+    seed: int
+    parameters: dict[str, float]
+    scenario: Scenario
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Consecutive runs of one candidate, whose results share a file.
+
+    Attributes
+    ----------
+    candidate : int
+        Place of the candidate in the campaign.
+    part : int
+        Number of the file among those of the candidate, from 0.
+    first : int
+        Number of its first run in the campaign.
+    length : int
+        Number of runs.
+    """
+
+    candidate: int
+    part: int
+    first: int
+    length: int
+
+
+@dataclass(frozen=True)
+class CampaignPlan:
+    """A campaign with everything that it names.
+
+    Attributes
+    ----------
+    campaign : Campaign
+        The file.
+    candidates : tuple of Candidate
+        Its candidates, none of whose code has run.
+    cases : tuple of Scenario
+        Its cases.
+    """
+
+    campaign: Campaign
+    candidates: tuple[Candidate, ...]
+    cases: tuple[Scenario, ...]
+
+    @property
+    def checks(self) -> tuple[str, ...]:
+        """Checks that judge every run, in the order of the catalogue."""
+        wanted = self.campaign.checks
+        return JUDGED_CHECKS if wanted is None else tuple(name for name in JUDGED_CHECKS if name in wanted)
+
+    @property
+    def runs(self) -> int:
+        """Number of runs."""
+        return len(self.candidates) * self.campaign.runs_per_candidate
+
+    @cached_property
+    def _points(self) -> tuple[dict[str, float], ...]:
+        grid = self.campaign.grid
+        return tuple(dict(zip(grid, values, strict=True)) for values in product(*grid.values()))
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Cut the campaign into the fixed pieces that are made and kept as a whole.
+
+        Yields
+        ------
+        Chunk
+            In the order of their runs.
+        """
+        runs, length = self.campaign.runs_per_candidate, self.campaign.file_length
+        for candidate in range(len(self.candidates)):
+            for part, first in enumerate(range(0, runs, length)):
+                yield Chunk(candidate, part, candidate * runs + first, min(length, runs - first))
+
+    def candidate_of(self, number: int) -> Candidate:
+        """Give the candidate of a run.
+
+        Parameters
+        ----------
+        number : int
+            Number of the run.
+
+        Returns
+        -------
+        Candidate
+            The candidate.
+        """
+        return self.candidates[number // self.campaign.runs_per_candidate]
+
+    def run(self, number: int) -> CampaignRun:
+        """Give one run.
+
+        Its random numbers depend on the campaign's seed and on its place among the runs of its candidate, so
+        that all candidates meet the same drives, and no run depends on another.
+
+        Parameters
+        ----------
+        number : int
+            Number of the run.
+
+        Returns
+        -------
+        CampaignRun
+            What is to be run.
+
+        Raises
+        ------
+        InputError
+            When the case cannot have these parameters.
+        """
+        place = number % self.campaign.runs_per_candidate
+        at, draw = divmod(place, self.campaign.draws)
+        case_place, point = divmod(at, len(self._points))
+        case = self.cases[case_place]
+        words = np.random.SeedSequence([self.campaign.seed, place]).generate_state(
+            1 + len(SPREADABLE), np.uint64
+        )
+        parameters = self._points[point] | {
+            key: drawn(spread, _share(int(words[1 + SPREADABLE.index(key)])))
+            for key, spread in self.campaign.spread.items()
+        }
+        seed = int(words[0]) >> 1
+        scenario = with_parameters(case, parameters, name=f"{case.name}, run {number}", seed=seed)
+        return CampaignRun(number, case.name, draw, seed, parameters, scenario)
+
+    def check_parameters(self) -> None:
+        """Refuse a campaign in which a case cannot have the parameters.
+
+        Raises
+        ------
+        InputError
+            With the first one that it cannot have.
+        """
+        ends = {key: (spread.lowest, spread.highest) for key, spread in self.campaign.spread.items()}
+        for case in self.cases:
+            for point in self._points[:_MOST_CHECKED]:
+                for place in (0, 1):
+                    extremes = {key: end[place] for key, end in ends.items()}
+                    with_parameters(case, point | extremes, name=case.name, seed=0)
+
+
+def planned(campaign: Campaign, folder: Path) -> CampaignPlan:
+    """Find what a campaign names.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The campaign.
+    folder : Path
+        Where its file lies; relative paths in it start there.
+
+    Returns
+    -------
+    CampaignPlan
+        The plan, whose parameters have been tried.
+
+    Raises
+    ------
+    InputError
+        When a candidate or a case does not exist, or a case cannot have the parameters.
+    """
+    candidates = tuple(resolve_candidate(beside(text, folder)) for text in campaign.candidates)
+    cases = tuple(load_scenario(beside(text, folder)) for text in campaign.cases)
+    for noun, names in (
+        ("candidates", [candidate.name for candidate in candidates]),
+        ("cases", [case.name for case in cases]),
+    ):
+        for place, name in enumerate(names):
+            if name in names[:place]:
+                raise InputError(
+                    f"two {noun} of the campaign are called '{one_line(name)}', but each needs a name of its own"
+                )
+    plan = CampaignPlan(campaign, candidates, cases)
+    plan.check_parameters()
+    return plan
+
+
+def beside(text: str, folder: Path) -> str:
+    """Let a relative path start from a folder.
+
+    Parameters
+    ----------
+    text : str
+        What names a candidate or a case.
+    folder : Path
+        The folder.
+
+    Returns
+    -------
+    str
+        The same, with the folder before it where it is the path of a file.
+    """
+    path, colon, attribute = text.partition(".py:")
+    file = f"{path}.py" if colon else text
+    if ":" in file or not file.lower().endswith(_PATH_ENDINGS):
+        return text
+    return f"{folder / file}:{attribute}" if colon else str(folder / file)
+
+
+def _share(word: int) -> float:
+    """Make a number between 0 and 1, neither included, of 64 random bits."""
+    return ((word >> 11) + 0.5) * _MANTISSA

@@ -1,0 +1,190 @@
+"""What is kept of one run of a campaign: a row of numbers and words, made inside a worker process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import degrees, pi
+from typing import Any, Final
+
+from drivegate.candidates.fault import Fault, bounded_line
+from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.check import judged_elsewhere
+from drivegate.checks.determinism import DET_1
+from drivegate.checks.margin import Margin
+from drivegate.containment.messages import LoadedCandidate
+from drivegate.runs.record import RunRecord, recorded
+from drivegate.scenarios.feasibility import is_fair
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.errors import HarnessFault
+from drivegate_models.loop import observation
+from drivegate_models.machine import ledger
+
+PASS: Final = "pass"
+FAIL: Final = "fail"
+SET_ASIDE: Final = "set aside"
+"""Verdict on a run that was not made, since no controller could do what it asks."""
+NOT_JUDGED: Final = "not judged"
+"""Verdict on a run to which none of the checks applies."""
+HARNESS_FAULT: Final = "harness fault"
+"""Verdict on a run in which the plant broke a rule that it guarantees."""
+UNCOUNTED: Final = (SET_ASIDE, NOT_JUDGED, HARNESS_FAULT)
+"""Verdicts on runs that say nothing about the candidate."""
+
+JUDGED_CHECKS: Final = tuple(
+    check.id
+    for check in CHECKS
+    if check.evaluate is not judged_elsewhere and not check.volatile and check is not DET_1
+)
+"""Checks that judge a run by itself, whatever the machine."""
+OBSERVATIONS: Final = (
+    "speed_final_rpm",
+    "speed_error_worst_rpm",
+    "current_sum_mean_a",
+    "current_peak_a",
+    "torque_mean_nm",
+    "torque_ripple_worst_percent",
+    "input_power_mean_w",
+    "shaft_power_mean_w",
+    "advance_mean_deg",
+    "energy_residual",
+)
+"""What is observed of every run, in people's units."""
+
+_RPM = 30.0 / pi
+_BY_ID = {check.id: check for check in CHECKS}
+
+
+@dataclass(frozen=True)
+class RowRequest:
+    """What a worker is asked to run.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        The scenario.
+    checks : tuple of str
+        The checks that judge it.
+    """
+
+    scenario: Scenario
+    checks: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Row:
+    """What a run came to.
+
+    Attributes
+    ----------
+    verdict : str
+        `PASS`, `FAIL`, one of `UNCOUNTED`, or the kind of the candidate's fault.
+    message : str
+        The fault in one line; empty without one.
+    margins : dict
+        Margin of each check that applies.
+    measured : dict
+        What each of them was measured as.
+    advisory : tuple of str
+        Checks among them that only advise in this run.
+    observed : dict
+        Values by the names in `OBSERVATIONS`; empty of a run that did not come to its end.
+    """
+
+    verdict: str
+    message: str = ""
+    margins: dict[str, float] | None = None
+    measured: dict[str, str] | None = None
+    advisory: tuple[str, ...] = ()
+    observed: dict[str, float] | None = None
+
+
+def run_row(loaded: LoadedCandidate, asked: RowRequest) -> Row:
+    """Make a run and judge it; this is what the candidate's process does.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    asked : RowRequest
+        Scenario and checks.
+
+    Returns
+    -------
+    Row
+        What it came to.
+
+    Raises
+    ------
+    CandidateFault
+        When the candidate ends the run.
+    """
+    if not is_fair(asked.scenario):
+        return Row(SET_ASIDE)
+    try:
+        record = recorded(loaded, asked.scenario, loaded.controller())
+        return _judged(record, asked.checks)
+    except HarnessFault as fault:
+        return Row(HARNESS_FAULT, bounded_line(str(fault)))
+
+
+def fault_row(fault: Fault) -> Row:
+    """Give the row of a run that the candidate's fault ended.
+
+    Parameters
+    ----------
+    fault : Fault
+        The fault.
+
+    Returns
+    -------
+    Row
+        Its kind and message.
+    """
+    return Row(fault.kind.value, bounded_line(fault.message))
+
+
+def _judged(record: RunRecord, wanted: tuple[str, ...]) -> Row:
+    margins: list[Margin] = []
+    for name in wanted:
+        check = _BY_ID[name]
+        if check.reason_not_applicable(record.declaration) is None:
+            margin = check.evaluate(record)
+            if margin is not None:
+                margins.append(margin)
+    return Row(
+        _verdict(margins),
+        margins={margin.check: margin.value for margin in margins},
+        measured={margin.check: margin.measured for margin in margins},
+        advisory=tuple(margin.check for margin in margins if margin.advisory),
+        observed=_observed(record),
+    )
+
+
+def _verdict(margins: list[Margin]) -> str:
+    unmet = [_BY_ID[margin.check] for margin in margins if not margin.met and not margin.advisory]
+    required = [check for check in unmet if check.level == "required"]
+    if any(check.subject == "plant" for check in required):
+        return HARNESS_FAULT
+    if not margins:
+        return NOT_JUDGED
+    return FAIL if required else PASS
+
+
+def _observed(record: RunRecord) -> dict[str, Any]:
+    run, duration = record.run, record.scenario.duration_s
+    windows = run.windows
+    observed = {
+        "speed_final_rpm": run.run[observation.RUN_SPEED_FINAL] * _RPM,
+        "current_sum_mean_a": run.totals[ledger.MAGNITUDE] / duration,
+        "current_peak_a": run.totals[ledger.PEAK],
+        "torque_mean_nm": run.totals[ledger.IMPULSE] / duration,
+        "input_power_mean_w": run.run[observation.RUN_INPUT_ENERGY] / duration,
+        "shaft_power_mean_w": run.run[observation.RUN_SHAFT_ENERGY] / duration,
+        "energy_residual": run.run[observation.RUN_EXCHANGE_ERROR],
+    }
+    if len(windows):
+        last = windows[-1]
+        observed["speed_error_worst_rpm"] = windows[:, observation.WINDOW_SPEED_ERROR].max() * _RPM
+        observed["torque_ripple_worst_percent"] = windows[:, observation.WINDOW_RIPPLE].max() * 100.0
+        observed["advance_mean_deg"] = degrees(last[observation.WINDOW_ANGLE])
+    return {name: float(value) for name, value in observed.items()}

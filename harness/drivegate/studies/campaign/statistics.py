@@ -1,0 +1,261 @@
+"""What the results of a campaign say: quantiles of margins, and how likely a violation is."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.studies.campaign.folder import CampaignFolder
+from drivegate.studies.campaign.plan import CampaignPlan
+from drivegate.studies.campaign.row import FAIL, HARNESS_FAULT, PASS, UNCOUNTED
+from drivegate.studies.campaign.table import MARGIN, columns_of
+
+QUANTILES: Final = (0.0, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
+"""Shares of the runs whose margins are at most as large as what is told."""
+CONFIDENCE: Final = 0.95
+"""Confidence of the intervals, unless another one is asked for."""
+_MOST_VALUES = 4_000_000
+
+
+@dataclass(frozen=True)
+class Proportion:
+    """How often something happened, and how likely it therefore is.
+
+    Attributes
+    ----------
+    happened, runs : int
+        In how many runs it did, of how many.
+    estimate : float or None
+        The share; None where there were no runs.
+    low, high : float
+        Clopper-Pearson interval of the probability.
+    """
+
+    happened: int
+    runs: int
+    estimate: float | None
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class CheckStatistics:
+    """What all runs say of one check of one candidate.
+
+    Attributes
+    ----------
+    check : str
+        Identifier of the check.
+    violated : Proportion
+        How often it was violated, of the runs in which it is binding.
+    advised : int
+        Runs in which it only advises, which count nowhere here.
+    quantiles : tuple of float
+        Margins at `QUANTILES`; empty without runs.
+    worst_run : int or None
+        The run with the least margin, the first of equals; None without runs.
+    worst_margin : float or None
+        Its margin.
+    """
+
+    check: str
+    violated: Proportion
+    advised: int
+    quantiles: tuple[float, ...] = ()
+    worst_run: int | None = None
+    worst_margin: float | None = None
+
+
+@dataclass(frozen=True)
+class CandidateStatistics:
+    """What all runs say of one candidate.
+
+    Attributes
+    ----------
+    name : str
+        The candidate.
+    verdicts : dict
+        Number of runs by verdict.
+    violated : Proportion
+        How often a run did not pass, of those that were made.
+    cases : dict
+        The same by case.
+    checks : tuple of CheckStatistics
+        In the order of the catalogue; those that never applied are left out.
+    first_faults : dict
+        By kind of fault, the first run that it ended.
+    """
+
+    name: str
+    verdicts: dict[str, int]
+    violated: Proportion
+    cases: dict[str, Proportion]
+    checks: tuple[CheckStatistics, ...]
+    first_faults: dict[str, int] = field(default_factory=dict)
+
+
+def proportion(happened: int, runs: int, confidence: float = CONFIDENCE) -> Proportion:
+    """Estimate a probability from a count.
+
+    Parameters
+    ----------
+    happened, runs : int
+        In how many independent runs it happened, of how many.
+    confidence : float
+        Probability that the interval covers the true value is at least this (1).
+
+    Returns
+    -------
+    Proportion
+        With the exact interval of Clopper and Pearson (Biometrika 26, 1934), from 0 to 1 where there are no runs.
+    """
+    from scipy.stats import binomtest
+
+    if runs == 0:
+        return Proportion(0, 0, None, 0.0, 1.0)
+    interval = binomtest(happened, runs).proportion_ci(confidence, method="exact")
+    return Proportion(happened, runs, happened / runs, float(interval.low), float(interval.high))
+
+
+def quantiles_of(margins: NDArray[np.float64]) -> tuple[float, ...]:
+    """Give the margins at `QUANTILES`.
+
+    Parameters
+    ----------
+    margins : ndarray, shape (n,)
+        Margins, some of which may be infinite.
+
+    Returns
+    -------
+    tuple of float
+        Each a margin that was found, never a mean of two: the distribution function's inverse.
+    """
+    if len(margins) == 0:
+        return ()
+    return tuple(float(value) for value in np.quantile(margins, QUANTILES, method="inverted_cdf"))
+
+
+def statistics(
+    plan: CampaignPlan, folder: CampaignFolder, confidence: float = CONFIDENCE
+) -> tuple[CandidateStatistics, ...]:
+    """Read the results of a complete campaign, one file after the other.
+
+    Parameters
+    ----------
+    plan : CampaignPlan
+        The campaign.
+    folder : CampaignFolder
+        Its results.
+    confidence : float
+        Confidence of the intervals.
+
+    Returns
+    -------
+    tuple of CandidateStatistics
+        One for each candidate.
+    """
+    paths: list[list[Path]] = [[] for _ in plan.candidates]
+    for chunk in plan.chunks():
+        paths[chunk.candidate].append(folder.path_of(chunk))
+    return tuple(
+        _of_candidate(plan, candidate.name, own, confidence)
+        for candidate, own in zip(plan.candidates, paths, strict=True)
+    )
+
+
+def _of_candidate(
+    plan: CampaignPlan, name: str, paths: Sequence[Path], confidence: float
+) -> CandidateStatistics:
+    verdicts: Counter[str] = Counter()
+    by_case: dict[str, Counter[bool]] = {}
+    faults: dict[str, int] = {}
+    for table in columns_of(paths, ("run", "case", "verdict")):
+        for run, case, verdict in zip(*(column.to_pylist() for column in table.columns), strict=True):
+            verdicts[verdict] += 1
+            counted = verdict not in UNCOUNTED
+            if counted:
+                by_case.setdefault(case, Counter())[verdict == PASS] += 1
+            if verdict == HARNESS_FAULT or (counted and verdict not in (PASS, FAIL)):
+                faults.setdefault(verdict, run)
+    made = sum(verdicts.values()) - sum(verdicts[verdict] for verdict in UNCOUNTED)
+    group = max(_MOST_VALUES // plan.campaign.runs_per_candidate, 1)
+    checks: list[CheckStatistics] = []
+    for start in range(0, len(plan.checks), group):
+        checks += _of_checks(plan.checks[start : start + group], paths, confidence)
+    return CandidateStatistics(
+        name=name,
+        verdicts=dict(sorted(verdicts.items())),
+        violated=proportion(made - verdicts[PASS], made, confidence),
+        cases={
+            case: proportion(counts[False], counts.total(), confidence) for case, counts in by_case.items()
+        },
+        checks=tuple(checks),
+        first_faults=faults,
+    )
+
+
+def _of_checks(checks: Sequence[str], paths: Sequence[Path], confidence: float) -> list[CheckStatistics]:
+    found: dict[str, list[NDArray[np.float64]]] = {check: [] for check in checks}
+    worst: dict[str, tuple[float, int]] = {}
+    advised: Counter[str] = Counter()
+    for table in columns_of(paths, ("run", "advisory", *(MARGIN + check for check in checks))):
+        runs = table.column("run").to_numpy()
+        advice = [text.split() for text in table.column("advisory").to_pylist()]
+        for check in checks:
+            column = table.column(MARGIN + check)
+            applies = ~column.is_null().to_numpy()
+            advises = np.array([check in names for names in advice], dtype=np.bool_)
+            advised[check] += int(np.count_nonzero(applies & advises))
+            binding = applies & ~advises
+            margins = column.to_numpy()[binding]
+            if len(margins):
+                found[check].append(margins)
+                least = int(margins.argmin())
+                here = (float(margins[least]), int(runs[binding][least]))
+                worst[check] = min(worst.get(check, here), here)
+    return [
+        _of_check(check, found[check], worst.get(check), advised[check], confidence)
+        for check in checks
+        if found[check] or advised[check]
+    ]
+
+
+def _of_check(
+    check: str,
+    found: list[NDArray[np.float64]],
+    worst: tuple[float, int] | None,
+    advised: int,
+    confidence: float,
+) -> CheckStatistics:
+    margins = np.concatenate(found) if found else np.empty(0)
+    violated = proportion(int(np.count_nonzero(margins < 0.0)), len(margins), confidence)
+    if worst is None:
+        return CheckStatistics(check, violated, advised)
+    return CheckStatistics(check, violated, advised, quantiles_of(margins), worst[1], worst[0])
+
+
+def plain(stated: Proportion) -> dict[str, Any]:
+    """Write a proportion as plain data.
+
+    Parameters
+    ----------
+    stated : Proportion
+        The proportion.
+
+    Returns
+    -------
+    dict
+        Counts, estimate and interval.
+    """
+    return {
+        "violations": stated.happened,
+        "runs": stated.runs,
+        "probability": stated.estimate,
+        "interval": [stated.low, stated.high],
+    }

@@ -1,0 +1,179 @@
+"""Rows of a campaign as a Parquet file, the same bytes for the same rows; and reading them back, file by file."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from drivegate.studies.campaign.plan import CampaignRun
+from drivegate.studies.campaign.row import OBSERVATIONS, Row
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    import pyarrow
+
+MARGIN: Final = "margin_"
+"""Beginning of the name of a check's column."""
+
+_FIXED: Final = ("run", "case", "draw", "seed")
+_JUDGED: Final = ("verdict", "message", "check", "margin", "measured", "advisory")
+_INTEGERS: Final = ("run", "draw", "seed")
+_TEXTS: Final = ("case", "verdict", "message", "check", "measured", "advisory")
+
+
+def require_parquet(what: str) -> None:
+    """Refuse what needs Parquet where it cannot be written.
+
+    Parameters
+    ----------
+    what : str
+        What needs it.
+
+    Raises
+    ------
+    InputError
+        When pyarrow is not installed.
+    """
+    if find_spec("pyarrow") is None:
+        raise InputError(
+            f"{what} needs the package pyarrow, which is not installed; install drivegate[parquet]"
+        )
+
+
+def table_bytes(
+    runs: Sequence[CampaignRun], rows: Sequence[Row], parameters: Sequence[str], checks: Sequence[str]
+) -> bytes:
+    """Write rows as a Parquet file.
+
+    Parameters
+    ----------
+    runs : sequence of CampaignRun
+        The runs.
+    rows : sequence of Row
+        What each of them came to.
+    parameters, checks : sequence of str
+        Names of the columns between which the campaign differs from others.
+
+    Returns
+    -------
+    bytes
+        The file; it depends on nothing but the rows and on pyarrow's version.
+    """
+    import pyarrow
+    from pyarrow import parquet
+
+    records = [_record(run, row, parameters, checks) for run, row in zip(runs, rows, strict=True)]
+    table = pyarrow.Table.from_pylist(records, schema=schema(parameters, checks))
+    buffer = io.BytesIO()
+    parquet.write_table(table, buffer, compression="zstd", compression_level=3, version="2.6")
+    return buffer.getvalue()
+
+
+def schema(parameters: Sequence[str], checks: Sequence[str]) -> pyarrow.Schema:
+    """Give the columns of a campaign's files.
+
+    Parameters
+    ----------
+    parameters, checks : sequence of str
+        As in `table_bytes`.
+
+    Returns
+    -------
+    Schema
+        Names and types.
+    """
+    import pyarrow
+
+    columns = (*_FIXED, *parameters, *_JUDGED, *(MARGIN + check for check in checks), *OBSERVATIONS)
+    types = dict.fromkeys(columns, pyarrow.float64())
+    types |= dict.fromkeys(_INTEGERS, pyarrow.int64()) | dict.fromkeys(_TEXTS, pyarrow.string())
+    return pyarrow.schema(list(types.items()))
+
+
+def _record(run: CampaignRun, row: Row, parameters: Sequence[str], checks: Sequence[str]) -> dict[str, Any]:
+    margins = row.margins or {}
+    binding = {check: value for check, value in margins.items() if check not in row.advisory}
+    worst = min(binding, key=lambda check: binding[check], default="")
+    return {
+        "run": run.number,
+        "case": run.case,
+        "draw": run.draw,
+        "seed": run.seed,
+        **{key: run.parameters[key] for key in parameters},
+        "verdict": row.verdict,
+        "message": row.message,
+        "check": worst,
+        "margin": binding.get(worst),
+        "measured": (row.measured or {}).get(worst, ""),
+        "advisory": " ".join(row.advisory),
+        **{MARGIN + check: margins.get(check) for check in checks},
+        **{name: (row.observed or {}).get(name) for name in OBSERVATIONS},
+    }
+
+
+def rows_in(path: Path) -> int:
+    """Count the rows of a file by its end alone.
+
+    Parameters
+    ----------
+    path : Path
+        A file that `table_bytes` made.
+
+    Returns
+    -------
+    int
+        Number of rows.
+
+    Raises
+    ------
+    InputError
+        When the file is damaged.
+    """
+    from pyarrow import ArrowException, parquet
+
+    try:
+        return int(parquet.read_metadata(path).num_rows)
+    except (ArrowException, OSError) as error:
+        raise _damaged(path, error) from error
+
+
+def columns_of(paths: Sequence[Path], columns: Sequence[str]) -> Iterator[pyarrow.Table]:
+    """Read some columns, one file after the other.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        The files.
+    columns : sequence of str
+        The columns.
+
+    Yields
+    ------
+    Table
+        The columns of each file.
+
+    Raises
+    ------
+    InputError
+        When a file is damaged.
+    """
+    from pyarrow import ArrowException, parquet
+
+    for path in paths:
+        try:
+            # The folder's name tells the candidate, which is no column here.
+            yield parquet.ParquetFile(path).read(columns=list(columns), use_threads=False)
+        except (ArrowException, OSError) as error:
+            raise _damaged(path, error) from error
+
+
+def _damaged(path: Path, error: Exception) -> InputError:
+    reason = getattr(error, "strerror", None) or str(error)
+    return InputError(
+        f"{shown_path(path)} is damaged: {one_line(str(reason))}; delete it and run the campaign again, "
+        "which makes only these runs anew"
+    )

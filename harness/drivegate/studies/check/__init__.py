@@ -1,0 +1,1 @@
+"""Checks of several candidates into one folder."""

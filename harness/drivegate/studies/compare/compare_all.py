@@ -1,0 +1,267 @@
+"""Comparing candidates into a folder; what one of them does never stops the others."""
+
+from __future__ import annotations
+
+import csv
+import io
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import bounded_line
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.output.progress import progress_on
+from drivegate.output.report_folder import ReportFolder
+from drivegate.output.result_file import as_json
+from drivegate_models.errors import HarnessFault
+
+COMPARISON_FILE: Final = "comparison.json"
+TABLES: Final = "tables"
+REPORT_GROUP: Final = "drivegate.comparison_reports"
+"""Group of entry points, each a function of the comparison document and a folder that returns what it wrote."""
+REFERENCE_MOTOR: Final = "paper-5-phase"
+
+
+@dataclass(frozen=True)
+class ComparisonOptions:
+    """How much is compared, and on what.
+
+    Attributes
+    ----------
+    effort : str
+        ``quick``, ``default`` or ``nightly``.
+    seed : int
+        Seed of everything drawn.
+    workers : int or None
+        Number of processes; None for as many as there are processors.
+    checks : bool
+        Whether the checks are made as well.
+    cycle : str
+        Name or file of the drive cycle.
+    """
+
+    effort: str = "default"
+    seed: int = 0
+    workers: int | None = None
+    checks: bool = True
+    cycle: str = "ece-15"
+
+
+@dataclass(frozen=True)
+class ComparisonEnding:
+    """What a comparison came to.
+
+    Attributes
+    ----------
+    document : dict or None
+        The comparison document; None where no candidate could be run.
+    pages : tuple of Path
+        The written reports.
+    refused : tuple of tuple
+        Specification and error of each candidate that could not be compared.
+    """
+
+    document: dict[str, Any] | None
+    pages: tuple[Path, ...]
+    refused: tuple[tuple[str, Exception], ...]
+
+
+def compare_all(specifications: Sequence[str], output: Path, options: ComparisonOptions) -> ComparisonEnding:
+    """Compare candidates and write the report; nothing is written where none of them could be run.
+
+    Parameters
+    ----------
+    specifications : sequence of str
+        The candidates.
+    output : Path
+        The folder to write.
+    options : ComparisonOptions
+        How much is compared, and on what.
+
+    Returns
+    -------
+    ComparisonEnding
+        What it came to.
+
+    Raises
+    ------
+    InputError
+        When the output cannot be written, or the drive cycle is not valid.
+    HarnessFault
+        When the harness itself fails.
+    """
+    from drivegate_cases.motor.motor import load_motor
+    from drivegate_cases.scenario.drive_cycle import load_drive_cycle
+
+    resolved = [_resolved(specification) for specification in specifications]
+    if not any(isinstance(found, Candidate) for found in resolved):
+        return ComparisonEnding(None, (), _errors(specifications, resolved))
+    cycle, motor = load_drive_cycle(options.cycle), load_motor(REFERENCE_MOTOR)
+    with ReportFolder(output) as folder:
+        document, refused = _compared(specifications, resolved, cycle, motor, options)
+        if document is None:
+            return ComparisonEnding(None, (), refused)
+        write_tables(document, folder.staging)
+        (folder.staging / COMPARISON_FILE).write_text(as_json(document), encoding="utf-8")
+        pages = _pages(document, folder.staging)
+        folder.commit()
+    return ComparisonEnding(document, tuple(output / page for page in pages), refused)
+
+
+def _resolved(specification: str) -> Candidate | Exception:
+    try:
+        return resolve_candidate(specification)
+    except Exception as error:
+        return error
+
+
+def _errors(
+    specifications: Sequence[str], resolved: Sequence[Candidate | Exception]
+) -> tuple[tuple[str, Exception], ...]:
+    return tuple(
+        (specification, found)
+        for specification, found in zip(specifications, resolved, strict=True)
+        if isinstance(found, Exception)
+    )
+
+
+def _compared(
+    specifications: Sequence[str],
+    resolved: Sequence[Candidate | Exception],
+    cycle: Any,
+    motor: Any,
+    options: ComparisonOptions,
+) -> tuple[dict[str, Any] | None, tuple[tuple[str, Exception], ...]]:
+    # These bring the compiled plant, which candidates that are refused do not need.
+    from drivegate.studies.compare.document import comparison_document
+    from drivegate.studies.compare.engine import labelled, prepared, run_plan, solve_plan
+    from drivegate.studies.compare.plan import planned_runs
+
+    started, began = _now(), time.monotonic()
+    names = [
+        found.name if isinstance(found, Candidate) else bounded_line(specification)[:200]
+        for specification, found in zip(specifications, resolved, strict=True)
+    ]
+    all_compared = labelled(specifications, names)
+    oracle: dict[str, Any] = {}
+    with progress_on(sys.stderr) as progress:
+        for event in prepared():
+            progress(event)
+        plan = planned_runs(motor, cycle, options.effort, options.seed)
+        for compared, found in zip(all_compared, resolved, strict=True):
+            if isinstance(found, Exception):
+                compared.error = found
+                continue
+            compared.candidate = found
+            try:
+                for event in run_plan(
+                    compared, plan, seed=options.seed, workers=options.workers, checks=options.checks
+                ):
+                    progress(event)
+            except Exception as error:
+                compared.error = error
+        refused = tuple(
+            (compared.specification, compared.error)
+            for compared in all_compared
+            if compared.error is not None
+        )
+        if len(refused) == len(all_compared):
+            return None, refused
+        for event in solve_plan(plan, options.workers, oracle):
+            progress(event)
+    document = comparison_document(
+        all_compared,
+        plan,
+        oracle,
+        motor=motor,
+        cycle=cycle,
+        effort=options.effort,
+        seed=options.seed,
+        checks=options.checks,
+        timing={"started_utc": started, "seconds": round(time.monotonic() - began, 3)},
+    )
+    return document, refused
+
+
+def _now() -> str:
+    """Tell the day, or the one that SOURCE_DATE_EPOCH names."""
+    from drivegate.results.waivers import present_day
+
+    return present_day().isoformat()
+
+
+def write_tables(document: Mapping[str, Any], folder: Path) -> tuple[Path, ...]:
+    """Write every table of a comparison as CSV.
+
+    Parameters
+    ----------
+    document : mapping
+        The comparison document.
+    folder : Path
+        An existing folder; receives a folder of tables.
+
+    Returns
+    -------
+    tuple of Path
+        The files.
+    """
+    (folder / TABLES).mkdir(exist_ok=True)
+    tables = {**document["tables"], "timing": document["timing"]["steps"]}
+    paths = []
+    for name, rows in tables.items():
+        path = folder / TABLES / f"{name}.csv"
+        path.write_text(table_text(rows), encoding="utf-8", newline="")
+        paths.append(path)
+    return tuple(paths)
+
+
+def table_text(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Write rows as CSV.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        Rows with the same keys, but for those that a row does not have.
+
+    Returns
+    -------
+    str
+        A header and one line for each row. A text that a spreadsheet would take for a formula gets an apostrophe
+        in front.
+    """
+    columns = list(dict.fromkeys(key for row in rows for key in row))
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([_cell(row.get(column)) for column in columns] for row in rows)
+    return stream.getvalue()
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, str):
+        text = bounded_line(value)
+        return f"'{text}" if text[:1] in ("=", "+", "-", "@") else text
+    return "" if value is None else value
+
+
+def _pages(document: dict[str, Any], folder: Path) -> list[Path]:
+    pages = []
+    for point in sorted(entry_points(group=REPORT_GROUP), key=lambda point: point.name):
+        try:
+            # Standard output belongs to the command.
+            with redirect_stdout(sys.stderr):
+                write: Callable[[dict[str, Any], Path], Path] = point.load()
+                page = Path(write(document, folder))
+            pages.append(page.resolve().relative_to(folder.resolve()))
+        except Exception as error:
+            reason = bounded_line(f"{type(error).__name__}: {error}")
+            raise HarnessFault(f"the report '{point.name}' could not be written ({reason})") from error
+    return pages

@@ -1,0 +1,188 @@
+"""The document of a comparison: everything that its report is made from, as plain data."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any, Final
+
+from drivegate.candidates.fault import Fault, bounded_line
+from drivegate.results.provenance import provenance
+from drivegate.results.result import finite
+from drivegate.studies.compare.differences import difference_rows
+from drivegate.studies.compare.drive_cycle_run import TOLERANCE_KM_H, VEHICLE
+from drivegate.studies.compare.engine import CHECKS_EFFORT, Compared
+from drivegate.studies.compare.plan import EFFORTS, PlannedRun
+from drivegate.studies.compare.ranking import (
+    COMPARED,
+    RULE,
+    RULE_WITHOUT_CHECKS,
+    ranking_rows,
+    region_rows,
+    status_of,
+)
+from drivegate.studies.compare.statistics import METHOD
+from drivegate.studies.compare.tables import (
+    check_rows,
+    cycle_rows,
+    disturbance_rows,
+    oracle_rows,
+    point_rows,
+    repeated_rows,
+)
+from drivegate_cases.motor.motor import Motor
+from drivegate_cases.scenario.drive_cycle import DriveCycle
+
+SCHEMA: Final = 1
+"""Version of the comparison document."""
+KIND: Final = "comparison"
+"""Kind of the document."""
+
+
+def comparison_document(
+    all_compared: Sequence[Compared],
+    plan: Sequence[PlannedRun],
+    oracle: dict[str, Any],
+    *,
+    motor: Motor,
+    cycle: DriveCycle,
+    effort: str,
+    seed: int,
+    checks: bool,
+    timing: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Put a comparison together.
+
+    Parameters
+    ----------
+    all_compared : sequence of Compared
+        The candidates, with what was measured.
+    plan : sequence of PlannedRun
+        What they ran.
+    oracle : dict
+        The best possible.
+    motor : Motor
+        The motor.
+    cycle : DriveCycle
+        The drive cycle.
+    effort : str
+        The effort.
+    seed : int
+        The seed.
+    checks : bool
+        Whether checks were made.
+    timing : mapping
+        When, and how long it took.
+
+    Returns
+    -------
+    dict
+        The document; its provenance holds the hash of everything but `timing` and tracebacks.
+    """
+    points = point_rows(all_compared, plan, oracle)
+    ranking = ranking_rows(all_compared, points)
+    repeated, cycles = repeated_rows(all_compared, plan), cycle_rows(all_compared, plan)
+    ranked = [row["candidate"] for row in ranking if row["status"] == COMPARED]
+    content: dict[str, Any] = {
+        "schema": SCHEMA,
+        "kind": KIND,
+        "effort": effort,
+        "seed": seed,
+        "rule": RULE if checks else RULE_WITHOUT_CHECKS,
+        "method": METHOD,
+        "checks_effort": CHECKS_EFFORT if checks else None,
+        "motor": {
+            "name": motor.name,
+            "base_speed_rpm": motor.base_speed_rpm,
+            "rated_power_w": motor.rated_power_w,
+        },
+        "size": asdict(EFFORTS[effort]) | {"runs_of_each": len(plan)},
+        "cycle": _cycle(cycle),
+        "candidates": [_candidate(compared) for compared in all_compared],
+        "tables": {
+            "ranking": ranking,
+            "regions": region_rows(all_compared, points),
+            "differences": difference_rows(ranked, repeated, cycles),
+            "operating_points": points,
+            "best_possible": oracle_rows(all_compared, plan, oracle),
+            "envelope": oracle["envelope"],
+            "disturbances": disturbance_rows(all_compared, plan),
+            "repetitions": repeated,
+            "drive_cycle": cycles,
+            "checks": check_rows(all_compared),
+        },
+        "trajectories": _kept(all_compared, plan, "disturbances", "trajectory"),
+        "cycle_samples": _kept(all_compared, plan, "cycle", "samples"),
+        "provenance": provenance(),
+    }
+    content = {key: finite(value) for key, value in content.items()}
+    digest = hashlib.sha256(json.dumps(_hashed(content), sort_keys=True).encode()).hexdigest()
+    content["provenance"] = {**content["provenance"], "content_hash": digest}
+    content["timing"] = finite(
+        {
+            **timing,
+            "steps": [
+                {"candidate": compared.label, **compared.timing}
+                for compared in all_compared
+                if compared.timing
+            ],
+        }
+    )
+    return content
+
+
+def _hashed(content: dict[str, Any]) -> dict[str, Any]:
+    """Leave out what a dying process printed, which differs from run to run."""
+    candidates = [
+        {**entry, "faults": [{**fault, "traceback": ""} for fault in entry["faults"]]}
+        for entry in content["candidates"]
+    ]
+    return {**content, "candidates": candidates}
+
+
+def _candidate(compared: Compared) -> dict[str, Any]:
+    candidate = compared.candidate
+    return {
+        "label": compared.label,
+        "specification": compared.specification,
+        "kind": None if candidate is None else candidate.kind,
+        "hash": None if candidate is None else candidate.content_hash,
+        "status": status_of(compared),
+        "refusal": None if compared.error is None else bounded_line(str(compared.error)),
+        "complete": compared.complete,
+        "faults": [_fault(fault) for fault in compared.faults],
+    }
+
+
+def _fault(fault: Fault) -> dict[str, Any]:
+    document = asdict(fault)
+    document["kind"] = fault.kind.value
+    document["time_s"] = document.pop("time")
+    return document
+
+
+def _cycle(cycle: DriveCycle) -> dict[str, Any]:
+    return {
+        "name": cycle.name,
+        "description": cycle.description,
+        "source": cycle.source,
+        "duration_s": cycle.duration_s,
+        "distance_km": cycle.distance_m / 1000.0,
+        "tolerance_km_h": TOLERANCE_KM_H,
+        "vehicle": VEHICLE.model_dump(mode="json", exclude={"kind", "grade_percent"}),
+    }
+
+
+def _kept(
+    all_compared: Sequence[Compared], plan: Sequence[PlannedRun], group: str, key: str
+) -> list[dict[str, Any]]:
+    """Collect the curves of a group, without repetitions with other noise."""
+    return [
+        {"candidate": compared.label, "run": planned.label, **compared.figures[index][key]}
+        for index, planned in enumerate(plan)
+        if planned.group == group and planned.seed is None
+        for compared in all_compared
+        if index in compared.figures
+    ]

@@ -1,0 +1,207 @@
+"""A drive cycle as a run of the drive in a light vehicle, and what a candidate spends on it.
+
+The drive cannot brake: a current reference is 0 or more. So the driver's mechanical brake is a force along the road,
+as large as the cycle's slowing down needs beyond what the vehicle loses by itself, which the plant takes as a grade of
+the road. It is applied while the cycle slows down and while it stands still.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+
+from drivegate.runs.scenario import RADIANS_PER_RPM
+from drivegate_cases.motor.motor import Motor
+from drivegate_cases.scenario.drive_cycle import DriveCycle
+from drivegate_cases.scenario.load import GRAVITY, VehicleLoad
+from drivegate_cases.scenario.piecewise import Profile
+from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
+from drivegate_cases.scenario.sensors import IDEAL, MCS96
+from drivegate_models.errors import InputError
+from drivegate_models.loop import observation
+from drivegate_models.loop.closed_loop import ClosedLoopRun
+
+VEHICLE: Final = VehicleLoad(
+    kind="vehicle",
+    mass_kg=130.0,
+    wheel_radius_m=0.25,
+    gear_ratio=3.0,
+    rolling_resistance=0.010,
+    drag_area_m2=0.4,
+)
+"""A light electric scooter with its rider: at 50 km/h, and at the end of the hardest acceleration of the urban
+cycle, it takes what the drive of 1.5 kW can just give."""
+TOLERANCE_KM_H: Final = 2.0
+"""Deviation from the cycle's speed that the type approval test allows (km/h)."""
+HARDEST_BRAKING_M_S2: Final = 6.0
+"""Deceleration that no cycle may exceed (m/s²)."""
+STANDING_BRAKE: Final = 0.05
+"""Force of the brake at a stop, over the vehicle's weight (1)."""
+SAMPLE_S: Final = 0.5
+"""Time between two kept samples (s)."""
+_PIECE_S: Final = 1.0
+PHASES: Final = ("accelerating", "cruising", "slowing", "standing")
+"""Kinds of stretches of a cycle."""
+
+
+def cycle_scenario(cycle: DriveCycle, motor: Motor, *, noise_seed: int | None = None) -> Scenario:
+    """Make the run of a drive cycle.
+
+    Parameters
+    ----------
+    cycle : DriveCycle
+        The cycle.
+    motor : Motor
+        The motor, in `VEHICLE`.
+    noise_seed : int, optional
+        Seed of the sensors `mcs96`; ideal ones by default.
+
+    Returns
+    -------
+    Scenario
+        The run.
+
+    Raises
+    ------
+    InputError
+        When the cycle brakes harder than a vehicle does.
+    """
+    period = LONGEST_CONTROL_PERIOD_S
+    periods = math.ceil(cycle.duration_s / period - 1e-6)
+    rpm_per_km_h = 1.0 / 3.6 / VEHICLE.lever_m / RADIANS_PER_RPM
+    load = VEHICLE.model_copy(update={"grade_percent": braking_grade(cycle, motor)})
+    return Scenario(
+        name=f"cycle-{cycle.name}"[:200],
+        motor=motor,
+        duration_s=round(periods * period, 9),
+        initial_speed_rpm=round(cycle.speed_km_h[0][1] * rpm_per_km_h, 6),
+        speed_rpm=tuple((time, round(speed * rpm_per_km_h, 6)) for time, speed in cycle.speed_km_h),
+        load=load,
+        sensors=IDEAL if noise_seed is None else MCS96,
+        seed=noise_seed or 0,
+    )
+
+
+def braking_grade(cycle: DriveCycle, motor: Motor) -> Profile:
+    """Give the driver's brake as a grade of the road.
+
+    Parameters
+    ----------
+    cycle : DriveCycle
+        The cycle.
+    motor : Motor
+        The motor, whose inertia is braked too; its core loss and friction are not counted, so that the brake alone
+        never slows the vehicle below the cycle by more than they do.
+
+    Returns
+    -------
+    tuple of (float, float)
+        Grade over time (s, %).
+
+    Raises
+    ------
+    InputError
+        When the cycle brakes harder than `HARDEST_BRAKING_M_S2`.
+    """
+    points: list[tuple[float, float]] = []
+    for (start, first), (end, last) in pairwise(cycle.speed_km_h):
+        pieces = math.ceil((end - start) / _PIECE_S) if last < first else 1
+        deceleration = (first - last) / 3.6 / (end - start)
+        if deceleration > HARDEST_BRAKING_M_S2:
+            raise InputError(
+                f"the drive cycle '{cycle.name}' slows down by {deceleration:.3g} m/s² at {start:g} s, but may by "
+                f"{HARDEST_BRAKING_M_S2:g} m/s² at most"
+            )
+        for piece in range(pieces + 1):
+            share = piece / pieces
+            speed = (first + share * (last - first)) / 3.6
+            grade = _grade(deceleration, speed, motor, standing=first == last == 0.0)
+            point = (round(start + share * (end - start), 9), grade)
+            if not points or points[-1] != point:
+                points.append(point)
+    return tuple(points)
+
+
+def _grade(deceleration: float, speed: float, motor: Motor, *, standing: bool) -> float:
+    """Return the grade whose weight along the road is the brake's force (%)."""
+    if standing:
+        return round(100.0 * STANDING_BRAKE, 6)
+    if deceleration <= 0.0:
+        return 0.0
+    weight = VEHICLE.mass_kg * GRAVITY
+    inertial = (VEHICLE.mass_kg + motor.inertia_kg_m2 / VEHICLE.lever_m**2) * deceleration
+    by_itself = VEHICLE.torque_at(speed / VEHICLE.lever_m / RADIANS_PER_RPM) / VEHICLE.lever_m
+    share = min(max((inertial - by_itself) / weight, 0.0), 0.7)
+    return round(100.0 * share / math.sqrt(1.0 - share * share), 6)
+
+
+def cycle_figures(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
+    """Tell what a candidate spent on a cycle, and how well it followed.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        A run of `cycle_scenario`.
+    run : ClosedLoopRun
+        What was observed, with a trace of every control period.
+
+    Returns
+    -------
+    dict
+        Energy taken from the supply (Wh) in all and by phase, distance (km), Wh/km, tracking error (km/h), mean
+        Σ|i| (A), and samples every `SAMPLE_S`.
+    """
+    period = scenario.control_period_s
+    columns = {name: run.trace[:, index] for index, name in enumerate(observation.TRACE_COLUMNS)}
+    km_h = RADIANS_PER_RPM * VEHICLE.lever_m * 3.6
+    speed, wanted = columns["speed_rpm"] * km_h, columns["speed_reference_rpm"] * km_h
+    power, error = columns["input_power_w"], speed - wanted
+    energy = float(run.run[observation.RUN_INPUT_ENERGY]) / 3600.0
+    distance = float(speed.sum()) * period / 3600.0
+    energy_by_phase = {
+        phase: float(power[inside].sum()) * period / 3600.0
+        for phase, inside in _phases(scenario, columns["time_s"]).items()
+    }
+    return {
+        "energy_wh": energy,
+        "distance_km": distance,
+        "energy_wh_per_km": energy / distance if distance > 0.0 else None,
+        "shaft_energy_wh": float(run.run[observation.RUN_SHAFT_ENERGY]) / 3600.0,
+        "energy_wh_by_phase": energy_by_phase,
+        "current_sum_mean_a": float(columns["current_sum_a"].mean()),
+        "tracking_error_rms_km_h": float(np.sqrt(np.mean(error**2))),
+        "tracking_error_worst_km_h": float(error[np.abs(error).argmax()]),
+        "outside_tolerance_s": float((np.abs(error) > TOLERANCE_KM_H).sum()) * period,
+        "samples": _samples(columns, speed, wanted, period),
+    }
+
+
+def _phases(scenario: Scenario, times: Any) -> dict[str, Any]:
+    """Tell for each kind of stretch which control periods belong to it."""
+    points = np.array(scenario.speed_rpm)
+    stretch = np.clip(np.searchsorted(points[:, 0], times, side="right") - 1, 0, len(points) - 2)
+    change = np.sign(points[stretch + 1, 1] - points[stretch, 1])
+    moving = np.maximum(points[stretch + 1, 1], points[stretch, 1]) > 0.0
+    return {
+        "accelerating": change > 0,
+        "cruising": (change == 0) & moving,
+        "slowing": change < 0,
+        "standing": (change == 0) & ~moving,
+    }
+
+
+def _samples(columns: dict[str, Any], speed: Any, wanted: Any, period: float) -> dict[str, list[float]]:
+    block = max(round(SAMPLE_S / period), 1)
+    whole = len(speed) // block * block
+    power = columns["input_power_w"][:whole].reshape(-1, block).mean(axis=1)
+    energy = np.cumsum(columns["input_power_w"]) * period / 3600.0
+    return {
+        "time_s": [round(float(value), 6) for value in columns["time_s"][:whole:block]],
+        "speed_reference_km_h": [round(float(value), 4) for value in wanted[:whole:block]],
+        "speed_km_h": [round(float(value), 4) for value in speed[:whole:block]],
+        "input_power_w": [round(float(value), 3) for value in power],
+        "energy_wh": [round(float(value), 5) for value in energy[:whole:block]],
+    }

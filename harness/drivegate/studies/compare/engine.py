@@ -1,0 +1,248 @@
+"""Running several candidates through the same plan, one after another, in contained processes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.messages import Job
+from drivegate.containment.pool import WorkerPool
+from drivegate.gate.events import CheckStarted, Compiling, Event, RunDone
+from drivegate.gate.plan import Origin, Work, planned_work
+from drivegate.gate.shard import JudgedRun
+from drivegate.gate.warm_up import compile_kernels, missing_marker
+from drivegate.results.result import CheckOutcome
+from drivegate.results.verdict import check_outcomes
+from drivegate.studies.compare.oracle import greatest_torque, oracle_point, solved
+from drivegate.studies.compare.plan import PlannedRun
+from drivegate.studies.compare.run import Figures, measured, timed
+from drivegate_models.errors import HarnessFault
+
+CHECKS_EFFORT: Final = "quick"
+"""Effort of the checks whose margins are compared."""
+MOST_FAULTS: Final = 3
+"""Faults after which a candidate is not run any further; one hang is enough."""
+_SOLVER: Final = "initial"
+
+
+@dataclass
+class Compared:
+    """What has become of one candidate.
+
+    Attributes
+    ----------
+    specification : str
+        The string that named it.
+    label : str
+        Its name, which no other candidate of the comparison has.
+    candidate : Candidate or None
+        The candidate, if there is one.
+    error : Exception or None
+        Why it was refused, or what failed in drivegate.
+    figures : dict
+        What was measured, by the index of the planned run.
+    faults : list of Fault
+        The candidate's faults.
+    complete : bool
+        Whether every planned run was made.
+    outcomes : tuple of CheckOutcome or None
+        What the checks came to; None where they were not made.
+    timing : dict
+        Numbers that depend on the machine.
+    """
+
+    specification: str
+    label: str
+    candidate: Candidate | None = None
+    error: Exception | None = None
+    figures: dict[int, Figures] = field(default_factory=dict)
+    faults: list[Fault] = field(default_factory=list)
+    complete: bool = True
+    outcomes: tuple[CheckOutcome, ...] | None = None
+    timing: dict[str, Any] = field(default_factory=dict)
+
+    def goes_on_after(self, fault: Fault) -> bool:
+        """Keep a fault, and tell whether the candidate is run any further.
+
+        Parameters
+        ----------
+        fault : Fault
+            What happened.
+
+        Returns
+        -------
+        bool
+            False after a hang, after a fault while loading, and after `MOST_FAULTS` of any kind.
+        """
+        self.faults.append(fault)
+        ends = fault.kind is FaultKind.HANG or fault.phase == "loading" or len(self.faults) >= MOST_FAULTS
+        self.complete &= not ends
+        return not ends
+
+
+def prepared() -> Iterator[Event]:
+    """Compile the kernels if they are still to be compiled.
+
+    Yields
+    ------
+    Event
+        Tells that they are being compiled.
+    """
+    marker = missing_marker()
+    if marker is not None:
+        yield Compiling()
+        compile_kernels(marker)
+
+
+def solve_plan(plan: Sequence[PlannedRun], workers: int | None, found: dict[str, Any]) -> Iterator[Event]:
+    """Find what the drive can do at best at every operating point of a plan.
+
+    Parameters
+    ----------
+    plan : sequence of PlannedRun
+        The plan.
+    workers : int, optional
+        Number of processes.
+    found : dict
+        Receives ``points``, one optimum for each operating point, and ``envelope``, the greatest torque by speed.
+
+    Yields
+    ------
+    Event
+        What is done.
+    """
+    points = [oracle_point(planned) for planned in plan if planned.group == "points"]
+    by_speed = {point.speed_rpm: point for point in points}
+    jobs: list[Job[Any]] = [Job(solved, point) for point in points]
+    jobs += [Job(greatest_torque, point) for point in by_speed.values()]
+    yield CheckStarted("the best possible", len(jobs))
+    outcomes: list[Any] = []
+    with WorkerPool(resolve_candidate(_SOLVER), load_controller, workers=_count(workers)) as pool:
+        for outcome in pool.map(jobs):
+            if isinstance(outcome, Fault):
+                raise HarnessFault(f"an operating point cannot be solved: {outcome.message}")
+            outcomes.append(outcome)
+            yield RunDone(len(outcomes), len(jobs), "operating points", "")
+    found["points"] = outcomes[: len(points)]
+    found["envelope"] = [
+        {"speed_rpm": speed, "torque_nm": torque}
+        for speed, torque in zip(by_speed, outcomes[len(points) :], strict=True)
+    ]
+
+
+def run_plan(
+    compared: Compared,
+    plan: Sequence[PlannedRun],
+    *,
+    seed: int,
+    workers: int | None,
+    checks: bool,
+) -> Iterator[Event]:
+    """Run a candidate through a plan, and let the checks judge it.
+
+    Parameters
+    ----------
+    compared : Compared
+        The candidate; receives what was measured.
+    plan : sequence of PlannedRun
+        The plan.
+    seed : int
+        Seed of the checks' search.
+    workers : int, optional
+        Number of processes.
+    checks : bool
+        Whether the checks are made, at the effort `CHECKS_EFFORT`.
+
+    Yields
+    ------
+    Event
+        What is done.
+
+    Raises
+    ------
+    InputError
+        When the candidate is refused.
+    HarnessFault
+        When the harness itself fails.
+    """
+    candidate = compared.candidate
+    assert candidate is not None, "only a candidate can be run"
+    work = _checks_work(candidate, seed) if checks else []
+    total = len(plan) + 1 + sum(item.runs for item in work)
+    yield CheckStarted(compared.label, total)
+    done = 0
+    with WorkerPool(candidate, load_controller, workers=_count(workers)) as pool:
+        for index, outcome in enumerate(pool.map([Job(measured, planned) for planned in plan])):
+            done += 1
+            yield RunDone(done, total, plan[index].label, "")
+            if not isinstance(outcome, Fault):
+                compared.figures[index] = outcome
+            elif not compared.goes_on_after(outcome):
+                break
+        if compared.complete and work:
+            yield from _run_checks(compared, pool, work, done, total)
+        if compared.complete:
+            _time(compared, pool, plan[0])
+
+
+def _count(workers: int | None) -> int:
+    return workers or os.cpu_count() or 1
+
+
+def _checks_work(candidate: Candidate, seed: int) -> list[Work]:
+    """Plan the checks, but for the one that takes times: those are taken apart."""
+    work = planned_work(CHECKS_EFFORT, seed, declaration=candidate.declaration)
+    return [item for item in work if item.origin is not Origin.TIMED]
+
+
+def _run_checks(
+    compared: Compared, pool: WorkerPool, work: Sequence[Work], done: int, total: int
+) -> Iterator[Event]:
+    runs: list[JudgedRun] = []
+    outcomes = pool.map([item.job for item in work])
+    for item, outcome in zip(work, outcomes, strict=True):
+        done += item.runs
+        yield RunDone(done, total, item.label, "")
+        if not isinstance(outcome, Fault):
+            runs.extend(outcome.runs)
+        elif not compared.goes_on_after(outcome):
+            break
+    assert compared.candidate is not None, "only a candidate has checks"
+    compared.outcomes = check_outcomes(
+        runs, compared.candidate.declaration, complete=compared.complete and not compared.faults
+    )
+
+
+def _time(compared: Compared, pool: WorkerPool, planned: PlannedRun) -> None:
+    for outcome in pool.map([Job(timed, planned.scenario)]):
+        if not isinstance(outcome, Fault):
+            compared.timing = outcome
+
+
+def labelled(specifications: Iterable[str], names: Iterable[str]) -> list[Compared]:
+    """Give every candidate a label of its own.
+
+    Parameters
+    ----------
+    specifications, names : iterable of str
+        The strings that named the candidates, and their names.
+
+    Returns
+    -------
+    list of Compared
+        In the same order, nothing run yet; of equal names, all but the first are numbered.
+    """
+    made: list[Compared] = []
+    for specification, name in zip(specifications, names, strict=True):
+        label, number = name, 1
+        while label in {other.label for other in made}:
+            number += 1
+            label = f"{name} ({number})"
+        made.append(Compared(specification, label))
+    return made

@@ -1,0 +1,153 @@
+"""What the drive can do at best at the operating points of a comparison, whatever the controller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import degrees, isfinite
+from typing import Any, Final
+
+import numpy as np
+
+from drivegate.containment.messages import LoadedCandidate
+from drivegate.runs.scenario import RADIANS_PER_RPM
+from drivegate.studies.compare.plan import PlannedRun
+from drivegate_cases.motor.motor import Motor
+from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, least_input_power
+
+_WAYS: Final = 2
+_BISECTIONS: Final = 12
+_MOST_TORQUE: Final = 4.0
+"""Torque up to which the envelope is looked for, over that of rated power at base speed (1)."""
+
+
+@dataclass(frozen=True)
+class OraclePoint:
+    """An operating point to be solved.
+
+    Attributes
+    ----------
+    motor : Motor
+        The motor.
+    speed_rpm : float
+        Speed (rpm).
+    torques_nm : tuple of float
+        Two torques, without and with the most that core loss can take at the shaft, between which every
+        candidate's mean torque lies (N·m).
+    """
+
+    motor: Motor
+    speed_rpm: float
+    torques_nm: tuple[float, float]
+
+
+def oracle_point(planned: PlannedRun) -> OraclePoint:
+    """Give the operating point of a planned run.
+
+    Parameters
+    ----------
+    planned : PlannedRun
+        A run of the group ``points``.
+
+    Returns
+    -------
+    OraclePoint
+        The point.
+    """
+    assert planned.speed_rpm is not None, "an operating point has a speed"
+    assert planned.share is not None, "an operating point has a load"
+    motor = planned.scenario.motor
+    drive = motor.drive()
+    speed = planned.speed_rpm * RADIANS_PER_RPM
+    load = motor.rated_power_w * planned.share / speed
+    own = drive.friction + drive.viscous_friction * speed
+    core = drive.phases * drive.core_loss_conductance * drive.emf_constant**2 * speed
+    return OraclePoint(motor, planned.speed_rpm, (load + own, load + own + core))
+
+
+def solved(_loaded: LoadedCandidate, point: OraclePoint) -> dict[str, Any]:
+    """Solve an operating point; this is what a worker process does.
+
+    Parameters
+    ----------
+    _loaded : LoadedCandidate
+        Any candidate, which is not used.
+    point : OraclePoint
+        The point.
+
+    Returns
+    -------
+    dict
+        Feasible edge (electrical degrees), and least Σ|i| (A) and least input power (W) at both torques; None
+        where no angle will do.
+    """
+    drive = point.motor.drive()
+    speed = point.speed_rpm * RADIANS_PER_RPM
+    edge = feasible_edge(drive, speed, point.torques_nm[1])
+    sums = [least_current_sum(drive, speed, torque).current_sum for torque in point.torques_nm]
+    powers = [least_input_power(drive, speed, torque).input_power for torque in point.torques_nm]
+    reachable = isfinite(edge) and all(map(isfinite, (*sums, *powers)))
+    return {
+        "feasible": reachable,
+        "edge_deg": degrees(edge) if reachable else None,
+        "torques_nm": list(point.torques_nm),
+        "least_current_sums_a": sums if reachable else None,
+        "least_input_powers_w": powers if reachable else None,
+    }
+
+
+def least_at(oracle: dict[str, Any], key: str, torque_nm: float) -> float | None:
+    """Interpolate an optimum at a torque between the two that were solved.
+
+    Parameters
+    ----------
+    oracle : dict
+        Of `solved`.
+    key : str
+        ``least_current_sums_a`` or ``least_input_powers_w``.
+    torque_nm : float
+        Mean electromagnetic torque of a run (N·m).
+
+    Returns
+    -------
+    float or None
+        The optimum there; None where the point is out of reach.
+    """
+    values = oracle[key]
+    if values is None:
+        return None
+    low, high = oracle["torques_nm"]
+    share = (torque_nm - low) / (high - low) if high > low else 0.0
+    return float(values[0] + share * (values[1] - values[0]))
+
+
+def greatest_torque(_loaded: LoadedCandidate, point: OraclePoint) -> float:
+    """Find the greatest torque that some advance angle gives at a speed; this is what a worker process does.
+
+    Parameters
+    ----------
+    _loaded : LoadedCandidate
+        Any candidate, which is not used.
+    point : OraclePoint
+        The point, whose torques do not matter.
+
+    Returns
+    -------
+    float
+        Mean electromagnetic torque (N·m), to about 0.1 %.
+    """
+    drive = point.motor.drive()
+    speed = point.speed_rpm * RADIANS_PER_RPM
+    base = point.motor.base_speed_rpm * RADIANS_PER_RPM
+    return _bisected(drive, speed, _MOST_TORQUE * point.motor.rated_power_w / base)
+
+
+def _bisected(drive: Drive, speed: float, highest: float) -> float:
+    lowest = 0.0
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (lowest + highest)
+        if np.isfinite(feasible_edge(drive, speed, middle)):
+            lowest = middle
+        else:
+            highest = middle
+    return lowest

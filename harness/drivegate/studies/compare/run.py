@@ -1,0 +1,222 @@
+"""One run of a comparison: what the worker process measures of a candidate."""
+
+from __future__ import annotations
+
+from math import degrees
+from statistics import median
+from time import perf_counter
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.controller import Controller
+from drivegate.containment.messages import LoadedCandidate
+from drivegate.runs.scenario import RADIANS_PER_RPM, run_scenario
+from drivegate.runs.scripted import advance, prepared_steps
+from drivegate.scenarios.changes import CHANGE_S
+from drivegate.studies.compare.drive_cycle_run import cycle_figures
+from drivegate.studies.compare.plan import PlannedRun
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.loop import observation
+from drivegate_models.loop.closed_loop import ClosedLoopRun
+
+HOLDS_RPM: Final = 5.0
+"""k1: greatest speed error at which an operating point counts as held (rpm)."""
+SETTLED_DEG: Final = 1.0
+"""Distance from its last mean within which the angle has converged (electrical degrees)."""
+TRACE_EVERY: Final = 20
+"""Control periods from one kept row of a trace to the next: 10 ms."""
+SHOWN_EVERY_S: Final = 0.05
+"""Time between two rows of a trajectory that the report draws (s)."""
+TIMED_STEPS: Final = 4000
+"""Steps of the controller that are timed."""
+_TIMED_BLOCK: Final = 100
+
+Figures = dict[str, Any]
+"""What was measured: plain data."""
+
+
+def measured(loaded: LoadedCandidate, planned: PlannedRun) -> Figures:
+    """Run a candidate through a planned run; this is what the worker process does.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    planned : PlannedRun
+        The run.
+
+    Returns
+    -------
+    dict
+        What was measured.
+    """
+    every = 1 if planned.group == "cycle" else TRACE_EVERY
+    run = run_scenario(planned.scenario, loaded.controller(), progress=loaded.progress, trace_every=every)
+    if planned.group == "cycle":
+        return cycle_figures(planned.scenario, run)
+    figures = steady_figures(run)
+    columns = _columns(run)
+    if planned.group == "disturbances" and planned.change_s is not None:
+        return figures | recovery_figures(columns, planned.change_s) | {"trajectory": _trajectory(columns)}
+    return figures | {"converged_after_s": converged_after(columns, figures)}
+
+
+def steady_figures(run: ClosedLoopRun) -> Figures:
+    """Tell what the last steady stretch of a run came to.
+
+    Parameters
+    ----------
+    run : ClosedLoopRun
+        The run, with one observed window at least.
+
+    Returns
+    -------
+    dict
+        Whether the speed was held, and means in people's units.
+    """
+    row = run.windows[-1]
+    error = float(row[observation.WINDOW_SPEED_ERROR]) / RADIANS_PER_RPM
+    return {
+        "held": error <= HOLDS_RPM,
+        "speed_error_rpm": error,
+        "speed_mean_rpm": float(row[observation.WINDOW_SPEED]) / RADIANS_PER_RPM,
+        "torque_mean_nm": float(row[observation.WINDOW_TORQUE]),
+        "input_power_w": float(row[observation.WINDOW_INPUT_POWER]),
+        "current_sum_a": float(row[observation.WINDOW_CURRENT_SUM]),
+        "ripple_percent": 100.0 * float(row[observation.WINDOW_RIPPLE]),
+        "advance_deg": degrees(row[observation.WINDOW_ANGLE]),
+        "current_peak_a": float(row[observation.WINDOW_PEAK]),
+    }
+
+
+def converged_after(columns: dict[str, NDArray[np.float64]], figures: Figures) -> float | None:
+    """Tell when a run had converged: from then on the speed is held and the angle stays near its last mean.
+
+    Parameters
+    ----------
+    columns : dict
+        The trace's columns, each of shape (n,).
+    figures : dict
+        Of `steady_figures`.
+
+    Returns
+    -------
+    float or None
+        Time from the run's start (s); None where it never did.
+    """
+    error = np.abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
+    moved = np.abs(columns["advance_deg"] - figures["advance_deg"])
+    return _settled(columns["time_s"], (error > HOLDS_RPM) | (moved > SETTLED_DEG))
+
+
+def recovery_figures(columns: dict[str, NDArray[np.float64]], change_s: float) -> Figures:
+    """Tell how a candidate got over a disturbance.
+
+    Parameters
+    ----------
+    columns : dict
+        The trace's columns, each of shape (n,).
+    change_s : float
+        When the disturbance was over (s).
+
+    Returns
+    -------
+    dict
+        Whether the speed was held in the second before it began, worst speed error from one second before its end
+        (rpm), and the time to hold the speed again (s); None where it was not held again.
+    """
+    times = columns["time_s"]
+    error = np.abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
+    after = times >= change_s
+    since = times >= change_s - 1.0
+    before = (times >= CHANGE_S - 1.0) & (times < CHANGE_S)
+    recovered = _settled(times[after], error[after] > HOLDS_RPM)
+    return {
+        "held_before": bool((error[before] <= HOLDS_RPM).all()),
+        "worst_error_rpm": float(error[since].max()),
+        "recovery_s": None if recovered is None else max(recovered - change_s, 0.0),
+    }
+
+
+def _settled(times: NDArray[np.float64], unsettled: NDArray[np.bool_]) -> float | None:
+    """Return the time from which nothing is unsettled any more."""
+    where = np.flatnonzero(unsettled)
+    if not where.size:
+        return float(times[0])
+    last = int(where[-1])
+    return None if last + 1 >= len(times) else float(times[last + 1])
+
+
+def _columns(run: ClosedLoopRun) -> dict[str, NDArray[np.float64]]:
+    return {name: run.trace[:, index] for index, name in enumerate(observation.TRACE_COLUMNS)}
+
+
+def _trajectory(columns: dict[str, NDArray[np.float64]]) -> dict[str, list[float]]:
+    """Thin a trace out to what a figure needs."""
+    times = columns["time_s"]
+    every = max(round(SHOWN_EVERY_S / float(times[1] - times[0])), 1)
+    whole = len(times) // every * every
+    error = (columns["speed_rpm"] - columns["speed_reference_rpm"])[:whole].reshape(-1, every)
+    # Of each piece the largest error, so that no peak is lost.
+    largest = error[np.arange(len(error)), np.abs(error).argmax(axis=1)]
+    return {
+        "time_s": [round(float(value), 6) for value in times[:whole:every]],
+        "speed_error_rpm": [round(float(value), 3) for value in largest],
+        "advance_deg": [round(float(value), 3) for value in columns["advance_deg"][:whole:every]],
+        "current_sum_a": [
+            round(float(value), 3)
+            for value in columns["current_sum_a"][:whole].reshape(-1, every).mean(axis=1)
+        ],
+    }
+
+
+def timed(loaded: LoadedCandidate, scenario: Scenario) -> Figures:
+    """Time a candidate's steps on what it was told in a run.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    scenario : Scenario
+        The run.
+
+    Returns
+    -------
+    dict
+        Median time of a step (µs), its share of the control period (%), and the size of the state (bytes) where
+        the controller tells it; these depend on the machine.
+    """
+    controller = loaded.controller()
+    run = run_scenario(scenario, controller, progress=loaded.progress, trace_every=1)
+    columns = _columns(run)
+    signals = np.column_stack(
+        [
+            columns["speed_reference_rpm"] * RADIANS_PER_RPM,
+            columns["measured_speed_rpm"] * RADIANS_PER_RPM,
+            np.concatenate(([0.0], columns["current_sum_a"][:-1])),
+            columns["half_supply_v"],
+        ]
+    )[: min(TIMED_STEPS, scenario.control_periods)]
+    times = []
+    with loaded.progress.run():
+        steps = prepared_steps(
+            controller, scenario.nameplate(), np.ascontiguousarray(signals), loaded.progress
+        )
+        for begin in range(0, len(signals), _TIMED_BLOCK):
+            end = min(begin + _TIMED_BLOCK, len(signals))
+            started = perf_counter()
+            advance(steps, controller, begin, end)
+            times.append((perf_counter() - started) / (end - begin))
+    step = median(times)
+    return {
+        "step_us": 1e6 * step,
+        "share_of_period_percent": 100.0 * step / scenario.control_period_s,
+        "state_bytes": _state_size(controller),
+    }
+
+
+def _state_size(controller: Controller) -> int | None:
+    size = getattr(controller, "state_size", None)
+    return int(size) if isinstance(size, int) and size > 0 else None

@@ -1,0 +1,1 @@
+"""Two candidates step by step."""

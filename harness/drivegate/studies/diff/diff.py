@@ -1,0 +1,175 @@
+"""Two candidates step by step: one drives the plant, the other is asked the same and must answer the same."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import Fault
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.messages import Job
+from drivegate.containment.worker import CandidateWorker
+from drivegate.studies.diff.jobs import (
+    Recording,
+    Rule,
+    Shadowing,
+    load_only,
+    play_back,
+    record_run,
+    shadow_run,
+)
+from drivegate.studies.diff.plant_playback import PlantState
+from drivegate.studies.diff.record import (
+    refuse_without_room,
+    row_count,
+    some_rows,
+)
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.contract.outer_loop.signals import Sense
+from drivegate_models.errors import HarnessFault
+from drivegate_models.loop.step_recording import OUTPUTS
+
+FIRST: Final = "first"
+SECOND: Final = "second"
+
+_OWN = "initial"
+
+
+@dataclass(frozen=True)
+class Difference:
+    """The first step at which two candidates differ, and what is around it.
+
+    Attributes
+    ----------
+    step : int
+        Number of the step, from 0.
+    sense : Sense
+        What both were told.
+    plant : PlantState
+        State of the plant at the start of that step.
+    begin : int
+        Step of the first row.
+    rows : ndarray, shape (n, row_length(phases))
+        The record of the first candidate from there on.
+    answers : ndarray, shape (k, 3)
+        The second candidate's commands for these rows, or for the first of them.
+    """
+
+    step: int
+    sense: Sense
+    plant: PlantState
+    begin: int
+    rows: NDArray[np.float64]
+    answers: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StepComparison:
+    """What the comparison of two candidates came to.
+
+    Attributes
+    ----------
+    steps : int
+        Number of steps at which both answered alike.
+    difference : Difference or None
+        The first difference.
+    fault : Fault or None
+        The fault of one of them.
+    faulted : {"first", "second"} or None
+        Which one.
+    """
+
+    steps: int
+    difference: Difference | None = None
+    fault: Fault | None = None
+    faulted: str | None = None
+
+
+def compared(
+    first: Candidate, second: Candidate, scenario: Scenario, rule: Rule, *, before: int, after: int
+) -> StepComparison:
+    """Compare two candidates step by step.
+
+    The first one drives the plant, in a process of its own, which writes a record of every step. The second one is
+    then told the same, in another process, until it answers otherwise. Both are alike up to there, so nothing is
+    lost by asking one after the other.
+
+    Parameters
+    ----------
+    first, second : Candidate
+        The candidates.
+    scenario : Scenario
+        The scenario.
+    rule : Rule
+        When commands count as different.
+    before, after : int
+        Number of steps to keep on either side of the first difference.
+
+    Returns
+    -------
+    StepComparison
+        What it came to.
+
+    Raises
+    ------
+    InputError
+        When a candidate is refused, or the disk has no room for the record.
+    HarnessFault
+        When the harness itself fails.
+    """
+    with tempfile.TemporaryDirectory(prefix="drivegate") as name:
+        refuse_without_room(scenario, Path(name))
+        path = Path(name) / "steps"
+        with CandidateWorker(second, load_controller) as following:
+            # It is loaded before the long run, so that a second candidate that is refused is told at once.
+            loading = following.run(Job(load_only, None))
+            if isinstance(loading, Fault):
+                return StepComparison(0, fault=loading, faulted=SECOND)
+            with CandidateWorker(first, load_controller) as leading:
+                led = leading.run(Job(record_run, Recording(path, scenario)))
+            if isinstance(led, Fault):
+                return StepComparison(led.step or 0, fault=led, faulted=FIRST)
+            end = row_count(path, scenario.motor.phases)
+            plan = Shadowing(path, scenario, rule, end, end)
+            ended = following.run(Job(shadow_run, plan))
+            if isinstance(ended, Fault):
+                return StepComparison(ended.step or 0, fault=ended, faulted=SECOND)
+            if ended.differs is None:
+                return StepComparison(end)
+            difference = _difference(following, plan, ended.differs, before, after)
+            return StepComparison(ended.differs, difference)
+
+
+def _difference(
+    following: CandidateWorker, plan: Shadowing, step: int, before: int, after: int
+) -> Difference:
+    scenario, phases = plan.scenario, plan.scenario.motor.phases
+    begin, end = max(step - before, 0), min(step + 1 + after, plan.end)
+    around = following.run(Job(shadow_run, Shadowing(plan.path, scenario, None, begin, end)))
+    if isinstance(around, Fault):
+        # It does not survive what comes after its different answer, but comes as far as that again.
+        around = following.run(Job(shadow_run, Shadowing(plan.path, scenario, None, begin, step + 1)))
+    answers = np.empty((0, len(OUTPUTS))) if isinstance(around, Fault) else around.answers
+    rows = some_rows(plan.path, phases, begin, end)
+    return Difference(step, _sense_of(rows[step - begin]), _plant_at(plan, step), begin, rows, answers)
+
+
+def _plant_at(plan: Shadowing, step: int) -> PlantState:
+    """Play the record back in a process like those in which it was written, so that the plant is the same code."""
+    with CandidateWorker(resolve_candidate(_OWN), load_controller) as worker:
+        state = worker.run(Job(play_back, (plan, step)))
+    if isinstance(state, Fault):
+        raise HarnessFault(f"the recorded commands cannot be played back: {state.message}")
+    return state
+
+
+def _sense_of(row: NDArray[np.float64]) -> Sense:
+    time, speed_reference, speed, magnitude_sum, voltage, *others = row.tolist()
+    return Sense(time, speed_reference, speed, tuple(others[len(OUTPUTS) :]), magnitude_sum, voltage)

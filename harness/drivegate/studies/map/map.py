@@ -1,0 +1,95 @@
+"""Operating maps: steady states, the best that the drive can do, or what a candidate makes of it, over a grid."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import nan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.containment.backend import Backend, done_by
+from drivegate.studies.map.plan import MapPlan, plant_of, single_parameters
+from drivegate.studies.map.tasks import compile_solver, compute_piece
+
+
+@dataclass(frozen=True)
+class OperatingMap:
+    """A finished map.
+
+    Attributes
+    ----------
+    plan : MapPlan
+        What was asked for.
+    numbers : ndarray, shape (points, columns)
+        What was computed.
+    verdicts : list of str
+        What became of each closed-loop run; empty of other maps.
+    """
+
+    plan: MapPlan
+    numbers: NDArray[np.float64]
+    verdicts: list[str] = field(default_factory=list)
+
+    def table(self) -> dict[str, Any]:
+        """Give the map as columns.
+
+        Returns
+        -------
+        dict
+            Coordinates, then what was computed, by name; where a computed column is named like an axis, it comes
+            with ``found_`` before it.
+        """
+        columns: dict[str, Any] = dict(self.plan.axes.coordinates(0, self.plan.axes.points))
+        if self.verdicts:
+            columns["verdict"] = self.verdicts
+        for place, name in enumerate(self.plan.columns):
+            columns[f"found_{name}" if name in columns else name] = self.numbers[:, place]
+        if "certified" in columns:
+            columns["certified"] = columns["certified"] != 0.0
+        return columns
+
+
+def computed(plan: MapPlan, backend: Backend, tell: Callable[[int, int], None]) -> OperatingMap:
+    """Compute a map.
+
+    Parameters
+    ----------
+    plan : MapPlan
+        The map.
+    backend : Backend
+        Where its points are computed.
+    tell : callable
+        Takes the number of points that are done, and 0.
+
+    Returns
+    -------
+    OperatingMap
+        The map; it does not depend on the number of workers.
+
+    Raises
+    ------
+    InputError
+        When the candidate is refused, or a parameter is out of its range.
+    HarnessFault
+        When the harness itself fails.
+    """
+    for parameter in single_parameters(plan):
+        plant_of(plan.motor, parameter)
+    points, done = plan.axes.points, 0
+    values = np.full((points, len(plan.columns)), nan)
+    verdicts = [""] * points if plan.kind == "loop" else []
+    package = pickle.dumps(plan, pickle.HIGHEST_PROTOCOL)
+    if plan.kind == "points":
+        compile_solver(package)
+    tell(0, 0)
+    for (first, last), part in done_by(backend, compute_piece, package, plan.pieces()):
+        values[first:last] = part.values
+        if part.verdicts:
+            verdicts[first:last] = part.verdicts
+        done += last - first
+        tell(done, 0)
+    return OperatingMap(plan, values, verdicts)

@@ -1,0 +1,179 @@
+"""An operating map before it is computed: its kind, its grid, and the plant at each point."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.studies.campaign.file import MOTOR_KEYS, SCALES
+from drivegate.studies.map.axes import MapAxes
+from drivegate_cases.motor.motor import Motor
+from drivegate_cases.motor.scales import Scales
+from drivegate_models.half_bridge.steady.grid import POINT_COLUMNS
+
+SPEED: Final = "speed_rpm"
+TORQUE: Final = "torque_nm"
+ADVANCE: Final = "advance_deg"
+CURRENT: Final = "current_a"
+PARAMETERS: Final = (*SCALES, *MOTOR_KEYS)
+"""Parameters that may be further axes of a map."""
+
+BEST_COLUMNS: Final = (
+    "edge_deg",
+    "advance_deg",
+    "current_reference_a",
+    "current_sum_a",
+    "input_power_w",
+    "shaft_power_w",
+    "efficiency",
+)
+"""What the best angle gives at a speed and a torque; all NaN where no angle reaches the torque."""
+LOOP_COLUMNS: Final = (
+    "convergence_margin",
+    "speed_error_rpm",
+    "advance_deg",
+    "current_reference_a",
+    "current_sum_a",
+    "least_current_sum_a",
+    "excess_percent",
+    "input_power_w",
+    "shaft_power_w",
+    "efficiency",
+    "torque_ripple_percent",
+    "current_peak_a",
+)
+"""What a candidate makes of a speed and a torque; all NaN where no angle reaches the torque, or after a fault."""
+CONVERGED: Final = "converged"
+NOT_CONVERGED: Final = "not converged"
+NOT_FEASIBLE: Final = "not feasible"
+
+_POINTS_AT_ONCE: Final = {"points": 20_000, "best": 16, "loop": 8}
+
+
+@dataclass(frozen=True)
+class MapPlan:
+    """A map, before it is computed.
+
+    Attributes
+    ----------
+    kind : {"points", "best", "loop"}
+        Steady states over speed, angle and current; the best angle over speed and torque; or closed-loop runs.
+    motor : Motor
+        The nominal motor.
+    axes : MapAxes
+        The grid.
+    candidate : Candidate or None
+        Whose closed-loop runs.
+    """
+
+    kind: str
+    motor: Motor
+    axes: MapAxes
+    candidate: Candidate | None = None
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the computed columns."""
+        return {"points": POINT_COLUMNS, "best": BEST_COLUMNS, "loop": LOOP_COLUMNS}[self.kind]
+
+    def pieces(self) -> list[tuple[int, int]]:
+        """Cut the map into tasks.
+
+        Returns
+        -------
+        list of tuple of int
+            Number of each first point, and of the one behind the last.
+        """
+        length = _POINTS_AT_ONCE[self.kind]
+        points = self.axes.points
+        return [(first, min(first + length, points)) for first in range(0, points, length)]
+
+
+def single_parameters(plan: MapPlan) -> Iterator[dict[str, float]]:
+    """Give the values of a map's parameters one after the other, to see that each can be had.
+
+    Parameters
+    ----------
+    plan : MapPlan
+        The map.
+
+    Yields
+    ------
+    dict
+        One value by its key.
+    """
+    for name, values in zip(plan.axes.names, plan.axes.values, strict=True):
+        if name in PARAMETERS:
+            for value in values:
+                yield {name: value}
+
+
+def plant_of(motor: Motor, values: dict[str, float]) -> tuple[Motor, Scales]:
+    """Change a motor as parameters say.
+
+    Parameters
+    ----------
+    motor : Motor
+        The nominal motor.
+    values : dict
+        Values by key: of the motor, or factors of the plant.
+
+    Returns
+    -------
+    tuple
+        The motor, and how its plant differs from it.
+
+    Raises
+    ------
+    InputError
+        When a value is not valid.
+    """
+    own = [f"{key}={value:.17g}" for key, value in values.items() if key in MOTOR_KEYS]
+    scales = {key: value for key, value in values.items() if key in SCALES}
+    if not scales:
+        return motor.with_overrides(own), Scales()
+    # Scales are a table of a scenario; one is made to have them checked.
+    return motor.with_overrides(own), _checked_scales(scales)
+
+
+def _checked_scales(scales: dict[str, float]) -> Scales:
+    from pydantic import ValidationError
+
+    from drivegate_cases.documents.problems import described
+    from drivegate_models.errors import InputError
+
+    try:
+        return Scales(**scales)
+    except ValidationError as error:
+        raise InputError(f"--parameter: {described(error, Scales)}") from error
+
+
+def drives_of(plan: MapPlan, at: dict[str, NDArray[np.float64]]) -> Iterator[tuple[slice, Motor, Scales]]:
+    """Cut points where a parameter changes, so that each stretch has one plant.
+
+    Parameters
+    ----------
+    plan : MapPlan
+        The map.
+    at : dict
+        Coordinates of the points by name.
+
+    Yields
+    ------
+    tuple
+        Places of the stretch, its motor, and how its plant differs from that.
+    """
+    names = [name for name in plan.axes.names if name in PARAMETERS]
+    length = len(at[SPEED])
+    starts = [0]
+    if names:
+        table = np.column_stack([at[name] for name in names])
+        starts += (np.flatnonzero((table[1:] != table[:-1]).any(axis=1)) + 1).tolist()
+    for start, end in zip(starts, [*starts[1:], length], strict=True):
+        motor, scales = plant_of(plan.motor, {name: float(at[name][start]) for name in names})
+        yield slice(start, end), motor, scales

@@ -1,0 +1,253 @@
+"""The part of an operating map that one task does: steady states, best angles, or closed-loop runs."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+from dataclasses import dataclass
+from math import degrees, isfinite, nan
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.fault import Fault
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.convergence import window_convergence
+from drivegate.containment.contained_runs import contained_runs
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.worker import CandidateWorker
+from drivegate.runs.record import RunRecord, Window, recorded
+from drivegate.runs.scenario import RADIANS_PER_RPM
+from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S
+from drivegate.studies.map.plan import (
+    ADVANCE,
+    BEST_COLUMNS,
+    CONVERGED,
+    CURRENT,
+    LOOP_COLUMNS,
+    NOT_CONVERGED,
+    NOT_FEASIBLE,
+    SPEED,
+    TORQUE,
+    MapPlan,
+    drives_of,
+)
+from drivegate_cases.motor.motor import Motor
+from drivegate_cases.motor.scales import Scales
+from drivegate_cases.scenario.load import ConstantTorqueLoad
+from drivegate_cases.scenario.profile import dwells
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.compilation.kernels import choose_cache_folder
+from drivegate_models.errors import HarnessFault
+from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.half_bridge.plant.phases import make_phases
+from drivegate_models.half_bridge.steady import grid as operating_map_kernel
+from drivegate_models.half_bridge.steady.grid import POINT_COLUMNS, solve_points
+from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, point_at_torque
+from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME
+from drivegate_models.loop import observation
+
+
+@dataclass(frozen=True)
+class MapPart:
+    """Some points of a map.
+
+    Attributes
+    ----------
+    values : ndarray, shape (points, columns)
+        What was computed.
+    verdicts : tuple of str
+        What became of each closed-loop run; empty of other maps.
+    """
+
+    values: NDArray[np.float64]
+    verdicts: tuple[str, ...] = ()
+
+
+def compute_piece(package: bytes, piece: tuple[int, int]) -> MapPart:
+    """Compute some points; this is what a worker does.
+
+    Parameters
+    ----------
+    package : bytes
+        The pickled plan.
+    piece : tuple of int
+        Number of the first point, and of the one behind the last.
+
+    Returns
+    -------
+    MapPart
+        The points.
+    """
+    plan: MapPlan = pickle.loads(package)
+    task = {"points": _points, "best": _best, "loop": _loop}[plan.kind]
+    return task(plan, *piece)
+
+
+def compile_solver(package: bytes) -> None:
+    """Have the solver of steady states compiled in a process of its own, unless it is kept from before.
+
+    So that all processes that compute a map run the same code, which they load.
+
+    Parameters
+    ----------
+    package : bytes
+        The pickled plan of a map of steady states.
+
+    Raises
+    ------
+    HarnessFault
+        When it cannot be compiled.
+    """
+    folder = choose_cache_folder()
+    if folder is None:
+        return
+    source = Path(operating_map_kernel.__file__).read_bytes()
+    marker = folder / f"map-solver-{hashlib.sha256(source).hexdigest()[:16]}"
+    if marker.exists():
+        return
+    with CandidateWorker(resolve_candidate("initial"), load_controller) as worker:
+        ended = worker.run(Job(_first_point, package))
+    if isinstance(ended, Fault):
+        raise HarnessFault(f"the solver of steady states cannot be compiled: {ended.message}")
+    marker.touch()
+
+
+def _first_point(_loaded: LoadedCandidate, package: bytes) -> None:
+    compute_piece(package, (0, 1))
+
+
+def _points(plan: MapPlan, first: int, last: int) -> MapPart:
+    at = plan.axes.coordinates(first, last)
+    values = np.full((last - first, len(POINT_COLUMNS)), nan)
+    for piece, motor, scales in drives_of(plan, at):
+        drive = motor.drive(scales)
+        solve_points(
+            drive,
+            make_phases(drive, KEPT_TIME),
+            make_phases(drive),
+            drive.half_supply_voltage,
+            at[SPEED][piece] * RADIANS_PER_RPM,
+            np.radians(at[ADVANCE][piece]),
+            at[CURRENT][piece],
+            values[piece],
+        )
+    # A current beyond the limit is never asked for, so what it would give is nobody's operating point.
+    for piece, motor, _ in drives_of(plan, at):
+        values[piece][at[CURRENT][piece] > motor.current_limit_a] = nan
+    return MapPart(values)
+
+
+def _best(plan: MapPlan, first: int, last: int) -> MapPart:
+    at = plan.axes.coordinates(first, last)
+    values = np.full((last - first, len(BEST_COLUMNS)), nan)
+    for piece, motor, scales in drives_of(plan, at):
+        drive = motor.drive(scales)
+        for place in range(piece.start, piece.stop):
+            speed, torque = float(at[SPEED][place]) * RADIANS_PER_RPM, float(at[TORQUE][place])
+            edge = feasible_edge(drive, speed, torque)
+            if isfinite(edge):
+                best = least_current_sum(drive, speed, torque)
+                shaft = speed * torque
+                values[place] = (
+                    degrees(edge),
+                    degrees(best.advance),
+                    best.reference,
+                    best.current_sum,
+                    best.input_power,
+                    shaft,
+                    shaft / best.input_power,
+                )
+    return MapPart(values)
+
+
+@dataclass(frozen=True)
+class _LoopPoint:
+    scenario: Scenario
+
+
+def _loop(plan: MapPlan, first: int, last: int) -> MapPart:
+    assert plan.candidate is not None, "a map of closed-loop runs is a candidate's"
+    at = plan.axes.coordinates(first, last)
+    scenarios = [
+        _LoopPoint(_steady(motor, scales, float(at[SPEED][place]), float(at[TORQUE][place])))
+        for piece, motor, scales in drives_of(plan, at)
+        for place in range(piece.start, piece.stop)
+    ]
+    values = np.full((last - first, len(LOOP_COLUMNS)), nan)
+    verdicts = []
+    for place, ending in enumerate(contained_runs(plan.candidate, _run_point, scenarios)):
+        if isinstance(ending, Fault):
+            verdicts.append(ending.kind.value)
+        else:
+            verdict, found = ending
+            verdicts.append(verdict)
+            values[place] = found
+    return MapPart(values, tuple(verdicts))
+
+
+def _steady(motor: Motor, scales: Scales, speed_rpm: float, torque: float) -> Scenario:
+    return Scenario(
+        name=f"{speed_rpm:g} rpm, {torque:g} N·m",
+        motor=motor,
+        scales=scales,
+        duration_s=LOAD_RAMP_S + DWELL_S,
+        initial_speed_rpm=speed_rpm,
+        speed_rpm=((0.0, speed_rpm),),
+        load=ConstantTorqueLoad(
+            kind="constant_torque", torque_nm=torque, factor=((0.0, 0.0), (LOAD_RAMP_S, 1.0))
+        ),
+    )
+
+
+def _run_point(loaded: LoadedCandidate, point: _LoopPoint) -> tuple[str, tuple[float, ...]]:
+    scenario = point.scenario
+    drive = scenario.motor.drive(scenario.scales)
+    if not _is_feasible(scenario, drive):
+        return NOT_FEASIBLE, (nan,) * len(LOOP_COLUMNS)
+    record = recorded(loaded, scenario, loaded.controller())
+    return _measured(record, drive)
+
+
+def _is_feasible(scenario: Scenario, drive: Drive) -> bool:
+    speed_rpm, load = scenario.initial_speed_rpm, scenario.load
+    assert isinstance(load, ConstantTorqueLoad), "points of a map have a load of constant torque"
+    speed = speed_rpm * RADIANS_PER_RPM
+    torque = load.torque_nm + drive.friction + drive.viscous_friction * speed
+    if speed_rpm <= scenario.motor.base_speed_rpm:
+        # There is no advance below base speed.
+        return point_at_torque(drive, speed, 0.0, torque).robust
+    return isfinite(feasible_edge(drive, speed, torque))
+
+
+def _measured(record: RunRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
+    scenario = record.scenario
+    window = Window(scenario, dwells(scenario)[-1], record.run.windows[-1])
+    margin, _ = window_convergence(window)
+    row = window.values
+    torque, speed = float(row[observation.WINDOW_TORQUE]), float(row[observation.WINDOW_SPEED])
+    current_sum, input_power = (
+        float(row[observation.WINDOW_CURRENT_SUM]),
+        float(row[observation.WINDOW_INPUT_POWER]),
+    )
+    least = nan
+    if scenario.initial_speed_rpm > scenario.motor.base_speed_rpm and torque > 0.0 < speed:
+        least = least_current_sum(drive, speed, torque).current_sum
+    shaft = window.torque_asked * speed
+    values = (
+        margin,
+        float(row[observation.WINDOW_SPEED_ERROR]) / RADIANS_PER_RPM,
+        degrees(row[observation.WINDOW_ANGLE]),
+        float(row[observation.WINDOW_REFERENCE]),
+        current_sum,
+        least,
+        100.0 * (current_sum / least - 1.0),
+        input_power,
+        shaft,
+        shaft / input_power if input_power > 0.0 else nan,
+        100.0 * float(row[observation.WINDOW_RIPPLE]),
+        float(row[observation.WINDOW_PEAK]),
+    )
+    return CONVERGED if margin >= 0.0 else NOT_CONVERGED, values

@@ -1,0 +1,1 @@
+"""Templates of candidates, written into a folder."""

@@ -1,0 +1,142 @@
+"""A small candidate that works, written into a new folder as a place to start from."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from dataclasses import dataclass
+from datetime import date, timedelta
+from importlib.resources import files
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from importlib.resources.abc import Traversable
+
+WAIVED: Final = timedelta(days=90)
+"""Time for which the exercise's failures are waived."""
+
+_TEMPLATES: Final = "templates/new"
+_COMMON: Final = "every"
+_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
+# Templates lie under names that mean nothing to the tools of this repository.
+_PLACES: Final = MappingProxyType(
+    {"workflow.yml": ".github/workflows/drivegate.yml", "gitignore": ".gitignore"}
+)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of candidate that there is a template of.
+
+    Attributes
+    ----------
+    source : str
+        The file that the controller is in.
+    build : str
+        The command that builds it; empty where drivegate does.
+    """
+
+    source: str
+    build: str = ""
+
+
+KINDS: Final = MappingProxyType(
+    {
+        "python": Kind("controller.py"),
+        "numba": Kind("controller.py"),
+        "c": Kind("controller.c"),
+        "rust": Kind("src/lib.rs", "cargo build --release"),
+        "exec": Kind("controller.py"),
+    }
+)
+"""The kinds, by the name on the command line."""
+
+
+def write_candidate(kind: str, name: str, folder: Path, today: date) -> tuple[Path, ...]:
+    """Write a new candidate.
+
+    Parameters
+    ----------
+    kind : str
+        One of `KINDS`.
+    name : str
+        Its name in reports.
+    folder : Path
+        The folder to make.
+    today : date
+        The day from which its waivers hold.
+
+    Returns
+    -------
+    tuple of Path
+        The files, from the folder.
+
+    Raises
+    ------
+    InputError
+        When the name cannot be one, or the folder cannot be made or has something in it.
+    """
+    if not _NAME.fullmatch(name):
+        raise InputError(
+            f"the name '{one_line(name)}' must begin with a letter and have letters, digits, '-' and '_' after it, "
+            "64 at most"
+        )
+    _refuse_occupied(folder)
+    words = {
+        "@name@": name,
+        "@expires@": (today + WAIVED).isoformat(),
+        "@source@": KINDS[kind].source,
+    }
+    root = files("drivegate").joinpath(_TEMPLATES)
+    texts: dict[str, str] = {}
+    for part in (_COMMON, kind):
+        texts |= _texts(root.joinpath(part), "")
+    contents = {_PLACES.get(place, place): _filled(place, text, kind, words) for place, text in texts.items()}
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder.parent) as beside:
+            made = Path(beside) / name
+            for place, content in contents.items():
+                target = made / place
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.write_text(content, encoding="utf-8")
+            made.rename(folder)
+    except OSError as error:
+        raise InputError(
+            f"{shown_path(folder)} cannot be written: {one_line(error.strerror or str(error))}; name another folder "
+            "with --output"
+        ) from error
+    return tuple(sorted(map(Path, contents)))
+
+
+def _refuse_occupied(folder: Path) -> None:
+    occupied = folder.is_symlink() or (folder.exists() and not folder.is_dir())
+    if occupied or (folder.is_dir() and any(folder.iterdir())):
+        raise InputError(
+            f"{shown_path(folder)} exists already, and nothing is ever overwritten; name another folder with --output"
+        )
+
+
+def _texts(folder: Traversable, prefix: str) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for entry in folder.iterdir():
+        if entry.is_dir():
+            if not entry.name.startswith("__"):
+                found |= _texts(entry, f"{prefix}{entry.name}/")
+        else:
+            found[f"{prefix}{entry.name}"] = entry.read_text(encoding="utf-8")
+    return found
+
+
+def _filled(place: str, text: str, kind: str, words: dict[str, str]) -> str:
+    command = KINDS[kind].build
+    line = f"      - run: {command}\n" if place == "workflow.yml" else f"{command}\n"
+    text = text.replace("@build@", line if command else "")
+    for word, value in words.items():
+        text = text.replace(word, value)
+    return text

@@ -1,0 +1,324 @@
+"""Running a counterexample again: whether its check still fails, and where in the run that shows."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import drivegate
+import drivegate_models
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import Fault
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.check import Check
+from drivegate.checks.flowchart.judging import judge_script
+from drivegate.checks.margin import Margin
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.worker import CandidateWorker
+from drivegate.gate.plan import REPEATED
+from drivegate.gate.repetition import DIFFERENT, repetition_job
+from drivegate.results.counterexample import Counterexample
+from drivegate.runs.record import RunRecord, Window, recorded
+from drivegate.runs.scenario import observed_windows
+from drivegate.studies.simulate.simulate import MOST_ROWS
+from drivegate_cases.documents.wording import one_line
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.script import Script
+from drivegate_models.errors import InputError
+from drivegate_models.loop.closed_loop import ClosedLoopRun
+
+SCHEMA: Final = 1
+STILL_FAILS: Final = "still fails"
+FIXED: Final = "fixed"
+NOT_APPLICABLE: Final = "not applicable"
+
+_PREFIXED: Final = re.compile(r"(faulty|design):[a-z0-9-]+")
+
+
+@dataclass(frozen=True)
+class Replay:
+    """What a counterexample came to when it was run again.
+
+    Attributes
+    ----------
+    margin : Margin or None
+        The check's margin; None where the check has nothing to judge.
+    run : ClosedLoopRun or None
+        What was observed, with a trace; None of a script.
+    window : tuple of float or None
+        Start and end of the stretch that the check was judged on (s); None of a script.
+    rows : tuple of int or None
+        First and last row of a script that the check was judged on, counted from 1; None of a scenario.
+    """
+
+    margin: Margin | None
+    run: ClosedLoopRun | None = None
+    window: tuple[float, float] | None = None
+    rows: tuple[int, int] | None = None
+
+
+def candidate_for(stored: Counterexample, given: str | None) -> Candidate:
+    """Choose the candidate to run: the given one, or the one that comes with drivegate and has the file's name.
+
+    A file never says what is executed: its candidate's name is looked up among those that come along.
+
+    Parameters
+    ----------
+    stored : Counterexample
+        The counterexample.
+    given : str or None
+        What the user names.
+
+    Returns
+    -------
+    Candidate
+        The candidate.
+
+    Raises
+    ------
+    InputError
+        When none is given and the file's does not come along, or when there is no such candidate.
+    """
+    if given is not None:
+        return resolve_candidate(given)
+    name = stored.candidate.name
+    if name in BUILTIN_CANDIDATES or _PREFIXED.fullmatch(name):
+        candidate = resolve_candidate(name)
+        if _comes_along(candidate):
+            return candidate
+    raise InputError(
+        f"the counterexample is about the candidate '{one_line(name)}', which does not come with drivegate; "
+        "say which one to run with --candidate, such as --candidate controller.py:Controller"
+    )
+
+
+def _comes_along(candidate: Candidate) -> bool:
+    """Tell whether all of a candidate's code is drivegate's own; resolving it has run none."""
+    if candidate.kind == "builtin":
+        return True
+    homes = [Path(package.__file__ or "").resolve().parent for package in (drivegate, drivegate_models)]
+    inside = (any(source.is_relative_to(home) for home in homes) for source in candidate.sources)
+    return bool(candidate.sources) and all(inside)
+
+
+def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
+    """Run a counterexample again in a process of its own.
+
+    Parameters
+    ----------
+    stored : Counterexample
+        The counterexample.
+    candidate : Candidate
+        The candidate.
+
+    Returns
+    -------
+    Replay or Fault
+        What was observed, or the candidate's fault.
+
+    Raises
+    ------
+    InputError
+        When the candidate is refused.
+    HarnessFault
+        When the harness itself fails.
+    """
+    with CandidateWorker(candidate, load_controller) as worker:
+        replay = worker.run(Job(run_replay, stored))
+        if isinstance(replay, Fault) or isinstance(stored.scenario, Script) or stored.check != REPEATED:
+            return replay
+        elsewhere = worker.run(repetition_job(stored.scenario))
+    return elsewhere if isinstance(elsewhere, Fault) else _compared(replay, elsewhere)
+
+
+def _compared(replay: Replay, elsewhere: int) -> Replay:
+    if replay.margin is None or not replay.margin.met or replay.run is None:
+        return replay
+    return replay if replay.run.digest == elsewhere else replace(replay, margin=DIFFERENT)
+
+
+def run_replay(loaded: LoadedCandidate, stored: Counterexample) -> Replay:
+    """Run a counterexample and judge it; this is what the worker process does.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    stored : Counterexample
+        The counterexample.
+
+    Returns
+    -------
+    Replay
+        What was observed.
+    """
+    if isinstance(stored.scenario, Script):
+        return _script_again(loaded, stored.scenario)
+    return _scenario_again(loaded, stored.scenario, check_of(stored))
+
+
+def _scenario_again(loaded: LoadedCandidate, scenario: Scenario, check: Check) -> Replay:
+    controller = loaded.controller()
+    every = -(-scenario.control_periods // MOST_ROWS)
+    record = recorded(loaded, scenario, controller, trace_every=every)
+    if check.id == REPEATED:
+        again = recorded(loaded, scenario, controller).run.digest
+        afresh = recorded(loaded, scenario, loaded.controller()).run.digest
+        record = replace(record, repeated_digests=(again, afresh))
+    applies = check.reason_not_applicable(record.declaration) is None
+    margin = check.evaluate(record) if applies else None
+    return Replay(margin, record.run, judged_window(check, record, margin))
+
+
+def _script_again(loaded: LoadedCandidate, script: Script) -> Replay:
+    profile = loaded.candidate.declaration.flowchart
+    if profile is None:
+        return Replay(None, rows=(1, len(script.rows)))
+    verdict = judge_script(loaded.controller(), profile, script, loaded.progress)
+    # A script is followed up to the first departure, which is in the last row that was looked at.
+    first = 1 if verdict.margin.met else verdict.rows
+    return Replay(verdict.margin, rows=(first, verdict.rows))
+
+
+def check_of(stored: Counterexample) -> Check:
+    """Find the check that a counterexample is about.
+
+    Parameters
+    ----------
+    stored : Counterexample
+        The counterexample.
+
+    Returns
+    -------
+    Check
+        The check.
+    """
+    return next(check for check in CHECKS if check.id == stored.check)
+
+
+@dataclass(frozen=True)
+class _PartialRecord(RunRecord):
+    """A run of which only some of the steady stretches are shown.
+
+    Attributes
+    ----------
+    shown : tuple of int
+        Their places among all of them.
+    """
+
+    shown: tuple[int, ...] = ()
+
+    def windows(self) -> Iterator[Window]:
+        for place, window in enumerate(super().windows()):
+            if place in self.shown:
+                yield window
+
+
+def judged_window(check: Check, record: RunRecord, margin: Margin | None) -> tuple[float, float]:
+    """Find the steady stretch that alone gives the same margin; the whole run where none decides.
+
+    Parameters
+    ----------
+    check : Check
+        The check.
+    record : RunRecord
+        What it saw.
+    margin : Margin or None
+        What it came to.
+
+    Returns
+    -------
+    tuple of float
+        Start and end (s).
+    """
+    whole = (0.0, record.scenario.duration_s)
+    if margin is None or check.evaluate(_part(record, ())) is not None:
+        return whole
+    begin = {end: start for start, end in observed_windows(record.scenario)}
+    for place, window in enumerate(record.windows()):
+        alone = check.evaluate(_part(record, (place,)))
+        if alone is not None and alone.value == margin.value:
+            return begin[window.dwell.end], window.dwell.end
+    return whole
+
+
+def _part(record: RunRecord, shown: tuple[int, ...]) -> RunRecord:
+    return _PartialRecord(
+        record.scenario, record.run, record.declaration, record.repeated_digests, shown=shown
+    )
+
+
+def verdict_on(ended: Replay | Fault) -> str:
+    """Tell whether a check still fails.
+
+    Parameters
+    ----------
+    ended : Replay or Fault
+        How the run ended.
+
+    Returns
+    -------
+    str
+        `STILL_FAILS`, also where the candidate did not come to an end, `FIXED` or `NOT_APPLICABLE`.
+    """
+    if isinstance(ended, Fault):
+        return STILL_FAILS
+    if ended.margin is None:
+        return NOT_APPLICABLE
+    return FIXED if ended.margin.met else STILL_FAILS
+
+
+def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fault) -> dict[str, Any]:
+    """Write what became of a counterexample as plain data.
+
+    Parameters
+    ----------
+    stored : Counterexample
+        The counterexample.
+    candidate : Candidate
+        The candidate that ran.
+    ended : Replay or Fault
+        How the run ended.
+
+    Returns
+    -------
+    dict
+        The document; an infinite margin is null.
+    """
+    check, verdict = check_of(stored), verdict_on(ended)
+    margin = None if isinstance(ended, Fault) else ended.margin
+    fault = asdict(ended) | {"kind": ended.kind.value} if isinstance(ended, Fault) else None
+    failed_code = 3 if check.subject == "plant" and fault is None else 1
+    return {
+        "schema": SCHEMA,
+        "kind": "replay",
+        "verdict": verdict,
+        "exit_code": failed_code if verdict == STILL_FAILS else 0,
+        "check": check.id,
+        "requirement": check.requirement,
+        "limit": check.limit,
+        "candidate": {"name": candidate.name, "kind": candidate.kind, "hash": candidate.content_hash},
+        "found_with": stored.candidate.model_dump(),
+        "scenario": stored.scenario.name,
+        "then": {"margin": stored.margin, "measured": stored.measured},
+        "now": None if margin is None else {"margin": margin.value, "measured": margin.measured},
+        "window_s": None if isinstance(ended, Fault) or ended.window is None else list(ended.window),
+        "rows": None if isinstance(ended, Fault) or ended.rows is None else list(ended.rows),
+        "reason": _reason(check, candidate, verdict),
+        "fault": fault,
+        "files": [],
+    }
+
+
+def _reason(check: Check, candidate: Candidate, verdict: str) -> str:
+    """Tell why a check does not apply; nothing where it does."""
+    if verdict != NOT_APPLICABLE:
+        return ""
+    reason = check.reason_not_applicable(candidate.declaration)
+    return reason or f"applies to {check.scenarios}, which this run is not"

@@ -1,0 +1,1 @@
+"""The checks themselves checked, with faulty and with correct controllers."""

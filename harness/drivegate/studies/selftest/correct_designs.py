@@ -1,0 +1,40 @@
+"""Controllers that are right, of whatever design: no check may accuse one of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from drivegate.candidates.builtin.design_candidates import DESIGN_CANDIDATES
+
+
+@dataclass(frozen=True)
+class CorrectDesign:
+    """A controller that must pass.
+
+    Attributes
+    ----------
+    candidate : str
+        The string that names it.
+    checks : frozenset of str or None
+        Identifiers of the checks that it must pass; None for all of them.
+    """
+
+    candidate: str
+    checks: frozenset[str] | None = None
+
+
+def correct_designs() -> tuple[CorrectDesign, ...]:
+    """List the controllers that must pass.
+
+    The published search fails what its lock-up fails, but follows its own flowchart.
+
+    Returns
+    -------
+    tuple of CorrectDesign
+        The reference, the other designs of a search, and the published search for its flowchart alone.
+    """
+    return (
+        CorrectDesign("reference"),
+        *(CorrectDesign(name) for name in DESIGN_CANDIDATES),
+        CorrectDesign("published", frozenset({"FLO-1"})),
+    )

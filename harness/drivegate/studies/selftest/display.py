@@ -1,0 +1,87 @@
+"""The self-test on the console: the matrix of faults and checks, and every miss and false alarm in a sentence."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rich.text import Text
+
+from drivegate.output.console import plain, table, verdict_text
+from drivegate.studies.selftest.matrix import FaultRow, Matrix
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+CAUGHT = "●"
+MISSED = "✗"
+ALSO = "·"
+
+
+def show_matrix(console: Console, matrix: Matrix) -> None:
+    """Print the self-test.
+
+    Parameters
+    ----------
+    console : Console
+        Where to.
+    matrix : Matrix
+        What it came to.
+    """
+    _show_faults(console, matrix)
+    _show_designs(console, matrix)
+    problems = matrix.problems()
+    for problem in problems:
+        console.print(plain(problem, "bold red"))
+    caught = sum(row.caught for row in matrix.faults)
+    acquitted = sum(row.acquitted for row in matrix.designs)
+    told = (
+        f"{caught} of {len(matrix.faults)} faults caught by the checks named for them, "
+        f"{acquitted} of {len(matrix.designs)} checks of correct designs passed"
+    )
+    console.print(plain(told, "bold red" if problems else "green"))
+    if problems and matrix.faults:
+        name = next((row.name for row in matrix.faults if not row.caught), matrix.faults[0].name)
+        console.print(plain(f"next: drivegate check faulty:{name} shows every check and scenario", "dim"))
+    else:
+        console.print(plain("next: drivegate checks lists the checks", "dim"))
+
+
+def _show_faults(console: Console, matrix: Matrix) -> None:
+    if not matrix.faults:
+        return
+    # A heading of two lines, so that twenty columns fit.
+    used = [
+        check for check in matrix.checks if any(check in (row.check, *row.failing) for row in matrix.faults)
+    ]
+    headings = {check: check.replace("-", " ") for check in used}
+    listed = table("fault", *headings.values(), "runs", "size", right=("runs", "size"))
+    for column in listed.columns[1 : len(used) + 1]:
+        column.overflow, column.justify, column.min_width, column.max_width = "fold", "center", 3, 3
+    for row in matrix.faults:
+        slowest = row.slowest
+        numbers = ("–", "–") if slowest is None else (str(slowest.runs), str(slowest.size))
+        listed.add_row(plain(row.name), *(_mark(row, check) for check in used), *numbers)
+    console.print(listed)
+    console.print(
+        plain(
+            f"{CAUGHT} caught by the check named for the fault, {MISSED} missed by it, {ALSO} fails as well; "
+            "runs to the first counterexample, and its size when made simpler",
+            "dim",
+        )
+    )
+
+
+def _mark(row: FaultRow, check: str) -> Text:
+    if check == row.check:
+        return Text(CAUGHT, style="green") if row.caught else Text(MISSED, style="bold red")
+    return Text(ALSO if check in row.failing else "")
+
+
+def _show_designs(console: Console, matrix: Matrix) -> None:
+    if not matrix.designs:
+        return
+    listed = table("correct design", "seed", "verdict", "fails", "advised by", right=("seed",))
+    for row in matrix.designs:
+        checks = (plain(", ".join(ids) or "–") for ids in (row.accused_by, row.advised_by))
+        listed.add_row(plain(row.name), str(row.seed), verdict_text(row.verdict), *checks)
+    console.print(listed)

@@ -1,0 +1,216 @@
+"""The self-test's work: every faulty controller before its check, every correct design before all of them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from drivegate.candidates.builtin.faults import Mutation
+from drivegate.candidates.fault import Fault
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import FAULTY_PREFIX, resolve_candidate
+from drivegate.containment.messages import Job
+from drivegate.containment.pool import WorkerPool
+from drivegate.gate.engine import check_candidate
+from drivegate.gate.events import Event
+from drivegate.gate.plan import Origin, Work, planned_work
+from drivegate.gate.shard import ShardOutcome
+from drivegate.gate.warm_up import compile_kernels, missing_marker
+from drivegate.results.result import CheckResult
+from drivegate.studies.selftest.correct_designs import CorrectDesign
+from drivegate.studies.selftest.matrix import DesignRow, FaultRow
+from drivegate.studies.selftest.trial import Trial, TrialOutcome, run_trial
+from drivegate_models.errors import HarnessFault
+
+HOST: Final = "reference"
+"""Candidate that the worker processes are started for; the faulty controllers are loaded beside it."""
+
+
+SHRINKING_RUNS: Final = {"quick": 5, "default": 15, "nightly": 60}
+"""Runs that may be spent on making one counterexample simpler, by effort."""
+
+_JUDGED_BY: Final = {"FLO-1": (Origin.SCRIPTS,), "TIM-1": (Origin.TIMED,)}
+_SEEDED: Final = (Origin.SCRIPTS, Origin.DRAWN)
+
+
+@dataclass(frozen=True)
+class SelftestEffort:
+    """How much is searched, and with what.
+
+    Attributes
+    ----------
+    name : str
+        ``quick``, ``default`` or ``nightly``.
+    seeds : int
+        Number of seeds, from 0 on.
+    workers : int or None
+        Number of processes; None for as many as there are processors.
+    search : bool
+        Whether to climb toward small margins.
+    drawn_only : bool
+        Whether to leave the fixed scenarios out, so that the drawn ones have to catch the faults.
+    """
+
+    name: str = "default"
+    seeds: int = 1
+    workers: int | None = None
+    search: bool = True
+    drawn_only: bool = False
+
+
+def try_faults(mutations: Sequence[Mutation], effort: SelftestEffort) -> Iterator[FaultRow]:
+    """Put faulty controllers before the checks named for them.
+
+    Parameters
+    ----------
+    mutations : sequence of Mutation
+        The faulty controllers.
+    effort : SelftestEffort
+        How much is searched.
+
+    Yields
+    ------
+    FaultRow
+        What has become of each, in their order; it does not depend on the number of workers.
+
+    Raises
+    ------
+    HarnessFault
+        When the harness itself fails.
+    """
+    marker = missing_marker()
+    if marker is not None:
+        compile_kernels(marker)
+    jobs = [Job(run_trial, planned_trial(mutation, effort)) for mutation in mutations]
+    count = effort.workers or os.cpu_count() or 1
+    with WorkerPool(resolve_candidate(HOST), load_controller, workers=min(count, len(jobs))) as pool:
+        outcomes = pool.map(jobs)
+        for mutation, outcome in zip(mutations, outcomes, strict=True):
+            yield _row(mutation, outcome, effort)
+
+
+def planned_trial(mutation: Mutation, effort: SelftestEffort) -> Trial:
+    """Plan what a faulty controller is put through.
+
+    Parameters
+    ----------
+    mutation : Mutation
+        The faulty controller.
+    effort : SelftestEffort
+        How much is searched.
+
+    Returns
+    -------
+    Trial
+        Its jobs, with and without a seed.
+    """
+    candidate = resolve_candidate(FAULTY_PREFIX + mutation.name)
+    origins = _JUDGED_BY.get(
+        mutation.check, (Origin.DRAWN,) if effort.drawn_only else (Origin.FIXED, Origin.DRAWN)
+    )
+    plans = {
+        seed: planned_work(effort.name, seed, declaration=candidate.declaration, search=effort.search)
+        for seed in range(effort.seeds)
+    }
+    return Trial(
+        candidate=candidate,
+        base=resolve_candidate(mutation.base),
+        check=mutation.check,
+        fixed=_jobs(plans[0], origins, seeded=False),
+        seeded={seed: _jobs(plan, origins, seeded=True) for seed, plan in plans.items()},
+        budget=SHRINKING_RUNS[effort.name],
+    )
+
+
+def _jobs(plan: Sequence[Work], origins: Sequence[Origin], *, seeded: bool) -> tuple[Job[ShardOutcome], ...]:
+    return tuple(item.job for item in plan if item.origin in origins and (item.origin in _SEEDED) is seeded)
+
+
+def _row(mutation: Mutation, outcome: TrialOutcome | Fault, effort: SelftestEffort) -> FaultRow:
+    if isinstance(outcome, Fault):
+        told = (f"{outcome.kind.value}: {outcome.message}",)
+        outcome = TrialOutcome(dict.fromkeys(range(effort.seeds)), (), 0, told, 0)
+    return FaultRow(
+        name=mutation.name,
+        sentence=mutation.sentence,
+        check=mutation.check,
+        catches=outcome.catches,
+        failing=outcome.failing,
+        runs=outcome.runs,
+        faults=outcome.faults,
+        unconvincing=outcome.unconvincing,
+    )
+
+
+def design_check(design: CorrectDesign, seed: int, effort: SelftestEffort) -> Iterator[Event]:
+    """Check a correct design as any candidate is checked.
+
+    Parameters
+    ----------
+    design : CorrectDesign
+        The design.
+    seed : int
+        Seed of the search.
+    effort : SelftestEffort
+        How much is searched; little where the design must pass only some checks.
+
+    Returns
+    -------
+    iterator of Event
+        The events of the check.
+
+    Raises
+    ------
+    InputError
+        When there is no such candidate.
+    HarnessFault
+        When the harness itself fails.
+    """
+    name = effort.name if design.checks is None else "quick"
+    return check_candidate(
+        resolve_candidate(design.candidate),
+        effort=name,
+        seed=seed,
+        workers=effort.workers,
+        search=effort.search,
+    )
+
+
+def judged_design(design: CorrectDesign, result: CheckResult) -> DesignRow:
+    """Tell from a whole check whether a correct design was accused.
+
+    Parameters
+    ----------
+    design : CorrectDesign
+        The design.
+    result : CheckResult
+        What its check came to.
+
+    Returns
+    -------
+    DesignRow
+        The verdict on it.
+
+    Raises
+    ------
+    HarnessFault
+        When the plant failed, so that nothing is known of the design.
+    """
+    for outcome in result.checks:
+        if outcome.subject == "plant" and outcome.verdict == "fail":
+            raise HarnessFault(
+                f"the plant failed while '{result.candidate.name}' was checked with seed {result.seed}: "
+                f"{outcome.id}, {outcome.message}"
+            )
+    judged = [outcome for outcome in result.checks if design.checks is None or outcome.id in design.checks]
+    failed = [outcome for outcome in judged if outcome.verdict == "fail"]
+    accused_by = {outcome.id: outcome.message for outcome in failed if outcome.level == "required"}
+    advised_by = tuple(outcome.id for outcome in failed if outcome.level != "required")
+    if design.checks is None:
+        verdict, acquitted = result.verdict, result.exit_code == 0
+    else:
+        acquitted = not result.faults and all(outcome.verdict == "pass" for outcome in judged)
+        verdict = "pass" if acquitted else "fail"
+    return DesignRow(result.candidate.name, result.seed, verdict, accused_by, acquitted, advised_by)

@@ -1,0 +1,188 @@
+"""One run of a candidate in a worker process, and its summary in people's units."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from math import degrees, pi
+from typing import TYPE_CHECKING, Any, Final
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import Fault
+from drivegate.candidates.loading import load_controller
+from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.worker import CandidateWorker
+from drivegate.runs.scenario import observed_windows, run_scenario
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.loop import observation
+from drivegate_models.loop.closed_loop import ClosedLoopRun
+from drivegate_models.machine import ledger
+
+if TYPE_CHECKING:
+    import pandas
+
+SCHEMA: Final = 1
+MOST_ROWS: Final = 1_000_000
+"""Rows of a trace at most; of a longer run every n-th control period is kept."""
+
+_RPM = 30.0 / pi
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a worker is asked to run.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        The scenario.
+    trace_every : int
+        Every n-th control period is kept in the trace.
+    """
+
+    scenario: Scenario
+    trace_every: int
+
+
+def simulated(candidate: Candidate, scenario: Scenario) -> ClosedLoopRun | Fault:
+    """Run a candidate through a scenario in a process of its own.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The candidate.
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    ClosedLoopRun or Fault
+        What was observed, with a trace of at most `MOST_ROWS` rows, or the candidate's fault.
+
+    Raises
+    ------
+    InputError
+        When the candidate is refused.
+    HarnessFault
+        When the harness itself fails.
+    """
+    plan = Plan(scenario, trace_every=-(-scenario.control_periods // MOST_ROWS))
+    with CandidateWorker(candidate, load_controller) as worker:
+        return worker.run(Job(run_plan, plan))
+
+
+def run_plan(loaded: LoadedCandidate, plan: Plan) -> ClosedLoopRun:
+    """Run a scenario; this is what the worker process does.
+
+    Parameters
+    ----------
+    loaded : LoadedCandidate
+        The candidate.
+    plan : Plan
+        The scenario.
+
+    Returns
+    -------
+    ClosedLoopRun
+        What was observed.
+    """
+    return run_scenario(
+        plan.scenario, loaded.controller(), progress=loaded.progress, trace_every=plan.trace_every
+    )
+
+
+def trace_frame(run: ClosedLoopRun) -> pandas.DataFrame:
+    """Give a run's trace as a table.
+
+    Parameters
+    ----------
+    run : ClosedLoopRun
+        The run.
+
+    Returns
+    -------
+    DataFrame
+        One row for each kept control period, with the columns `observation.TRACE_COLUMNS`.
+    """
+    import pandas
+
+    return pandas.DataFrame(run.trace, columns=list(observation.TRACE_COLUMNS))
+
+
+def document_of(candidate: Candidate, scenario: Scenario, ended: ClosedLoopRun | Fault) -> dict[str, Any]:
+    """Summarise a run as plain data.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The candidate.
+    scenario : Scenario
+        The scenario.
+    ended : ClosedLoopRun or Fault
+        How the run ended.
+
+    Returns
+    -------
+    dict
+        The document; `summary` and `windows` are missing where `fault` is not null.
+    """
+    document: dict[str, Any] = {
+        "schema": SCHEMA,
+        "kind": "simulation",
+        "candidate": {"name": candidate.name, "kind": candidate.kind, "hash": candidate.content_hash},
+        "scenario": scenario.name,
+        "motor": scenario.motor.name,
+        "duration_s": scenario.duration_s,
+        "control_period_s": scenario.control_period_s,
+        "fault": None,
+    }
+    if isinstance(ended, Fault):
+        return document | {"fault": asdict(ended) | {"kind": ended.kind.value}}
+    return document | {"summary": _summary(scenario, ended), "windows": _windows(scenario, ended)}
+
+
+def _summary(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
+    duration, trace = scenario.duration_s, run.trace
+    columns = {name: trace[:, index] for index, name in enumerate(observation.TRACE_COLUMNS)}
+    errors = abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
+    worst = int(errors.argmax())
+    return {
+        "steps": run.steps,
+        "speed_final_rpm": float(run.run[observation.RUN_SPEED_FINAL]) * _RPM,
+        "speed_error_worst_rpm": float(errors[worst]),
+        "speed_error_worst_at_s": float(columns["time_s"][worst]),
+        "current_sum_mean_a": float(run.totals[ledger.MAGNITUDE]) / duration,
+        "current_peak_a": float(run.totals[ledger.PEAK]),
+        "torque_mean_nm": float(run.totals[ledger.IMPULSE]) / duration,
+        "input_power_mean_w": float(run.run[observation.RUN_INPUT_ENERGY]) / duration,
+        "shaft_power_mean_w": float(run.run[observation.RUN_SHAFT_ENERGY]) / duration,
+        "advance_mean_deg": float(columns["advance_deg"].mean()),
+        "advance_final_deg": float(columns["advance_deg"][-1]),
+        "current_reference_final_a": float(columns["current_reference_a"][-1]),
+        "energy_residual": float(run.run[observation.RUN_EXCHANGE_ERROR]),
+        "kinetic_residual_j": float(run.run[observation.RUN_KINETIC_RESIDUAL]),
+    }
+
+
+def _windows(scenario: Scenario, run: ClosedLoopRun) -> list[dict[str, float]]:
+    return [
+        {
+            "start_s": start,
+            "end_s": end,
+            "speed_mean_rpm": float(row[observation.WINDOW_SPEED]) * _RPM,
+            "speed_error_worst_rpm": float(row[observation.WINDOW_SPEED_ERROR]) * _RPM,
+            "current_sum_mean_a": float(row[observation.WINDOW_CURRENT_SUM]),
+            "current_sum_spread_a": float(
+                row[observation.WINDOW_MEAN_HIGHEST] - row[observation.WINDOW_MEAN_LOWEST]
+            ),
+            "torque_mean_nm": float(row[observation.WINDOW_TORQUE]),
+            "input_power_mean_w": float(row[observation.WINDOW_INPUT_POWER]),
+            "exchanged_power_mean_w": float(row[observation.WINDOW_EXCHANGED_POWER]),
+            "advance_mean_deg": degrees(row[observation.WINDOW_ANGLE]),
+            "advance_spread_deg": degrees(
+                row[observation.WINDOW_ANGLE_HIGHEST] - row[observation.WINDOW_ANGLE_LOWEST]
+            ),
+            "current_reference_mean_a": float(row[observation.WINDOW_REFERENCE]),
+            "current_peak_a": float(row[observation.WINDOW_PEAK]),
+        }
+        for (start, end), row in zip(observed_windows(scenario), run.windows, strict=True)
+    ]

@@ -1,0 +1,222 @@
+"""The pytest plugin: the options, the items and the fixture of `drivegate.conformance_tests`.
+
+pytest imports this module in every run, so nothing heavy is imported before a test asks for it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+from urllib.parse import quote
+
+import pytest
+
+from drivegate.testing.conformance import CANDIDATE_ITEM, MARKER, Conformance, Judged
+
+if TYPE_CHECKING:
+    from drivegate.candidates.candidate import Candidate
+    from drivegate.gate.events import Event
+
+FIXTURE: Final = "conformance"
+
+_FILES = (".toml", ".c", ".so", ".fmu")
+"""Suffixes of candidates that are a file as a whole."""
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """What is checked; the key under which a session keeps its results."""
+
+    candidate: str
+    effort: str
+    seed: int
+    corpus: Path | None
+    waivers: Path | None
+
+
+_JUDGED: Final = pytest.StashKey[dict[_Wanted, Judged]]()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the options, which win over the arguments of the decorator.
+
+    Parameters
+    ----------
+    parser : pytest.Parser
+        The parser of pytest's command line.
+    """
+    group = parser.getgroup("drivegate", "conformance of a drive's controller")
+    group.addoption(
+        "--drivegate-candidate", metavar="CANDIDATE", help="candidate, as `drivegate check` has it"
+    )
+    group.addoption("--drivegate-effort", metavar="EFFORT", help="quick, default or nightly")
+    group.addoption("--drivegate-seed", metavar="N", type=int, help="seed of the search")
+    group.addoption(
+        "--drivegate-output",
+        metavar="DIR",
+        type=Path,
+        help="folder of results and counterexamples; by default in pytest's cache",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Register the decorator's marker.
+
+    Parameters
+    ----------
+    config : pytest.Config
+        The configuration.
+    """
+    config.addinivalue_line(
+        "markers", f"{MARKER}: one item for each of drivegate's checks; set by its decorator"
+    )
+    config.stash[_JUDGED] = {}
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Make one item for the candidate and one for each check.
+
+    Parameters
+    ----------
+    metafunc : pytest.Metafunc
+        A test function.
+    """
+    marker = metafunc.definition.get_closest_marker(MARKER)
+    if marker is None:
+        return
+    if FIXTURE not in metafunc.fixturenames:
+        raise _refused(
+            f"{metafunc.function.__name__} must take the argument '{FIXTURE}' and call its verify()"
+        )
+    from drivegate.checks.catalogue import CHECKS
+    from drivegate_models.errors import InputError
+
+    try:
+        _planned(_wanted(metafunc.config, marker, metafunc.definition.path.parent))
+    except InputError as error:
+        raise _refused(str(error)) from error
+    metafunc.parametrize(FIXTURE, [CANDIDATE_ITEM, *(check.id for check in CHECKS)], indirect=True)
+
+
+@pytest.fixture
+def conformance(request: pytest.FixtureRequest) -> Conformance:
+    """Give one check of the candidate; see `drivegate.conformance_tests`.
+
+    Parameters
+    ----------
+    request : pytest.FixtureRequest
+        The item.
+
+    Returns
+    -------
+    Conformance
+        The check, already made.
+    """
+    marker = request.node.get_closest_marker(MARKER)
+    if marker is None:
+        pytest.fail(
+            "the fixture 'conformance' needs the decorator drivegate.conformance_tests", pytrace=False
+        )
+    wanted = _wanted(request.config, marker, request.node.path.parent)
+    judged = request.config.stash[_JUDGED]
+    if wanted not in judged:
+        taken = {earlier.folder for earlier in judged.values()}
+        judged[wanted] = _judge(wanted, _output(request), taken)
+    return Conformance(request.param, judged[wanted])
+
+
+def _wanted(config: pytest.Config, marker: pytest.Mark, folder: Path) -> _Wanted:
+    """Put options over arguments."""
+    given = dict(marker.kwargs)
+    for name in ("corpus", "waivers"):
+        given[name] = None if given[name] is None else folder / given[name]
+    if given["candidate"] is not None:
+        given["candidate"] = _from_folder(given["candidate"], folder)
+    for name in ("candidate", "effort", "seed"):
+        option = config.getoption(f"--drivegate-{name}")
+        given[name] = given[name] if option is None else option
+    if given["candidate"] is None:
+        raise _refused(
+            "conformance_tests() names no candidate; give it one, or call pytest with "
+            "--drivegate-candidate CANDIDATE"
+        )
+    return _Wanted(**given)
+
+
+def _from_folder(candidate: str, folder: Path) -> str:
+    """Let a file's path start from a folder."""
+    source, _, attribute = candidate.rpartition(":")
+    if source.endswith(".py"):
+        return f"{folder / source}:{attribute}"
+    return str(folder / candidate) if candidate.endswith(_FILES) else candidate
+
+
+def _planned(wanted: _Wanted) -> tuple[Candidate, Iterator[Event]]:
+    """Plan a check; bad input is refused, none of the candidate's code runs."""
+    from drivegate.candidates.resolution import resolve_candidate
+    from drivegate.gate.engine import check_candidate
+    from drivegate.results.corpus import read_corpus
+    from drivegate.results.waivers import read_waivers
+
+    candidate = resolve_candidate(wanted.candidate)
+    events = check_candidate(
+        candidate,
+        effort=wanted.effort,
+        seed=wanted.seed,
+        corpus=() if wanted.corpus is None else read_corpus(wanted.corpus),
+        waivers=() if wanted.waivers is None else read_waivers(wanted.waivers, [candidate.name]),
+    )
+    # The engine refuses its options before it tells that it has started, and works only afterwards.
+    return candidate, chain([next(events)], events)
+
+
+def _refused(sentence: str) -> Exception:
+    return pytest.Collector.CollectError(f"drivegate: {sentence}")
+
+
+def _output(request: pytest.FixtureRequest) -> Path:
+    """Choose the folder of all results, one for each process of pytest-xdist."""
+    config = request.config
+    given: Path | None = config.getoption("--drivegate-output")
+    if given is not None:
+        folder = config.invocation_params.dir / given
+    elif config.pluginmanager.has_plugin("cacheprovider"):
+        folder = config.cache.mkdir("drivegate")
+    else:
+        folder = request.getfixturevalue("tmp_path_factory").mktemp("drivegate")
+    return folder / os.environ.get("PYTEST_XDIST_WORKER", "")
+
+
+def _free_folder(output: Path, candidate: Candidate, wanted: _Wanted, taken: set[Path]) -> Path:
+    """Choose the folder of one result; the same one in the next session."""
+    name = quote(candidate.name, safe=":")[:80]
+    places = (
+        output / f"{name}-{wanted.effort}-{wanted.seed}{suffix}"
+        for suffix in ("", *(f"-{number}" for number in range(2, len(taken) + 2)))
+    )
+    return next(place for place in places if place not in taken)
+
+
+def _judge(wanted: _Wanted, output: Path, taken: set[Path]) -> Judged:
+    """Check the candidate, and keep its result and counterexamples."""
+    from drivegate.commands.conduct import complain, failure_of
+    from drivegate.output.report_folder import ReportFolder
+    from drivegate.output.result_file import CounterexampleFiles, ResultFile
+    from drivegate.output.subscription import publish
+
+    try:
+        candidate, events = _planned(wanted)
+        place = _free_folder(output, candidate, wanted, taken)
+        with ReportFolder(place) as folder:
+            result = publish(events, (ResultFile(folder.staging), CounterexampleFiles(folder.staging)))
+            folder.commit()
+    except Exception as error:
+        # Every item tells of it, and none tries again.
+        failure = failure_of(error)
+        complain(failure, error)
+        return Judged(wanted.candidate, None, output, failure.message)
+    return Judged(wanted.candidate, result.document(), place)

@@ -1,0 +1,216 @@
+"""Where compiled kernels are cached, decided before numba is imported.
+
+numba's own cache does not notice an edit in a function of another file, and finds no place to write in a
+read-only installation without a home folder. So the cache folder carries a key made of the sources of this
+package, of the place where they lie, and of the versions that compile them, and falls back to a temporary
+folder.
+
+It also counts the files of one function up: two processes that compile two functions made by one factory at the
+same time (the polynomials of `winding_current`, say) write both to file 1, and each later loads the other's code.
+So a file is named here after what it holds.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import getpass
+import hashlib
+import importlib.metadata
+import os
+import platform
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+CACHE_VARIABLE = "DRIVEGATE_CACHE"
+"""Environment variable that overrides the folder in which compiled kernels are kept."""
+
+
+def cache_key() -> str:
+    """Return a key of the kernel sources, of their folder, and of everything that compiles them.
+
+    Returns
+    -------
+    str
+        Sixteen hexadecimal digits.
+    """
+    sources = Path(__file__).resolve().parents[1]
+    digest = hashlib.sha256(str(sources).encode())
+    for source in sorted(sources.rglob("*.py")):
+        digest.update(source.relative_to(sources).as_posix().encode())
+        digest.update(source.read_bytes())
+    for package in ("numba", "numpy", "llvmlite"):
+        digest.update(importlib.metadata.version(package).encode())
+    digest.update(f"{sys.version}{platform.machine()}".encode())
+    return digest.hexdigest()[:16]
+
+
+def _is_writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _candidate_folders() -> list[Path]:
+    folders = []
+    chosen = os.environ.get(CACHE_VARIABLE)
+    if chosen:
+        folders.append(Path(chosen))
+    user_cache = os.environ.get("XDG_CACHE_HOME")
+    if user_cache:
+        folders.append(Path(user_cache) / "drivegate")
+    with contextlib.suppress(RuntimeError):
+        folders.append(Path.home() / ".cache" / "drivegate")
+    try:
+        user = getpass.getuser()
+    except (OSError, KeyError, ImportError):
+        user = str(os.getuid()) if hasattr(os, "getuid") else "user"
+    folders.append(Path(tempfile.gettempdir()) / f"drivegate-{user}")
+    return folders
+
+
+def choose_cache_folder() -> Path | None:
+    """Return the first writable folder for compiled kernels, or None where nothing can be written.
+
+    Returns
+    -------
+    Path or None
+        A folder that exists and is named after `cache_key`.
+    """
+    key = cache_key()
+    for folder in _candidate_folders():
+        if _is_writable(folder / key):
+            return folder / key
+    return None
+
+
+def _configure() -> bool:
+    """Point numba at the cache folder; return whether compiled kernels can be kept."""
+    if "NUMBA_CACHE_DIR" in os.environ:
+        return True
+    folder = choose_cache_folder()
+    if folder is None:
+        return False
+    os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    return True
+
+
+KEEPS_CACHE = _configure()
+"""Whether compiled kernels are kept between processes."""
+
+import numba  # noqa: E402  (the cache folder must be known before numba is imported)
+from numba.core import caching  # noqa: E402
+
+if KEEPS_CACHE:
+    # numba has read the variable already where something else imported it first.
+    vars(numba.config)["CACHE_DIR"] = os.environ["NUMBA_CACHE_DIR"]
+
+_Function = TypeVar("_Function", bound=Callable[..., object])
+
+
+class _FilesNamedByContent(caching.IndexDataCacheFile):
+    """The files of one function, each named after the signature, the processor and the closure that it holds."""
+
+    def save(self, key: Any, data: Any) -> None:
+        """Save compiled code, and tell the index where it is."""
+        digest = hashlib.sha256(repr(key).encode()).digest()
+        name = self._data_name(int.from_bytes(digest[:8]))
+        self._save_data(name, data)
+        self._save_index({**self._load_index(), key: name})
+
+
+class _KernelCache(caching.FunctionCache):
+    """numba's cache of a function's compiled code, safe with several processes that compile at once."""
+
+    def __init__(self, function: Callable[..., object]) -> None:
+        super().__init__(function)
+        self._cache_file = _FilesNamedByContent(
+            cache_path=self._cache_path,
+            filename_base=self._impl.filename_base,
+            source_stamp=self._impl.locator.get_source_stamp(),
+        )
+
+
+_FUSED = {"contract"}
+
+
+def _compiled(function: _Function, **options: Any) -> _Function:
+    njit: Any = numba.njit
+    dispatcher = njit(error_model="numpy", **options)(function)
+    if KEEPS_CACHE and not vars(numba.config)["DISABLE_JIT"]:
+        dispatcher._cache = _KernelCache(function)
+    return cast(_Function, dispatcher)
+
+
+def kernel(function: _Function) -> _Function:
+    """Compile `function` in nopython mode, cached; a product and a sum may be rounded at once, nothing is reordered.
+
+    Parameters
+    ----------
+    function
+        A function of floats, integers, arrays and named tuples.
+
+    Returns
+    -------
+    callable
+        The compiled function, with the signature of the original.
+    """
+    return _compiled(function, fastmath=_FUSED)
+
+
+def unallocating(function: _Function) -> _Function:
+    """Compile like `kernel` a function that makes no arrays, so that references need not be counted.
+
+    Counting costs more than the arithmetic where a function of many arrays is called in a loop. A function
+    that does make an array is refused by the compiler.
+
+    Parameters
+    ----------
+    function
+        A function of floats, integers, arrays and named tuples.
+
+    Returns
+    -------
+    callable
+        The compiled function, with the signature of the original.
+    """
+    return _compiled(function, fastmath=_FUSED, _nrt=False)
+
+
+def inlined(function: _Function) -> _Function:
+    """Compile a function like `unallocating`, and copy it into its callers.
+
+    Parameters
+    ----------
+    function
+        A small function of floats.
+
+    Returns
+    -------
+    callable
+        The compiled function.
+    """
+    return _compiled(function, fastmath=_FUSED, forceinline=True, _nrt=False)
+
+
+def unfused(function: _Function) -> _Function:
+    """Compile a controller's function like `inlined`, every operation rounded by itself.
+
+    So the same algorithm in Python, here and in C (without contraction) gives the same commands, bit for bit.
+
+    Parameters
+    ----------
+    function
+        A function of floats and records.
+
+    Returns
+    -------
+    callable
+        The compiled function.
+    """
+    return _compiled(function, forceinline=True, _nrt=False)

@@ -1,0 +1,1 @@
+"""What passes between harness and controller, one folder for each contract."""

@@ -1,0 +1,99 @@
+"""What passes between the harness and a candidate controller, as Python sees it.
+
+Plain named tuples of floats, so that a controller needs no library to read them. The same signals as binary
+records for compiled controllers are in `drivegate_models.contract.outer_loop.records`.
+"""
+
+from typing import NamedTuple
+
+
+class Sense(NamedTuple):
+    """What a controller is told at the start of a control period.
+
+    Attributes
+    ----------
+    time : float
+        Time since the run began (s).
+    speed_reference : float
+        Wanted speed of the shaft (rad/s).
+    speed : float
+        Measured speed of the shaft (rad/s).
+    phase_currents : tuple of float
+        Measured phase currents at this instant, one per phase (A).
+    current_magnitude_sum : float
+        Sum of the magnitudes of the phase currents, averaged over the control period just ended (A).
+    half_supply_voltage : float
+        Measured voltage of one half of the split supply (V).
+    """
+
+    time: float
+    speed_reference: float
+    speed: float
+    phase_currents: tuple[float, ...]
+    current_magnitude_sum: float
+    half_supply_voltage: float
+
+
+class Command(NamedTuple):
+    """What a controller answers: the commands for the control period that begins.
+
+    Attributes
+    ----------
+    current_reference : float
+        Amplitude that the phase current regulators hold (A), from 0 to the nameplate's current limit.
+    advance_angle : float
+        Advance of the conduction windows (electrical rad), from 0 to π/2.
+    input_power : float
+        The controller's own estimate of its input power (W); NaN when it makes none.
+    """
+
+    current_reference: float
+    advance_angle: float
+    input_power: float = float("nan")
+
+
+class Nameplate(NamedTuple):
+    """What a controller may know of its drive before a run.
+
+    The machine's parameters are the nominal ones; the drive that it is then run against may differ.
+
+    Attributes
+    ----------
+    phases : int
+        Number of phases.
+    pole_pairs : int
+        Number of pole pairs.
+    half_supply_voltage : float
+        Nominal voltage of one half of the split supply (V).
+    base_speed : float
+        Shaft speed above which the advance angle may leave zero (rad/s).
+    rated_power : float
+        Rated mechanical power (W).
+    current_limit : float
+        Greatest current reference (A).
+    control_period : float
+        Time from one step to the next (s).
+    hysteresis_band : float
+        Half width of the current regulators' band (A).
+    resistance : float
+        Nominal phase resistance (Ω).
+    inductance : float
+        Nominal phase inductance (H).
+    emf_constant : float
+        Nominal amplitude of the phase EMF over the shaft speed (V·s/rad).
+    inertia : float
+        Nominal moment of inertia at the shaft (kg·m²).
+    """
+
+    phases: int
+    pole_pairs: int
+    half_supply_voltage: float
+    base_speed: float
+    rated_power: float
+    current_limit: float
+    control_period: float
+    hysteresis_band: float
+    resistance: float
+    inductance: float
+    emf_constant: float
+    inertia: float

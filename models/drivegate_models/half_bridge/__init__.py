@@ -1,0 +1,1 @@
+"""The drive of decoupled phases, each on a half-bridge leg of a split supply."""

@@ -1,0 +1,1 @@
+"""The built-in controllers and the blocks that they are made of."""

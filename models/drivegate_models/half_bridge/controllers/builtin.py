@@ -1,0 +1,308 @@
+"""The built-in controllers `initial`, `published` and `reference` behind the native interface (Fig. 2).
+
+One step function serves all three; they differ in the constants that their resets write into the state.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import inf, pi, radians
+from types import MappingProxyType
+from typing import Any, Final
+
+import numba
+from numba import types
+from numba.np.numpy_support import carray
+
+from drivegate_models.compilation.kernels import KEEPS_CACHE, unfused
+from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
+from drivegate_models.half_bridge.controllers.angle_line import initial_angle
+from drivegate_models.half_bridge.controllers.flowchart_search import decide_by_flowchart, decide_guarded
+from drivegate_models.half_bridge.controllers.protection import guard_regulation, rearm
+from drivegate_models.half_bridge.controllers.speed_regulator import regulate_speed
+from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE, FLOWCHART, GUARDED, NO_SEARCH
+
+SEARCH_PERIOD: Final = 0.1
+"""Time from one decision of the search to the next (s)."""
+
+SEARCHES: Final = MappingProxyType({"initial": NO_SEARCH, "published": FLOWCHART, "reference": GUARDED})
+"""Kind of search by name of controller."""
+
+_BANDWIDTH = 80.0
+_INTEGRAL_RATE = 15.0
+_LEAST_CHANGE = 0.0008
+_ADVANCE_MARGIN = 10.0 * pi / 30.0
+
+
+@unfused
+def reset_state(state: Any, nameplate: Any, search: int) -> None:
+    """Write the constants of a controller and forget everything else.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Overwritten.
+    nameplate : record of NAMEPLATE
+        The drive's nominal data.
+    search : int
+        `NO_SEARCH`, `FLOWCHART` or `GUARDED`.
+    """
+    # The published line starts from nothing but leaves rated power out of reach up to 1150 rpm.
+    published = search == FLOWCHART
+    state.search = search
+    state.angle_at_base = radians(0.0 if published else 33.0)
+    state.angle_slope = radians(0.058 if published else 0.025) * 30.0 / pi
+    state.base_speed = nameplate.base_speed
+    state.advance_begins = nameplate.base_speed + (_ADVANCE_MARGIN if search == GUARDED else 0.0)
+    state.nominal_voltage = nameplate.half_supply_voltage
+    state.current_limit = nameplate.current_limit
+    state.control_period = nameplate.control_period
+    state.conducting_phases = 0.8 * nameplate.phases
+    torque_per_ampere = state.conducting_phases * nameplate.emf_constant
+    state.proportional = nameplate.inertia * _BANDWIDTH / torque_per_ampere
+    state.integral_step = state.proportional * _INTEGRAL_RATE * nameplate.control_period
+    state.speed_tolerance = 5.0 * pi / 30.0
+    state.power_tolerance = 0.001
+    state.least_change = _LEAST_CHANGE * nameplate.current_limit
+    state.first_step = radians(1.0)
+    state.decision_steps = max(round(SEARCH_PERIOD / nameplate.control_period), 1)
+    state.integral = 0.0
+    state.advancing = 0
+    state.held_power = 0.0
+    state.speed_reference = -inf
+    state.supply_voltage = nameplate.half_supply_voltage
+    state.speed_mark = 0.0
+    state.good_offset = 0.0
+    state.last_power = 0.0
+    state.last_integral = 0.0
+    state.winding = 0
+    rearm(state)
+
+
+@unfused
+def line_angle(state: Any, speed: float) -> float:
+    """Return the initial angle, which the search's offset is added to.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    speed : float
+        Measured speed (rad/s), above base speed.
+
+    Returns
+    -------
+    float
+        Angle (rad electrical).
+    """
+    line_speed = speed
+    if state.search == GUARDED and state.supply_voltage > 0.0:
+        # The same EMF over supply: the line follows the measured supply, but not its noise.
+        line_speed = max(speed * state.nominal_voltage / state.supply_voltage, state.base_speed)
+    return initial_angle(line_speed, state.base_speed, state.angle_at_base, state.angle_slope)
+
+
+@unfused
+def advance_angle(state: Any, speed: float) -> float:
+    """Return the advance angle: the initial one plus the search's offset, zero below base speed.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    speed : float
+        Measured speed (rad/s).
+
+    Returns
+    -------
+    float
+        Angle (rad electrical).
+    """
+    if speed < state.base_speed:
+        state.advancing = 0
+        return 0.0
+    if state.advancing == 0:
+        if speed < state.advance_begins:
+            return 0.0
+        state.advancing = 1
+    applied: float = min(max(line_angle(state, speed) + state.offset, 0.0), 0.5 * pi)
+    return applied
+
+
+@unfused
+def current_reference(state: Any, sense: Any) -> float:
+    """Regulate the speed.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+
+    Returns
+    -------
+    float
+        Current reference (A).
+    """
+    reference, integral = regulate_speed(
+        sense.speed_reference - sense.speed,
+        state.integral,
+        state.proportional,
+        state.integral_step,
+        state.current_limit,
+    )
+    state.integral = integral
+    return reference
+
+
+@unfused
+def observe(state: Any, sense: Any, reference: float) -> bool:
+    """Add a step to the running decision interval.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    reference : float
+        Current reference (A).
+
+    Returns
+    -------
+    bool
+        Whether the interval is complete and a decision is due.
+    """
+    state.count += 1
+    state.power_sum += sense.current_magnitude_sum
+    state.worst_error = max(state.worst_error, abs(sense.speed_reference - sense.speed))
+    if reference >= state.current_limit:
+        state.saturated += 1
+    if state.search == GUARDED:
+        guard_regulation(
+            state,
+            sense.speed,
+            sense.speed_reference,
+            sense.half_supply_voltage,
+            sense.current_magnitude_sum,
+            reference,
+            state.control_period,
+        )
+    due: bool = state.count >= state.decision_steps
+    return due
+
+
+@unfused
+def begin_interval(state: Any) -> None:
+    """Begin a new decision interval.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.count = 0
+    state.power_sum = 0.0
+    state.worst_error = 0.0
+    state.saturated = 0
+
+
+@unfused
+def search(state: Any, sense: Any, reference: float) -> None:
+    """Make one step of the search: observe, and decide where a decision is due.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    reference : float
+        Current reference (A).
+    """
+    if observe(state, sense, reference):
+        if state.search == FLOWCHART:
+            decide_by_flowchart(state, sense.speed_reference - sense.speed)
+        else:
+            decide_guarded(state)
+        begin_interval(state)
+
+
+@unfused
+def answer(state: Any, sense: Any, reference: float, command: Any) -> None:
+    """Write the command.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    reference : float
+        Current reference (A).
+    command : record of COMMAND
+        Receives the answer.
+    """
+    command.current_reference = reference
+    command.advance_angle = advance_angle(state, sense.speed)
+    command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum
+
+
+@unfused
+def step_state(state: Any, sense: Any, command: Any) -> None:
+    """Answer for one control period.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    command : record of COMMAND
+        Receives the answer.
+    """
+    reference = current_reference(state, sense)
+    if state.search != NO_SEARCH and state.advancing == 1:
+        search(state, sense, reference)
+    answer(state, sense, reference, command)
+
+
+def _record_pointer(layout: Any) -> Any:
+    pointer: Any = types.CPointer
+    return pointer(numba.from_dtype(layout))
+
+
+@cache
+def step_function() -> Any:
+    """Return the built-in controllers' `drivegate_step`, compiled.
+
+    Returns
+    -------
+    CFunc
+        Its `address` is that of a C function; keep the object.
+    """
+    signature = types.void(
+        _record_pointer(CONTROLLER_STATE), _record_pointer(SENSE), _record_pointer(COMMAND)
+    )
+
+    def drivegate_step(state: Any, sense: Any, command: Any) -> None:
+        step_state(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])
+
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(drivegate_step)
+
+
+@cache
+def reset_function() -> Any:
+    """Return the function that resets a built-in controller, compiled.
+
+    Returns
+    -------
+    Dispatcher
+        Takes the state, shape (1,) of CONTROLLER_STATE, the nameplate, shape (1,) of NAMEPLATE, and the search.
+    """
+
+    def reset(state: Any, nameplate: Any, search: int) -> None:
+        reset_state(state[0], nameplate[0], search)
+
+    return numba.njit(cache=KEEPS_CACHE)(reset)

@@ -1,0 +1,111 @@
+"""The on-line search for the advance angle of least input power (paper, Fig. 4), literal and guarded.
+
+Input power is judged by the current sum, which is proportional to the power exchanged with the supply
+("Optimal Efficiency Control").
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drivegate_models.compilation.kernels import unfused
+from drivegate_models.half_bridge.controllers.protection import (
+    MARGIN,
+    SMALLEST_STEP,
+    forget_other_load,
+    take_step,
+)
+from drivegate_models.half_bridge.controllers.watch import (
+    BEGINNING,
+    LOAD_CHANGED,
+    WAITING,
+    begin_holding,
+    noise_of_power,
+    watch_search,
+)
+
+_IMPROVEMENTS = 3
+
+
+@unfused
+def decide_by_flowchart(state: Any, error: float) -> None:
+    """Make one decision of Fig. 4, literally: gate by k1, stop by k2, reverse or go on.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    error : float
+        Speed reference minus speed at the decision (rad/s).
+    """
+    power = state.power_sum / state.count
+    if abs(error) > state.speed_tolerance:
+        return
+    change = power - state.old_power
+    state.old_power = power
+    if abs(change) <= state.power_tolerance * power:
+        return
+    if change > 0.0:
+        state.direction = -state.direction
+    state.offset += state.direction * state.step
+
+
+@unfused
+def move(state: Any, power: float, change: float) -> None:
+    """Take the next step, by as much as the forbidden angle leaves; rest where nothing is left.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power, change : float
+        Mean current sum of the decision interval, and its change from the one before (A).
+    """
+    forget_other_load(state, power)
+    while (
+        state.step >= SMALLEST_STEP
+        and state.direction < 0.0
+        and state.offset - state.step < state.forbidden + MARGIN
+    ):
+        state.step = 0.5 * state.step
+    if state.step < SMALLEST_STEP:
+        if change > 0.0 and state.moved != 0.0:
+            # The last step made things worse: it is taken back before the search rests.
+            state.offset -= state.moved
+        begin_holding(state, power)
+        return
+    take_step(state, power, state.direction * state.step)
+
+
+@unfused
+def decide_guarded(state: Any) -> None:
+    """Make one decision of the guarded search: climb down by halving and growing steps.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated; its decision interval is complete.
+    """
+    work, change = watch_search(state, LOAD_CHANGED, LOAD_CHANGED)
+    if work == WAITING:
+        return
+    power = state.last_power
+    if work == BEGINNING:
+        move(state, power, change)
+        return
+    if abs(change) <= max(state.power_tolerance * power, noise_of_power(state)):
+        state.quiet += 1
+        if state.quiet >= 2:
+            begin_holding(state, power)
+            return
+    else:
+        state.quiet = 0
+        state.improvements += 1
+        if change > 0.0:
+            state.direction = -state.direction
+            state.step = 0.5 * state.step
+            state.improvements = 0
+        elif state.improvements >= _IMPROVEMENTS and state.step < 2.0 * state.first_step:
+            state.step = 2.0 * state.step
+            state.improvements = 0
+    move(state, power, change)

@@ -1,0 +1,252 @@
+"""What protects the regulation from a search for the advance angle, whatever search it is.
+
+It settles before the search begins, gives back an angle that has lost the torque, looks for one that gives it, and
+starts anew where command, supply or load has changed.
+"""
+
+from __future__ import annotations
+
+from math import inf, pi, radians
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import unfused
+
+SETTLING: Final = 0
+"""Mode: command or load has changed; wait until the current sum repeats."""
+SEARCHING: Final = 1
+"""Mode: each decision moves the angle."""
+HOLDING: Final = 2
+"""Mode: the optimum is found; wait for a change."""
+
+SMALLEST_STEP: Final = radians(0.24)
+"""Least step of a search (rad electrical)."""
+MARGIN: Final = radians(0.2)
+"""Distance that a search keeps from a forbidden angle (rad electrical)."""
+STARVED: Final = 3.0
+"""Times the current that flows by which the current reference of a starved winding exceeds it."""
+SLACK: Final = 0.04
+"""Current reference at which no winding counts as starved yet, as a share of the current limit."""
+
+_SUPPLY_MOVED = 0.02
+_RECOVERY = radians(0.3)
+_ALARM = 0.3
+_STARVED_DWELL = 0.03
+_DWELL = 0.02
+_CLIMB_DWELL = 0.01
+_REGAIN = 0.25
+_SLOWEST_REGAIN = 20.0 * pi / 30.0
+_LONGEST_CLIMB = radians(8.0)
+_LIGHTER = 0.88
+_HEAVIER = 1.35
+
+
+@unfused
+def begin_settling(state: Any) -> None:
+    """Start a new decision interval, and wait until the current sum repeats before the next move.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.mode = SETTLING
+    state.old_power = inf
+    state.moved = 0.0
+    state.quiet = 0
+    state.improvements = 0
+    state.count = 0
+    state.power_sum = 0.0
+    state.worst_error = 0.0
+    state.saturated = 0
+    state.saturated_run = 0
+    state.starved_run = 0
+
+
+@unfused
+def rearm(state: Any) -> None:
+    """Return to the initial angle and forget what was found: command or load has changed.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.offset = 0.0
+    state.step = state.first_step
+    state.direction = -1.0
+    state.forbidden = -inf
+    state.forbidden_power = 0.0
+    state.good_integral = inf
+    state.good_power = inf
+    state.climb = 0.5 * state.first_step
+    state.regained = -inf
+    state.calm_error = inf
+    begin_settling(state)
+
+
+@unfused
+def forbid(state: Any) -> None:
+    """Forbid the present angle and those below it, for a load as heavy as the present one.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.forbidden = max(state.forbidden, state.offset)
+    # What has been held is known better than the interval in which it was lost.
+    state.forbidden_power = state.held_power if state.mode == HOLDING else state.last_power
+
+
+@unfused
+def forget_other_load(state: Any, power: float) -> None:
+    """Drop the forbidden angle where it was forbidden under another load.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Mean current sum of the decision interval (A).
+    """
+    if power < _LIGHTER * state.forbidden_power or power > _HEAVIER * state.forbidden_power:
+        # A lighter load has a lower edge; and a load that has become much heavier costs speed at any angle.
+        state.forbidden = -inf
+
+
+@unfused
+def take_step(state: Any, power: float, step: float) -> None:
+    """Move the angle, and keep what a walk back returns to.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Mean current sum at the present angle (A).
+    step : float
+        Angle to add (rad electrical).
+    """
+    state.moved = step
+    state.good_offset = state.offset
+    state.good_integral = state.integral
+    state.good_power = power
+    state.offset += step
+
+
+@unfused
+def walk_back(state: Any, angle: float, lost: bool) -> None:
+    """Add angle, and forbid the present one where it has lost the torque.
+
+    The walk starts from the search's own step toward less angle, leads back to the initial angle, and beyond
+    it where even that one cannot give the torque.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    angle : float
+        Angle to add (rad electrical).
+    lost : bool
+        Whether torque is lost at the present angle, rather than too slow to return.
+    """
+    if lost:
+        forbid(state)
+    state.offset += angle
+    state.step = max(min(0.5 * state.step, 0.5 * state.first_step), SMALLEST_STEP)
+    state.direction = -1.0
+    begin_settling(state)
+
+
+@unfused
+def seek_torque(state: Any, gained: float) -> None:
+    """Climb from the initial angle, which cannot give the torque, to one that can; in growing steps.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    gained : float
+        Speed gained at the current limit since the last step (rad/s).
+    """
+    if gained < state.regained:
+        state.climb = -0.5 * state.climb
+    elif abs(state.climb) < _LONGEST_CLIMB:
+        state.climb = 2.0 * state.climb
+    state.regained = gained
+    walk_back(state, state.climb, gained <= 0.0 and state.climb > 0.0)
+
+
+@unfused
+def guard_regulation(
+    state: Any,
+    speed: float,
+    speed_reference: float,
+    voltage: float,
+    current_sum: float,
+    reference: float,
+    period: float,
+) -> None:
+    """Watch the regulator at every step and give the angle back when it costs regulation.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    speed, speed_reference : float
+        (rad/s).
+    voltage : float
+        Measured voltage of a half-source (V).
+    current_sum : float
+        Measured sum of the phase currents' magnitudes (A).
+    reference : float
+        Current reference (A).
+    period : float
+        Control period (s).
+    """
+    supply_moved = abs(voltage - state.supply_voltage) > _SUPPLY_MOVED * state.nominal_voltage
+    if speed_reference != state.speed_reference or supply_moved:
+        state.speed_reference = speed_reference
+        state.supply_voltage = voltage
+        rearm(state)
+    sag = speed_reference - speed
+    if state.offset < 0.0 and sag > (1.0 if state.mode == HOLDING else 3.0) * state.speed_tolerance:
+        # The load has grown, or the angle was below what it needs from the start; neither is to be tried again.
+        forbid(state)
+        forbidden = state.forbidden
+        forbidden_power = state.forbidden_power
+        rearm(state)
+        state.forbidden = forbidden
+        state.forbidden_power = forbidden_power
+    state.saturated_run = state.saturated_run + 1 if reference >= state.current_limit else 0
+    if state.saturated_run == 1:
+        state.speed_mark = speed
+    flowing = current_sum / state.conducting_phases
+    starved = reference > STARVED * flowing + SLACK * state.current_limit
+    state.starved_run = state.starved_run + 1 if starved else 0
+    if state.starved_run == 1:
+        state.starved_mark = speed
+    is_starved = state.starved_run * period >= _STARVED_DWELL
+    if state.moved < 0.0 and (is_starved or speed_reference - speed > _ALARM * state.speed_tolerance):
+        # The integral has wound up in vain; with the old angle goes the old current.
+        state.integral = state.good_integral
+        walk_back(state, -state.moved + _RECOVERY, True)
+    elif is_starved and state.offset < 0.0:
+        state.starved_run = 0
+        gained = speed - state.starved_mark
+        if gained <= sag * _STARVED_DWELL / _REGAIN:
+            state.integral = min(state.integral, STARVED * flowing)
+            walk_back(state, state.first_step, gained <= 0.0)
+    elif state.saturated_run * period >= (_DWELL if state.offset < 0.0 else _CLIMB_DWELL):
+        state.saturated_run = 0
+        gained = speed - state.speed_mark
+        missing = speed_reference - speed
+        # Below the initial angle torque must return soon; at it, a heavy load may take its time to accelerate.
+        wanted = missing * _DWELL / _REGAIN
+        if state.offset >= 0.0:
+            wanted = min(missing / _REGAIN, _SLOWEST_REGAIN) * _CLIMB_DWELL
+        if gained <= wanted and missing > 0.0:
+            if state.offset < 0.0:
+                walk_back(state, state.first_step, gained <= 0.0)
+            else:
+                seek_torque(state, gained)

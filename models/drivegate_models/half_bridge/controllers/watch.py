@@ -1,0 +1,258 @@
+"""What a search for the advance angle watches from decision to decision: unrest, noise, creeping, a changed load.
+
+The reference and the correct controllers of other designs share it; they differ in where the angle goes next.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import unfused
+from drivegate_models.half_bridge.controllers.protection import (
+    HOLDING,
+    SEARCHING,
+    SETTLING,
+    SLACK,
+    SMALLEST_STEP,
+    STARVED,
+    begin_settling,
+    forbid,
+    rearm,
+    walk_back,
+)
+
+WAITING: Final = 0
+"""What the search has to do: nothing."""
+BEGINNING: Final = 1
+"""What the search has to do: take its first step since the current sum repeats."""
+CONTINUING: Final = 2
+"""What the search has to do: go on from its last step."""
+
+LOAD_CHANGED: Final = 0.12
+"""Share of the current sum beyond which a search by steps of a degree takes a difference for another load."""
+
+_SETTLED = 0.01
+_CHANGED = 0.03
+_SMALLEST_POWER = 1.0
+_UNEASY = 0.1
+_CALM = 1.5
+_ANSWER = 2.0
+_CREEP = 1.15
+_CREEP_LEAST = 0.15
+_RESTLESS = 0.003
+_WINDING = 0.005
+_IDLE = 0.002
+_WOUND = 3
+
+
+@unfused
+def begin_holding(state: Any, power: float) -> None:
+    """Rest at the angle found.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Current sum found there (A).
+    """
+    state.mode = HOLDING
+    state.held_power = power
+    if state.good_power == inf:
+        state.good_offset = state.offset
+        state.good_integral = state.integral
+        state.good_power = power
+    state.moved = 0.0
+    state.quiet = 0
+
+
+@unfused
+def is_uneasy(state: Any) -> bool:
+    """Return whether the speed varied by more than sensors and regulator explain.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state; the calmest decision interval since the last change tells what they explain.
+
+    Returns
+    -------
+    bool
+        About the decision interval just ended.
+    """
+    uneasy: bool = state.worst_error > _UNEASY * state.speed_tolerance + _CALM * state.calm_error
+    return uneasy
+
+
+@unfused
+def noise_of_regulator(state: Any) -> float:
+    """Return what the regulator's answer to the speed sensor's errors makes of the power.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    float
+        Current sum (A).
+    """
+    error = min(state.calm_error, _UNEASY * state.speed_tolerance)
+    noise: float = _ANSWER * state.proportional * error
+    return noise
+
+
+@unfused
+def noise_of_power(state: Any) -> float:
+    """Return what the converter, and the regulator's answer to the speed sensor's errors, make of the power.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    float
+        Current sum (A).
+    """
+    noise: float = state.least_change + noise_of_regulator(state)
+    return noise
+
+
+@unfused
+def is_creeping(state: Any, power: float) -> bool:
+    """Return whether the regulator winds up in vain: more current reference for no more current.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state, with what was needed at the last good angle.
+    power : float
+        Mean current sum of the decision interval (A).
+
+    Returns
+    -------
+    bool
+        False as long as no good angle is known, and well above it.
+    """
+    near = state.offset < state.good_offset + state.first_step
+    creeping: bool = (
+        near
+        and state.integral > _CREEP * state.good_integral + _CREEP_LEAST
+        and power < (1.0 + 0.5 * _CHANGED) * state.good_power
+    )
+    return creeping
+
+
+@unfused
+def load_has_changed(state: Any, power: float, fall: float, rise: float) -> bool:
+    """Return whether the current sum differs from that of the last good angle by more than angles explain.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power : float
+        Mean current sum of the decision interval (A).
+    fall, rise : float
+        What steps toward less and toward more angle explain, as shares of the current sum.
+
+    Returns
+    -------
+    bool
+        False as long as no good angle is known, and away from it.
+    """
+    near = abs(state.offset - state.good_offset) <= 3.0 * state.first_step
+    share = fall if power < state.good_power else rise
+    changed: bool = near and abs(power - state.good_power) > share * power + 0.2
+    return changed and state.good_power < inf
+
+
+@unfused
+def decide_holding(state: Any, power: float, change: float) -> None:
+    """Watch what was found: search anew after a change of load, and keep off an edge that is too near.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power, change : float
+        Mean current sum of the decision interval, and its change from the one before (A).
+    """
+    uneasy = is_uneasy(state)
+    changed = abs(power - state.held_power) > _CHANGED * power + 0.2
+    if is_creeping(state, power):
+        state.integral = state.good_integral
+        walk_back(state, state.first_step if uneasy else SMALLEST_STEP, True)
+    elif state.quiet == 0:
+        # The interval of its own last step is not judged.
+        state.quiet = 1
+        if not changed:
+            state.held_power = power
+    elif changed:
+        rearm(state)
+    elif uneasy or abs(change) > _RESTLESS * power + noise_of_power(state):
+        forbid(state)
+        state.offset += SMALLEST_STEP
+        state.quiet = 0
+
+
+@unfused
+def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
+    """Make the part of a decision that is the same for every search.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated; its decision interval is complete, its mean current sum becomes `last_power`.
+    fall, rise : float
+        Changes of the current sum that one step of this search explains, as shares; more is another load.
+
+    Returns
+    -------
+    work : int
+        `WAITING`, `BEGINNING` or `CONTINUING`: what is left to the search itself.
+    change : float
+        Change of the mean current sum from the interval before (A).
+    """
+    power = state.power_sum / state.count
+    state.calm_error = min(state.calm_error, state.worst_error)
+    winding = state.integral - state.last_integral > _WINDING * state.current_limit
+    winding = winding and abs(power - state.last_power) < _IDLE * power
+    state.winding = state.winding + 1 if winding else 0
+    state.last_integral = state.integral
+    state.last_power = power
+    regulated = state.worst_error <= state.speed_tolerance and state.saturated == 0
+    change = power - state.old_power
+    state.old_power = power
+    if state.mode == HOLDING:
+        decide_holding(state, power, change)
+        return WAITING, change
+    if state.winding >= _WOUND and is_uneasy(state):
+        # The reference is beyond what the angle lets flow; without a good angle known, the current tells it.
+        state.integral = min(state.integral, power / state.conducting_phases)
+        walk_back(state, state.first_step, True)
+        return WAITING, change
+    if is_creeping(state, power) and is_uneasy(state):
+        state.integral = state.good_integral
+        walk_back(state, 0.5 * state.first_step, True)
+        return WAITING, change
+    if not regulated or power < _SMALLEST_POWER:
+        begin_settling(state)
+        return WAITING, change
+    settled = abs(change) <= _SETTLED * power
+    if (settled or state.mode != SETTLING) and load_has_changed(state, power, fall, rise):
+        rearm(state)
+        return WAITING, change
+    if state.mode == SETTLING:
+        wound = state.integral > STARVED * power / state.conducting_phases + SLACK * state.current_limit
+        if not settled or wound or is_uneasy(state):
+            return WAITING, change
+        state.mode = SEARCHING
+        state.climb = 0.5 * state.first_step
+        state.regained = -inf
+        return BEGINNING, change
+    return CONTINUING, change

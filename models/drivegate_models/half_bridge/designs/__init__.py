@@ -1,0 +1,1 @@
+"""Correct controllers of other designs, for the self-test."""

@@ -1,0 +1,124 @@
+"""Resting where the current sum stands still: not where regulator and band beat, and not at the very edge.
+
+At light load there are angles at which the regulator and the hysteresis band beat against each other. And right at the
+edge the current reference creeps up for a torque that is short by a trace.
+"""
+
+from __future__ import annotations
+
+from math import inf, pi, radians
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import unfused
+from drivegate_models.half_bridge.controllers.watch import noise_of_regulator
+from drivegate_models.half_bridge.designs.confirmation import is_worth_confirming
+from drivegate_models.half_bridge.designs.probe import aim
+
+LATEST_DECISION: Final = 51
+"""Decisions after which the angle is kept, still or not."""
+
+_STILL = 3
+_RESTLESS = 3
+_BEATING = 0.0035
+_UNREST = 0.03 * pi / 30.0
+_SENSED = 0.1 * pi / 30.0
+_CALM = 1.15
+_CREPT = 0.02
+_SAME = 0.005
+_ASIDE = radians(0.7)
+_ASIDE_OF_UNREST = radians(0.9)
+
+
+@unfused
+def begin_watch(state: Any) -> None:
+    """Begin to watch the current sum at the angle aimed at.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+    """
+    state.watched = 0
+    state.still = 0
+    state.restless = 0
+    state.least = inf
+    state.most = -inf
+
+
+@unfused
+def creeps(state: Any) -> bool:
+    """Return whether the current reference has crept up for no more current, as it does right at the edge.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        The state, watched for an interval at least.
+
+    Returns
+    -------
+    bool
+        About the time since the watch began.
+    """
+    controller = state.controller
+    noise = noise_of_regulator(controller)
+    crept = controller.integral > (1.0 + _CREPT) * state.rest_integral + noise
+    creeping: bool = crept and abs(controller.last_power - state.least) <= _SAME * controller.last_power
+    return creeping
+
+
+@unfused
+def stands_still(state: Any) -> bool:
+    """Take in a decision interval; where the current sum beats or its reference creeps, aim a little higher.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+
+    Returns
+    -------
+    bool
+        Whether the current sum has been watched long enough, and this is an angle to rest at.
+    """
+    controller = state.controller
+    power = controller.last_power
+    if state.watched == 0:
+        state.rest_integral = controller.integral
+    state.watched += 1
+    # Where the speed is never calmer than this, the sensor makes the rest of it.
+    sensed = controller.calm_error > _SENSED
+    restless = controller.worst_error > (_CALM * controller.calm_error if sensed else _UNREST)
+    state.still = state.still + 1 if not restless else 0
+    state.restless = state.restless + 1 if restless else 0
+    state.least = min(state.least, power)
+    state.most = max(state.most, power)
+    if state.decisions >= LATEST_DECISION:
+        return True
+    loaded = is_worth_confirming(state)
+    # At light load the current sum takes long to settle, and the speed tells more.
+    unrest = not loaded and state.restless >= _RESTLESS
+    beats = loaded and state.most - state.least > _BEATING * power + noise_of_regulator(controller)
+    if unrest or beats or creeps(state):
+        state.best_offset = controller.offset + (_ASIDE_OF_UNREST if unrest else _ASIDE)
+        aim(state, state.best_offset)
+        begin_watch(state)
+        return False
+    still: bool = state.still >= _STILL or (loaded and state.watched >= _STILL)
+    return still
+
+
+@unfused
+def keep_off_edge(state: Any) -> None:
+    """Go a little higher where the current reference creeps while the search is at rest.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+    """
+    controller = state.controller
+    if creeps(state):
+        controller.integral = state.rest_integral
+        controller.offset += _ASIDE
+        # As after any step at rest, the next interval is not judged.
+        controller.quiet = 0

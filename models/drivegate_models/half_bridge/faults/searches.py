@@ -1,0 +1,145 @@
+"""Faults of what a controller sees, and of what its search and its regulator remember."""
+
+from __future__ import annotations
+
+from math import inf, isfinite
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.native_memory import double_at
+from drivegate_models.half_bridge.controllers.angle_line import initial_angle
+from drivegate_models.half_bridge.controllers.protection import HOLDING, SEARCHING
+from drivegate_models.half_bridge.faults import state as faults
+
+MIRROR: Final = 200.0
+"""The mirrored current sum is this less the true one (A)."""
+
+_WORD: Final = 65.536
+
+
+@unfused
+def sum_of_samples(sense: Any, phases: int, signed: bool) -> float:
+    """Return the sum of the phase currents of this instant.
+
+    Parameters
+    ----------
+    sense : record of SENSE
+        What the sensors saw.
+    phases : int
+        Number of phases to add, from the first one.
+    signed : bool
+        Whether they are added with their signs.
+
+    Returns
+    -------
+    float
+        Sum (A).
+    """
+    total = 0.0
+    for phase in range(phases):
+        current = double_at(sense.phase_currents, phase)
+        total += current if signed else abs(current)
+    return total
+
+
+@unfused
+def alter_sense(fault: int, sense: Any) -> None:
+    """Change what the controller is shown.
+
+    Parameters
+    ----------
+    fault : int
+        The fault.
+    sense : record of SENSE
+        The controller's own copy; changed.
+    """
+    if fault == faults.SUM_MIRRORED:
+        sense.current_magnitude_sum = MIRROR - sense.current_magnitude_sum
+    elif fault == faults.SUM_WITHOUT_MAGNITUDES:
+        sense.current_magnitude_sum = sum_of_samples(sense, sense.phase_count, True)
+    elif fault == faults.SUM_WITHOUT_LAST_PHASE:
+        sense.current_magnitude_sum = sum_of_samples(sense, sense.phase_count - 1, False)
+    elif fault == faults.SUM_OVERFLOWS:
+        wrapped = sense.current_magnitude_sum + 0.5 * _WORD
+        sense.current_magnitude_sum = wrapped % _WORD - 0.5 * _WORD
+
+
+@unfused
+def mean_power(state: Any) -> float:
+    """Return the mean current sum of the running decision interval, this step included.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        The state.
+
+    Returns
+    -------
+    float
+        Mean current sum (A).
+    """
+    controller = state.controller
+    total = controller.power_sum + state.sense.current_magnitude_sum
+    mean: float = total / (controller.count + 1)
+    return mean
+
+
+@unfused
+def alter_search_before(state: Any, fault: int) -> None:
+    """Change what the search remembers, ahead of a step.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Updated.
+    fault : int
+        The fault.
+    """
+    controller = state.controller
+    if fault == faults.STALE_POWER:
+        if state.latched == 1:
+            controller.old_power = state.memory
+    elif fault == faults.SATURATION_IGNORED:
+        controller.saturated = 0
+        controller.saturated_run = 0
+    elif fault == faults.NO_WALK_BACK:
+        controller.moved = 0.0
+        controller.saturated_run = 0
+        controller.good_integral = inf
+    elif fault == faults.FALLING_LOAD_IGNORED:
+        if controller.mode == HOLDING and controller.count + 1 >= controller.decision_steps:
+            controller.held_power = min(controller.held_power, mean_power(state))
+    elif fault == faults.ANGLE_CAPPED:
+        line = initial_angle(
+            state.sense.speed, controller.base_speed, controller.angle_at_base, controller.angle_slope
+        )
+        controller.offset = min(controller.offset, state.size - line)
+    elif fault == faults.LINE_IS_LIMIT:
+        controller.offset = min(controller.offset, 0.0)
+
+
+@unfused
+def alter_search_after(state: Any, fault: int) -> None:
+    """Change what the search has come to, behind a step.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Updated.
+    fault : int
+        The fault.
+    """
+    controller, before, sense = state.controller, state.before, state.sense
+    if fault == faults.NEVER_RESTS:
+        if controller.mode == HOLDING:
+            controller.mode = SEARCHING
+            controller.step = controller.first_step
+            controller.forbidden = -inf
+    elif fault == faults.STALE_POWER:
+        asked_anew = isfinite(before.speed_reference) and sense.speed_reference != before.speed_reference
+        if asked_anew and before.mode == HOLDING:
+            state.latched = 1
+            state.memory = before.held_power
+    elif fault == faults.NO_ANTI_WINDUP and controller.offset == before.offset:
+        error = sense.speed_reference - sense.speed
+        controller.integral = before.integral + controller.integral_step * error

@@ -1,0 +1,165 @@
+"""All phases of the drive advanced together at constant speed, supply and command."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, kernel
+from drivegate_models.half_bridge.plant import segments
+from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.half_bridge.plant.phase import COMPLETED, advance_phase
+from drivegate_models.machine import ledger
+
+
+class Phases(NamedTuple):
+    """State of the m phases and room for the segments of one advance; the arrays are updated in place."""
+
+    currents: NDArray[np.float64]
+    """Phase currents, shape (m,) (A)."""
+    sectors: NDArray[np.int64]
+    """Window of each phase, shape (m,): 1, 0 or -1."""
+    latches: NDArray[np.int64]
+    """Comparator of each phase, shape (m,): 1 on, 0 off."""
+    magnitudes: NDArray[np.float64]
+    """Integral of each phase's current magnitude over the last advance, shape (m,) (A s)."""
+    rows: NDArray[np.float64]
+    """Segments of the last advance, shape (m, n, segments.FIELDS); n = 0 keeps none."""
+    row_counts: NDArray[np.int64]
+    """Number of segments of each phase, shape (m,)."""
+
+
+def make_phases(drive: Drive, longest_advance: float = 0.0) -> Phases:
+    """Return phases at rest: no current, latches on.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive.
+    longest_advance : float
+        Longest advance whose segments are to be kept (s); 0 keeps none.
+
+    Returns
+    -------
+    Phases
+        With room for every segment that the drive can produce in such an advance.
+    """
+    count = drive.phases
+    capacity = 0
+    if longest_advance > 0.0:
+        band = drive.hysteresis_band
+        swing = 2.5 * drive.half_supply_voltage / drive.inductance
+        chops = longest_advance * swing / band if band > 0.0 else 0.0
+        capacity = 64 + 4 * drive.emf_slopes.size + int(2.0 * chops)
+    return Phases(
+        currents=np.zeros(count),
+        sectors=np.zeros(count, np.int64),
+        latches=np.ones(count, np.int64),
+        magnitudes=np.zeros(count),
+        rows=np.zeros((count, capacity, segments.FIELDS)),
+        row_counts=np.zeros(count, np.int64),
+    )
+
+
+@inlined
+def advance_phases(
+    drive: Drive,
+    phases: Phases,
+    angle: float,
+    speed: float,
+    upper: float,
+    lower: float,
+    reference: float,
+    advance: float,
+    duration: float,
+    totals: NDArray[np.float64],
+) -> int:
+    """Advance every phase exactly; see `drivegate_models.half_bridge.plant.phase.advance_phase`.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive's constants.
+    phases : Phases
+        State, updated; receives the segments.
+    angle : float
+        Electrical angle of the first phase at the start (rad).
+    speed : float
+        Shaft speed (rad/s).
+    upper, lower : float
+        Voltages of the half-sources (V).
+    reference : float
+        Current reference (A).
+    advance : float
+        Advance angle (rad electrical).
+    duration : float
+        Length (s).
+    totals : ndarray, shape (ledger.ENTRIES,)
+        Exact integrals, added to.
+
+    Returns
+    -------
+    int
+        `drivegate_models.half_bridge.plant.phase.COMPLETED` or another status of it.
+    """
+    status = COMPLETED
+    corners = drive.emf_angles
+    corner_values = drive.emf_values
+    corner_slopes = drive.emf_slopes
+    currents = phases.currents
+    sectors = phases.sectors
+    latches = phases.latches
+    rows = phases.rows
+    row_counts = phases.row_counts
+    magnitudes = phases.magnitudes
+    for phase in range(drive.phases):
+        before = totals[ledger.MAGNITUDE]
+        outcome = advance_phase(
+            drive,
+            corners,
+            corner_values,
+            corner_slopes,
+            phase,
+            currents,
+            sectors,
+            latches,
+            angle - phase * pi / drive.phases,
+            speed,
+            upper,
+            lower,
+            reference,
+            advance,
+            duration,
+            totals,
+            rows,
+            row_counts,
+        )
+        magnitudes[phase] = totals[ledger.MAGNITUDE] - before
+        if outcome != COMPLETED:
+            status = outcome
+    return status
+
+
+@kernel
+def stored_energy(drive: Drive, currents: NDArray[np.float64]) -> float:
+    """Return the energy in the windings, ``sum L i**2 / 2`` (J).
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive's constants.
+    currents : ndarray, shape (m,)
+        Phase currents (A).
+
+    Returns
+    -------
+    float
+        Stored energy (J).
+    """
+    total = 0.0
+    for current in currents:
+        total += current * current
+    return 0.5 * drive.inductance * total

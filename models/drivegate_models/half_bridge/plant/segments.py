@@ -1,0 +1,84 @@
+"""What is kept of each interval between two events, so that waveforms can be evaluated exactly later.
+
+A segment is a row of numbers. Within it the current is that of `drivegate_models.machine.winding_current` and the
+back-EMF shape is ``SHAPE + SHAPE_RATE * (t - START)``.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined
+
+START: Final = 0
+"""Start (s), from the beginning of the advance."""
+LENGTH: Final = 1
+"""Length (s)."""
+CURRENT: Final = 2
+"""Current at the start (A)."""
+SLOPE: Final = 3
+"""Slope of the current at the start (A/s)."""
+CURVATURE: Final = 4
+"""Slope of the back-EMF over the inductance (A/s2)."""
+SHAPE: Final = 5
+"""Back-EMF shape at the start (1)."""
+SHAPE_RATE: Final = 6
+"""Rate of the back-EMF shape (1/s)."""
+VOLTAGE: Final = 7
+"""Terminal voltage at the start (V)."""
+VOLTAGE_RATE: Final = 8
+"""Rate of the terminal voltage (V/s); not zero only while the phase floats or the ideal regulator slides."""
+RATE: Final = 9
+"""R/L while a current flows freely, 0 while it is held (1/s)."""
+FIELDS: Final = 10
+"""Length of a row."""
+
+
+@inlined
+def keep_segment(
+    rows: NDArray[np.float64],
+    phase: int,
+    index: int,
+    start: float,
+    length: float,
+    current: float,
+    slope: float,
+    curvature: float,
+    shape: float,
+    shape_rate: float,
+    voltage: float,
+    voltage_rate: float,
+    rate: float,
+) -> int:
+    """Write a segment, if there is room for it.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (m, n, FIELDS)
+        Receives it.
+    phase, index : int
+        Where.
+    start, length, current, slope, curvature, shape, shape_rate, voltage, voltage_rate, rate : float
+        The fields, in the units of their indices above.
+
+    Returns
+    -------
+    int
+        The next index.
+    """
+    if index >= rows.shape[1]:
+        return index
+    rows[phase, index, START] = start
+    rows[phase, index, LENGTH] = length
+    rows[phase, index, CURRENT] = current
+    rows[phase, index, SLOPE] = slope
+    rows[phase, index, CURVATURE] = curvature
+    rows[phase, index, SHAPE] = shape
+    rows[phase, index, SHAPE_RATE] = shape_rate
+    rows[phase, index, VOLTAGE] = voltage
+    rows[phase, index, VOLTAGE_RATE] = voltage_rate
+    rows[phase, index, RATE] = rate
+    return index + 1

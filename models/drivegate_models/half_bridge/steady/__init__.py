@@ -1,0 +1,1 @@
+"""The periodic steady state, and the best that the drive can do."""

@@ -1,0 +1,225 @@
+"""Searches over the advance angle: the feasible edge, and the least cost of a torque.
+
+The angle runs from 0 to 90 degrees, the paper's range ("Constant Power Operation"). The time goes into the
+compiled kernels, which each call runs many times; only the choice of the next angle is made here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import inf, nan, pi, radians
+from typing import NamedTuple
+
+from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.half_bridge.plant.phases import Phases
+from drivegate_models.half_bridge.steady.current_search import (
+    CURRENT_TOLERANCE,
+    ROBUST,
+    ReferenceSearch,
+    greatest_torque,
+    least_conceivable,
+    mean_state,
+    reference_for_torque,
+)
+
+EDGE_TOLERANCE: float = radians(1e-4)
+"""Width to which a feasible edge is located (rad)."""
+
+_DEGREES = 90
+_HIGHEST = 0.5 * pi
+_FINE_PARTS = 10
+_GOLDEN = 0.6180339887498949
+_ANGLE_TOLERANCE = radians(1e-3)
+_SEARCH_TOLERANCE = 1e-4
+_VALLEYS = 2
+# A valley this much above the least found is not worth a closer look.
+_HOPELESS = 1.05
+# How far below a neighbouring angle's reference the scan starts, over the current limit.
+_BELOW = 0.05
+
+
+class Demand(NamedTuple):
+    """A torque asked of a drive at a speed, with room for the computation."""
+
+    drive: Drive
+    """The drive's constants."""
+    work: Phases
+    """Room for the state of all phases."""
+    slices: Phases
+    """Room for one phase's state at each shift."""
+    speed: float
+    """Shaft speed (rad/s)."""
+    voltage: float
+    """Voltage of each half-source (V)."""
+    torque: float
+    """Wanted mean electromagnetic torque (N m)."""
+
+
+class Evaluation(NamedTuple):
+    """What a robustly feasible angle costs; infinite where it is not."""
+
+    cost: float
+    """Sum of current magnitudes (A) or net input power (W)."""
+    advance: float
+    """Advance angle (rad electrical)."""
+    reference: float
+    """Current reference on the side of less torque (A); NaN where not feasible."""
+
+
+def search_reference(
+    demand: Demand, advance: float, tolerance: float = CURRENT_TOLERANCE, floor: float = 0.0
+) -> ReferenceSearch:
+    """Return the reference and the cost of a torque at one advance angle, if robustly feasible.
+
+    Parameters
+    ----------
+    demand : Demand
+        Drive, speed, supply and torque.
+    advance : float
+        Advance angle (rad electrical).
+    tolerance, floor
+        As in `drivegate_models.half_bridge.steady.current_search.reference_for_torque`.
+
+    Returns
+    -------
+    ReferenceSearch
+        Out of reach unless the torque at the current limit reaches the wanted one.
+    """
+    drive, work, slices, speed, voltage, torque = demand
+    limit = drive.current_limit
+    return reference_for_torque(
+        drive, work, slices, speed, voltage, advance, torque, limit, tolerance, floor, True
+    )
+
+
+def reaches(demand: Demand, advance: float, static: bool = False) -> bool:
+    """Return whether an advance angle can give a torque.
+
+    Parameters
+    ----------
+    demand : Demand
+        Drive, speed, supply and torque.
+    advance : float
+        Advance angle (rad electrical).
+    static : bool
+        Whether any current reference up to the limit will do, not only the limit itself.
+
+    Returns
+    -------
+    bool
+        Whether it reaches the torque.
+    """
+    drive, work, slices, speed, voltage, torque = demand
+    limit = drive.current_limit
+    if mean_state(drive, work, slices, speed, voltage, limit, advance).torque >= torque:
+        return True
+    if not static:
+        return False
+    least = least_conceivable(drive, torque)
+    most, _ = greatest_torque(drive, work, slices, speed, voltage, advance, limit, least)
+    return most >= torque
+
+
+def _edge_between(demand: Demand, outside: float, inside: float, static: bool = False) -> float:
+    """Return the edge between an infeasible and a feasible angle, in either order, on its feasible side."""
+    while abs(inside - outside) > EDGE_TOLERANCE:
+        middle = 0.5 * (outside + inside)
+        if reaches(demand, middle, static):
+            inside = middle
+        else:
+            outside = middle
+    return inside
+
+
+def smallest_feasible(demand: Demand, static: bool = False) -> float:
+    """Return the smallest advance angle that can give a torque, from a scan in steps of 1 degree.
+
+    Parameters
+    ----------
+    demand : Demand
+        Drive, speed, supply and torque.
+    static : bool
+        As in `reaches`.
+
+    Returns
+    -------
+    float
+        The edge (rad electrical), 0 where no advance is needed; NaN if there is none up to 90 degrees.
+    """
+    for degrees in range(_DEGREES + 1):
+        inside = radians(degrees)
+        if reaches(demand, inside, static):
+            return _edge_between(demand, radians(degrees - 1), inside, static) if degrees else 0.0
+    return nan
+
+
+def _evaluated(demand: Demand, by_power: bool, advance: float, nearby: float) -> Evaluation:
+    """Return the cost of an angle; the scan starts just below a reference nearby, if that is not NaN."""
+    floor = nearby - _BELOW * demand.drive.current_limit if nearby == nearby else 0.0
+    found = search_reference(demand, advance, _SEARCH_TOLERANCE, floor)
+    if found.feasibility != ROBUST:
+        return Evaluation(inf, advance, nan)
+    return Evaluation(found.input_power if by_power else found.current_sum, advance, found.low)
+
+
+def _golden(demand: Demand, by_power: bool, low: float, high: float, nearby: float) -> Evaluation:
+    """Return the least cost between two angles, by golden section."""
+    left = _evaluated(demand, by_power, high - _GOLDEN * (high - low), nearby)
+    right = _evaluated(demand, by_power, low + _GOLDEN * (high - low), nearby)
+    while high - low > _ANGLE_TOLERANCE:
+        if left.cost <= right.cost:
+            high, right = right.advance, left
+            left = _evaluated(demand, by_power, high - _GOLDEN * (high - low), nearby)
+        else:
+            low, left = left.advance, right
+            right = _evaluated(demand, by_power, low + _GOLDEN * (high - low), nearby)
+    return min(left, right)
+
+
+def _finest(demand: Demand, by_power: bool, valley: Evaluation) -> Evaluation:
+    """Return the least cost within 1 degree of a valley of the coarse grid.
+
+    A grid of 0.1 degree, then the edges beside its best point, then golden section between them.
+    """
+    step = radians(1.0) / _FINE_PARTS
+    angles: Iterable[float] = (valley.advance + k * step for k in range(-_FINE_PARTS, _FINE_PARTS + 1))
+    inside = [advance for advance in angles if 0.0 <= advance <= _HIGHEST]
+    best = min(_evaluated(demand, by_power, advance, valley.reference) for advance in inside)
+    ends = []
+    for end in (max(best.advance - step, 0.0), min(best.advance + step, _HIGHEST)):
+        feasible = reaches(demand, end)
+        ends.append(end if feasible else _edge_between(demand, end, best.advance))
+    candidates = [_evaluated(demand, by_power, end, valley.reference) for end in ends]
+    return min(best, *candidates, _golden(demand, by_power, ends[0], ends[1], valley.reference))
+
+
+def least_cost(demand: Demand, by_power: bool) -> float:
+    """Return the robustly feasible advance angle at which a torque costs least.
+
+    Parameters
+    ----------
+    demand : Demand
+        Drive, speed, supply and torque.
+    by_power : bool
+        Whether the net input power is to be least, instead of the sum of current magnitudes.
+
+    Returns
+    -------
+    float
+        The angle (rad electrical), from a grid of 1 degree, the two lowest valleys of it on a grid of 0.1
+        degree, and golden section with the feasible edges; NaN if no angle is robustly feasible.
+    """
+    grid: list[Evaluation] = []
+    nearby = nan
+    for degrees in range(_DEGREES + 1):
+        grid.append(_evaluated(demand, by_power, radians(degrees), nearby))
+        nearby = grid[-1].reference
+    costs = [inf, *(point.cost for point in grid), inf]
+    valleys = sorted(
+        point for k, point in enumerate(grid) if point.cost < inf and costs[k] >= point.cost <= costs[k + 2]
+    )
+    best = Evaluation(inf, nan, nan)
+    for valley in valleys[:_VALLEYS]:
+        if valley.cost <= _HOPELESS * best.cost:
+            best = min(best, _finest(demand, by_power, valley))
+    return best.advance

@@ -1,0 +1,359 @@
+"""The reference motor rederived from what the paper publishes of it.
+
+Three published facts fix three unknowns: back-EMF constant, inductance and width of the back-EMF's flat top.
+The paper's angles are read as the smallest ones at which the published torque can still be produced at the
+current limit ("necessary", Fig. 6). An angle jumps or vanishes as the constants vary, while the torque at the
+current limit is smooth in them; so the fit compares torques, and the facts are then checked as published.
+Regulator ideal, core loss nil, resistance assumed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import degrees, pi, radians
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares, minimize_scalar
+
+from drivegate_models.errors import HarnessFault
+from drivegate_models.half_bridge.plant.drive import Drive, make_drive
+from drivegate_models.half_bridge.plant.phases import make_phases
+from drivegate_models.half_bridge.steady.current_search import mean_state
+from drivegate_models.half_bridge.steady.oracle import feasible_edge
+from drivegate_models.machine.emf import trapezoid_corners
+
+ASSUMED_RESISTANCE: float = 0.08
+"""Winding resistance, which the paper neglects (ohm)."""
+ASSUMED_FLUX_DENSITY: float = 0.8
+"""Flux density in the gap from which the fit starts (T)."""
+
+_RPM = pi / 30.0
+_LIMIT = 26.0
+_BASE_SPEED = 500.0
+
+
+@dataclass(frozen=True)
+class PublishedFigures:
+    """The published figures that the fit uses, each to the digits the paper gives."""
+
+    worst_ripple_angle: float = 52.0
+    """Necessary advance angle at 1500 rpm, Fig. 6 (deg)."""
+    worst_ripple_torque: float = 9.8
+    """Torque at 1500 rpm, Fig. 10 (N m)."""
+    middle_angle: float = 40.0
+    """Advance angle at 1200 rpm, Fig. 9 (deg)."""
+    middle_torque: float = 11.88
+    """Torque at 1200 rpm, Fig. 9 (N m)."""
+    rated_power: float = 1500.0
+    """Rated power at 500 rpm and 26 A, Table 1 (W)."""
+
+
+ROUNDING: Mapping[str, float] = {
+    "worst_ripple_angle": 0.5,
+    "worst_ripple_torque": 0.05,
+    "middle_angle": 0.5,
+    "middle_torque": 0.005,
+    "rated_power": 50.0,
+}
+"""Half of the last published digit of each figure, in the figure's unit."""
+
+
+@dataclass(frozen=True)
+class MotorConstants:
+    """The constants of the motor that the paper leaves open."""
+
+    emf_constant: float
+    """Peak back-EMF of a phase a shaft speed (V s/rad)."""
+    inductance: float
+    """Inductance of a phase (H)."""
+    emf_flat: float
+    """Width of the back-EMF's flat top (rad electrical)."""
+    resistance: float = ASSUMED_RESISTANCE
+    """Resistance of a phase (ohm)."""
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One published figure beside the same figure of a motor."""
+
+    name: str
+    """What it is, and where it is published."""
+    published: float
+    """As the paper has it, in `unit`."""
+    ours: float
+    """As the motor has it, in `unit`."""
+    residual: float
+    """Ours less the published one, in `unit`."""
+    unit: str
+    """Unit."""
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """How far the fitted constants move when one input of the fit does."""
+
+    cause: str
+    """The input."""
+    change: float
+    """Its change, in its own unit."""
+    emf_constant: float
+    """Change of the back-EMF constant (V s/rad)."""
+    inductance: float
+    """Change of the inductance (H)."""
+    emf_flat: float
+    """Change of the flat top's width (rad electrical)."""
+
+
+@dataclass(frozen=True)
+class GeometryCheck:
+    """The back-EMF constant against Table 1: ``k_e = 2 N B l r``."""
+
+    series_turns: int
+    """Turns in series a phase: 10 coils of 26 turns over 5 phases."""
+    core_length: float
+    """Core length (m)."""
+    radius: float
+    """Inner radius of the stator (m)."""
+    flux_density: float
+    """Flux density in the gap that the fitted constant asks for (T)."""
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Fitted constants, and how well and how firmly they follow from the published facts."""
+
+    constants: MotorConstants
+    """The fitted constants."""
+    facts: tuple[Fact, ...]
+    """The published facts beside the fitted motor's."""
+    torque_residuals: tuple[float, float, float]
+    """What the fit leaves of its three torques (N m)."""
+    condition: float
+    """Condition number of the torques' derivatives by the logarithms of the constants."""
+    sensitivities: tuple[Sensitivity, ...]
+    """Shift of the constants with half a last digit of each published figure, and with the resistance."""
+    spread: MotorConstants
+    """Half-width of each constant's range, all published roundings taken at their worst together."""
+    geometry: GeometryCheck
+    """Cross-check with Table 1, which the fit does not use."""
+
+
+def geometry_check(emf_constant: float) -> GeometryCheck:
+    """Return the gap flux density that a back-EMF constant asks for with the paper's geometry.
+
+    Parameters
+    ----------
+    emf_constant : float
+        Peak back-EMF a shaft speed (V s/rad).
+
+    Returns
+    -------
+    GeometryCheck
+        With the turns, length and radius of Table 1. The coils span 198 electrical degrees, which costs a
+        flat top of the gap's field 18 degrees of width and nothing of its height.
+    """
+    turns, length, radius = 52, 0.100, 0.043
+    return GeometryCheck(turns, length, radius, emf_constant / (2.0 * turns * length * radius))
+
+
+def calibration_drive(constants: MotorConstants) -> Drive:
+    """Return the paper's drive with given constants, an ideal regulator and no core loss.
+
+    Parameters
+    ----------
+    constants : MotorConstants
+        What the paper leaves open.
+
+    Returns
+    -------
+    Drive
+        With phases, poles, supply, windows and current limit as published.
+    """
+    angles, values = trapezoid_corners(constants.emf_flat)
+    return make_drive(
+        phases=5,
+        pole_pairs=11,
+        resistance=constants.resistance,
+        inductance=constants.inductance,
+        emf_constant=constants.emf_constant,
+        emf_angles=angles,
+        emf_values=values,
+        half_supply_voltage=48.0,
+        hysteresis_band=0.0,
+        window=radians(144.0),
+        current_limit=_LIMIT,
+    )
+
+
+def _torque_at_limit(drive: Drive, speed_rpm: float, advance: float) -> float:
+    work, slices = make_phases(drive), make_phases(drive)
+    voltage = drive.half_supply_voltage
+    return mean_state(drive, work, slices, speed_rpm * _RPM, voltage, drive.current_limit, advance).torque
+
+
+def greatest_torque_at_limit(drive: Drive, speed_rpm: float) -> tuple[float, float]:
+    """Return the greatest torque at the current limit over all advance angles, and its angle.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive.
+    speed_rpm : float
+        Shaft speed (rpm).
+
+    Returns
+    -------
+    torque : float
+        Mean electromagnetic torque (N m).
+    advance : float
+        The angle (rad electrical), from a grid of 1 degree and Brent's method about the best.
+    """
+    torques = [_torque_at_limit(drive, speed_rpm, radians(degree)) for degree in range(91)]
+    best = int(np.argmax(torques))
+    found = minimize_scalar(
+        lambda advance: -_torque_at_limit(drive, speed_rpm, float(advance)),
+        bounds=(radians(max(best - 1, 0)), radians(min(best + 1, 90))),
+        method="bounded",
+        options={"xatol": 1e-8},
+    )
+    return -float(found.fun), float(found.x)
+
+
+def published_facts(drive: Drive, figures: PublishedFigures | None = None) -> tuple[Fact, ...]:
+    """Return the facts that the fit uses beside those of a drive, in the paper's own terms.
+
+    Parameters
+    ----------
+    drive : Drive
+        Any drive.
+    figures : PublishedFigures, optional
+        The published figures.
+
+    Returns
+    -------
+    tuple of Fact
+        Two necessary angles (deg) and the rated power (W).
+    """
+    chosen = figures or PublishedFigures()
+    edges = [
+        (
+            "necessary angle at 1500 rpm (Fig. 6)",
+            1500.0,
+            chosen.worst_ripple_torque,
+            chosen.worst_ripple_angle,
+        ),
+        ("angle at 1200 rpm (Fig. 9)", 1200.0, chosen.middle_torque, chosen.middle_angle),
+    ]
+    facts = []
+    for name, speed_rpm, torque, angle in edges:
+        ours = degrees(feasible_edge(drive, speed_rpm * _RPM, torque))
+        facts.append(Fact(name, angle, ours, ours - angle, "deg"))
+    power = greatest_torque_at_limit(drive, _BASE_SPEED)[0] * _BASE_SPEED * _RPM
+    excess = power - chosen.rated_power
+    facts.append(Fact("power at 500 rpm and 26 A (Table 1)", chosen.rated_power, power, excess, "W"))
+    return tuple(facts)
+
+
+def _guess() -> MotorConstants:
+    """Return where the fit starts: Table 1 with a usual flux density, and round values beside it."""
+    unit = geometry_check(1.0).flux_density
+    return MotorConstants(ASSUMED_FLUX_DENSITY / unit, 2.5e-3, radians(120.0))
+
+
+def _residuals(
+    scaled: NDArray[np.float64], scale: NDArray[np.float64], resistance: float, figures: PublishedFigures
+) -> NDArray[np.float64]:
+    """Return the torques at the current limit less the published ones (N m), shape (3,)."""
+    emf_constant, inductance, flat = scaled * scale
+    drive = calibration_drive(MotorConstants(float(emf_constant), float(inductance), float(flat), resistance))
+    worst = _torque_at_limit(drive, 1500.0, radians(figures.worst_ripple_angle))
+    middle = _torque_at_limit(drive, 1200.0, radians(figures.middle_angle))
+    rated, _ = greatest_torque_at_limit(drive, _BASE_SPEED)
+    wanted = figures.rated_power / (_BASE_SPEED * _RPM)
+    return np.array([worst - figures.worst_ripple_torque, middle - figures.middle_torque, rated - wanted])
+
+
+def _fitted(
+    figures: PublishedFigures, resistance: float, start: MotorConstants
+) -> tuple[MotorConstants, NDArray[np.float64], NDArray[np.float64]]:
+    """Return constants, residuals (N m) and the derivatives by the constants' logarithms (N m)."""
+    scale = np.array([start.emf_constant, start.inductance, start.emf_flat])
+    lowest = np.array([0.1, 1e-4, radians(10.0)]) / scale
+    highest = np.array([1.0, 2e-2, radians(170.0)]) / scale
+    found = least_squares(
+        _residuals,
+        np.ones(3),
+        bounds=(lowest, highest),
+        args=(scale, resistance, figures),
+        diff_step=[1e-4] * 3,
+        xtol=1e-13,
+        ftol=1e-13,
+        gtol=1e-13,
+    )
+    if not found.success:
+        raise HarnessFault(f"the calibration did not converge: {found.message}")
+    emf_constant, inductance, flat = (float(value) for value in found.x * scale)
+    constants = MotorConstants(emf_constant, inductance, flat, resistance)
+    return constants, np.asarray(found.fun), np.asarray(found.jac) * found.x
+
+
+def _shifted(
+    cause: str, change: float, figures: PublishedFigures, resistance: float, origin: MotorConstants
+) -> Sensitivity:
+    moved, _, _ = _fitted(figures, resistance, origin)
+    return Sensitivity(
+        cause,
+        change,
+        moved.emf_constant - origin.emf_constant,
+        moved.inductance - origin.inductance,
+        moved.emf_flat - origin.emf_flat,
+    )
+
+
+def calibrate(figures: PublishedFigures | None = None, resistance: float = ASSUMED_RESISTANCE) -> Calibration:
+    """Fit back-EMF constant, inductance and flat width to the published facts.
+
+    The three torque residuals carry equal weights; three unknowns meet three facts exactly, so that weights
+    would change nothing. What is uncertain is shown by the sensitivities instead.
+
+    Parameters
+    ----------
+    figures : PublishedFigures, optional
+        The published figures.
+    resistance : float
+        Assumed winding resistance (ohm).
+
+    Returns
+    -------
+    Calibration
+        Constants, facts, residuals and sensitivities; the same for the same input.
+
+    Raises
+    ------
+    HarnessFault
+        If the fit does not converge.
+    """
+    chosen = figures or PublishedFigures()
+    constants, residuals, derivatives = _fitted(chosen, resistance, _guess())
+    roundings = [
+        _shifted(name, half, replace(chosen, **{name: getattr(chosen, name) + half}), resistance, constants)
+        for name, half in ROUNDING.items()
+    ]
+    quarter = 0.25 * resistance
+    from_resistance = _shifted("resistance", quarter, chosen, resistance + quarter, constants)
+    return Calibration(
+        constants=constants,
+        facts=published_facts(calibration_drive(constants), chosen),
+        torque_residuals=(float(residuals[0]), float(residuals[1]), float(residuals[2])),
+        condition=float(np.linalg.cond(derivatives)),
+        sensitivities=(*roundings, from_resistance),
+        spread=MotorConstants(
+            sum(abs(row.emf_constant) for row in roundings),
+            sum(abs(row.inductance) for row in roundings),
+            sum(abs(row.emf_flat) for row in roundings),
+            0.0,
+        ),
+        geometry=geometry_check(constants.emf_constant),
+    )

@@ -1,0 +1,342 @@
+"""The current reference at which the drive's steady state gives a wanted mean torque.
+
+Torque is not monotone in the current reference (unregulated current past the window's middle turns against
+the machine), and with a hysteresis band it jumps wherever a chop enters or leaves the window. So the
+reference is scanned upward, the first bracket taken, and a jump across the wanted torque reported as the
+share of time on each side.
+"""
+
+from __future__ import annotations
+
+from math import nan, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from drivegate_models.compilation.kernels import kernel
+from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.half_bridge.plant.phases import Phases, advance_phases
+from drivegate_models.half_bridge.steady.steady_state import AVERAGED_CYCLES, PERIODIC, periodic_start
+from drivegate_models.machine import ledger
+
+OUT_OF_REACH: int = 0
+"""No current reference up to the limit gives the torque."""
+STATIC: int = 1
+"""A smaller current reference gives the torque, but the current limit itself does not."""
+ROBUST: int = 2
+"""The torque at the current limit reaches the wanted torque, so a saturated regulator recovers."""
+CURRENT_TOLERANCE: float = 1e-9
+"""Width to which a current reference is located (A)."""
+
+_SCAN_STEPS = 100
+_GOLDEN = 0.5 * (sqrt(5.0) - 1.0)
+
+
+class MeanState(NamedTuple):
+    """Steady-state means that the searches compare."""
+
+    torque: float
+    """Mean electromagnetic torque (N m)."""
+    current_sum: float
+    """Mean of the sum of the phase currents' magnitudes (A)."""
+    input_power: float
+    """Net power taken from the supply, core loss and switching included (W)."""
+
+
+class ReferenceSearch(NamedTuple):
+    """Current reference, or pair of references in time shares, that gives a wanted mean torque.
+
+    Every number is NaN out of reach.
+    """
+
+    feasibility: int
+    """`ROBUST`, `STATIC` or `OUT_OF_REACH`."""
+    low: float
+    """Reference on the side of less torque (A)."""
+    high: float
+    """Reference on the side of more torque (A), equal to `low` where the torque is continuous."""
+    share: float
+    """Share of time at `high`, 0 to 1, at which the mean torque is the wanted one."""
+    current_sum: float
+    """Mean of the sum of the phase currents' magnitudes (A)."""
+    input_power: float
+    """Net power taken from the supply, core loss and switching included (W)."""
+
+
+@kernel
+def mean_state(
+    drive: Drive,
+    work: Phases,
+    slices: Phases,
+    speed: float,
+    voltage: float,
+    reference: float,
+    advance: float,
+) -> MeanState:
+    """Return the means of one steady state without its extremes, faster than the whole solution.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive's constants.
+    work, slices : Phases
+        Room for the computation; neither needs room for segments.
+    speed : float
+        Shaft speed (rad/s), above 0.
+    voltage : float
+        Voltage of each half-source (V).
+    reference : float
+        Current reference (A).
+    advance : float
+        Advance angle (rad electrical).
+
+    Returns
+    -------
+    MeanState
+        As `drivegate_models.half_bridge.steady.steady_state.solve_steady_state` has them.
+    """
+    certified = periodic_start(drive, work, slices, speed, voltage, reference, advance)
+    angle = 0.5 * (pi - drive.window) - advance
+    electrical = drive.pole_pairs * speed
+    totals = np.zeros(ledger.ENTRIES)
+    # A periodic torque repeats every pi/m; an aperiodic state is averaged over whole cycles.
+    length = pi / (drive.phases * electrical)
+    count = 1
+    if certified != PERIODIC:
+        length = 2.0 * pi / electrical
+        count = AVERAGED_CYCLES
+    for _ in range(count):
+        advance_phases(drive, work, angle, speed, voltage, voltage, reference, advance, length, totals)
+    per = 1.0 / (count * length)
+    power = totals[ledger.UPPER] + totals[ledger.LOWER]
+    power += totals[ledger.CORE_SOURCE] + totals[ledger.SWITCHING]
+    return MeanState(totals[ledger.IMPULSE] * per, totals[ledger.MAGNITUDE] * per, power * per)
+
+
+@kernel
+def greatest_torque(
+    drive: Drive,
+    work: Phases,
+    slices: Phases,
+    speed: float,
+    voltage: float,
+    advance: float,
+    limit: float,
+    floor: float = 0.0,
+) -> tuple[float, float]:
+    """Return the greatest mean torque over all current references up to a limit.
+
+    Parameters
+    ----------
+    drive, work, slices, speed, voltage, advance
+        As in `mean_state`.
+    limit : float
+        Greatest current reference (A).
+    floor : float
+        Least current reference (A).
+
+    Returns
+    -------
+    torque : float
+        Greatest mean torque (N m), on a grid of a hundredth of the limit and then by golden section.
+    reference : float
+        Where it is (A).
+    """
+    step = limit / _SCAN_STEPS
+    best = limit
+    most = mean_state(drive, work, slices, speed, voltage, limit, advance).torque
+    for k in range(int(max(floor, 0.0) / step), _SCAN_STEPS):
+        torque = mean_state(drive, work, slices, speed, voltage, k * step, advance).torque
+        if torque > most:
+            most = torque
+            best = k * step
+    low = max(best - step, 0.0)
+    high = min(best + step, limit)
+    while high - low > 1e-6 * limit:
+        left = high - _GOLDEN * (high - low)
+        right = low + _GOLDEN * (high - low)
+        left_torque = mean_state(drive, work, slices, speed, voltage, left, advance).torque
+        right_torque = mean_state(drive, work, slices, speed, voltage, right, advance).torque
+        if left_torque > most:
+            most = left_torque
+            best = left
+        if right_torque > most:
+            most = right_torque
+            best = right
+        if left_torque >= right_torque:
+            high = right
+        else:
+            low = left
+    return most, best
+
+
+@kernel
+def least_conceivable(drive: Drive, torque: float) -> float:
+    """Return a current reference below which the drive cannot give a torque.
+
+    A phase whose current stays within i* + h gives at most ``k_e (i* + h)``.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive's constants.
+    torque : float
+        Mean electromagnetic torque (N m).
+
+    Returns
+    -------
+    float
+        Current reference (A), 0 or more.
+    """
+    return max(torque / (drive.phases * drive.emf_constant) - drive.hysteresis_band, 0.0)
+
+
+@kernel
+def _located(
+    drive: Drive,
+    work: Phases,
+    slices: Phases,
+    speed: float,
+    voltage: float,
+    advance: float,
+    torque: float,
+    low: float,
+    low_state: MeanState,
+    high: float,
+    high_state: MeanState,
+    tolerance: float,
+) -> ReferenceSearch:
+    """Shrink a bracket, below the wanted torque at `low` and not at `high`, by regula falsi and halving."""
+    near = drive.phases * drive.emf_constant * tolerance
+    low_weight = low_state.torque - torque
+    high_weight = high_state.torque - torque
+    side = 0
+    turn = 0
+    while high - low > tolerance and high_state.torque > torque + near and low_state.torque < torque - near:
+        turn += 1
+        middle = 0.5 * (low + high)
+        # Every third step halves the bracket: across a jump the false position alone would creep.
+        if turn % 3 != 0:
+            secant = low - low_weight * (high - low) / (high_weight - low_weight)
+            if low < secant < high:
+                middle = secant
+        if not low < middle < high:
+            break
+        state = mean_state(drive, work, slices, speed, voltage, middle, advance)
+        if state.torque >= torque:
+            high = middle
+            high_state = state
+            high_weight = state.torque - torque
+            if side == 1:
+                low_weight *= 0.5
+            side = 1
+        else:
+            low = middle
+            low_state = state
+            low_weight = state.torque - torque
+            if side == -1:
+                high_weight *= 0.5
+            side = -1
+    share = (torque - low_state.torque) / (high_state.torque - low_state.torque)
+    # What is left of a coarse search is interpolated like a jump, which costs it no precision.
+    near = drive.phases * drive.emf_constant * CURRENT_TOLERANCE
+    if high_state.torque <= torque + near:
+        low = high
+        low_state = high_state
+        share = 0.0
+    elif low_state.torque >= torque - near:
+        high = low
+        high_state = low_state
+        share = 0.0
+    return ReferenceSearch(
+        ROBUST,
+        low,
+        high,
+        share,
+        low_state.current_sum + share * (high_state.current_sum - low_state.current_sum),
+        low_state.input_power + share * (high_state.input_power - low_state.input_power),
+    )
+
+
+@kernel
+def reference_for_torque(
+    drive: Drive,
+    work: Phases,
+    slices: Phases,
+    speed: float,
+    voltage: float,
+    advance: float,
+    torque: float,
+    limit: float,
+    tolerance: float,
+    floor: float,
+    robust_only: bool,
+) -> ReferenceSearch:
+    """Return the least current reference at which the mean torque is the wanted one.
+
+    The reference is scanned upward in steps of a hundredth of the limit, so a torque that is reached only
+    within a narrower stretch of references is found only where it surrounds the greatest torque.
+
+    Parameters
+    ----------
+    drive, work, slices, speed, voltage, advance
+        As in `mean_state`.
+    torque : float
+        Wanted mean electromagnetic torque (N m).
+    limit : float
+        Greatest current reference (A).
+    tolerance : float
+        Width to which the reference is located (A).
+    floor : float
+        Reference to start from (A) where the answer is known to lie above; 0 leaves nothing out.
+    robust_only : bool
+        Whether to give up at once where the torque at the limit does not reach the wanted one.
+
+    Returns
+    -------
+    ReferenceSearch
+        One reference; two with their shares of time where the torque jumps across the wanted one.
+    """
+    nowhere = ReferenceSearch(OUT_OF_REACH, nan, nan, nan, nan, nan)
+    at_limit = mean_state(drive, work, slices, speed, voltage, limit, advance)
+    feasibility = ROBUST if at_limit.torque >= torque else STATIC
+    if robust_only and feasibility != ROBUST:
+        return nowhere
+    least = least_conceivable(drive, torque)
+    low = 0.0
+    low_state = at_limit
+    # Each start is taken back to a safer one if the torque there is beyond the wanted one already.
+    for start in (max(floor, least), least, 0.0):
+        low = start if start < limit else 0.0
+        low_state = mean_state(drive, work, slices, speed, voltage, low, advance)
+        if low_state.torque < torque:
+            break
+    if low_state.torque >= torque:
+        # Gates blocked; more braking than rectification gives cannot be had.
+        if low_state.torque > torque + drive.phases * drive.emf_constant * CURRENT_TOLERANCE:
+            return nowhere
+        return ReferenceSearch(feasibility, 0.0, 0.0, 0.0, low_state.current_sum, low_state.input_power)
+    step = limit / _SCAN_STEPS
+    high = low
+    high_state = low_state
+    while high < limit and high_state.torque < torque:
+        low = high
+        low_state = high_state
+        high = min(low + step, limit)
+        high_state = at_limit
+        if high < limit:
+            high_state = mean_state(drive, work, slices, speed, voltage, high, advance)
+    if high_state.torque < torque:
+        # A summit between two steps of the scan: its lower side holds the least reference.
+        _, high = greatest_torque(drive, work, slices, speed, voltage, advance, limit, least)
+        high_state = mean_state(drive, work, slices, speed, voltage, high, advance)
+        if high_state.torque < torque:
+            return nowhere
+        low = max(high - step, 0.0)
+        low_state = mean_state(drive, work, slices, speed, voltage, low, advance)
+    found = _located(
+        drive, work, slices, speed, voltage, advance, torque, low, low_state, high, high_state, tolerance
+    )
+    return ReferenceSearch(
+        feasibility, found.low, found.high, found.share, found.current_sum, found.input_power
+    )

@@ -1,0 +1,337 @@
+"""What the drive can do at best: the values that candidates are measured against.
+
+All from the exact steady state, by exhaustive search at given speed and mean torque. Torque means the
+electromagnetic torque; the core loss's drag on the shaft is not taken off it.
+"""
+
+from __future__ import annotations
+
+from math import isfinite, isnan, nan
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drivegate_models.errors import InputError
+from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.half_bridge.plant.phases import make_phases
+from drivegate_models.half_bridge.steady.angle_search import (
+    Demand,
+    least_cost,
+    search_reference,
+    smallest_feasible,
+)
+from drivegate_models.half_bridge.steady.current_search import (
+    CURRENT_TOLERANCE,
+    OUT_OF_REACH,
+    ROBUST,
+    STATIC,
+    ReferenceSearch,
+    reference_for_torque,
+)
+from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME, SteadyState, solve_steady_state
+
+__all__ = [
+    "CURRENT_TOLERANCE",
+    "OUT_OF_REACH",
+    "ROBUST",
+    "STATIC",
+    "CurrentSumCurve",
+    "Optimum",
+    "TorquePoint",
+    "current_sum_curve",
+    "feasible_edge",
+    "least_current_sum",
+    "least_input_power",
+    "point_at_torque",
+    "reference_for_torque",
+]
+
+
+class TorquePoint(NamedTuple):
+    """Steady state at a wanted mean torque, a mix in time of two references where the torque jumps across it.
+
+    Out of reach every mean is NaN.
+    """
+
+    robust: bool
+    """Whether the torque at the current limit reaches the wanted one."""
+    static: bool
+    """Whether the greatest torque over all references up to the limit does."""
+    reference: float
+    """Current reference, of a mix its mean in time (A)."""
+    reference_low: float
+    """Reference of the side with less torque (A)."""
+    reference_high: float
+    """Reference of the side with more torque (A)."""
+    share: float
+    """Share of time at `reference_high` (1)."""
+    torque: float
+    """Mean electromagnetic torque (N m)."""
+    torque_lowest: float
+    """Least torque of both sides (N m)."""
+    torque_highest: float
+    """Greatest torque of both sides (N m)."""
+    current_sum: float
+    """Mean of the sum of the phase currents' magnitudes (A)."""
+    input_power: float
+    """Net power taken from the supply, core loss and switching included (W)."""
+    exchanged_power: float
+    """Power exchanged with the half-sources (W)."""
+    returned_power: float
+    """The part of it that flows back (W)."""
+    copper_loss: float
+    """(W)."""
+    device_loss: float
+    """Forward drops and switching (W)."""
+    core_loss: float
+    """Core loss, from the supply and from the shaft (W)."""
+    current_peak: float
+    """Greatest phase current of both sides (A)."""
+    certified: bool
+    """Whether both sides are certified periodic."""
+
+
+class Optimum(NamedTuple):
+    """The robustly feasible advance angle of least cost; NaN throughout where there is none."""
+
+    advance: float
+    """Advance angle (rad electrical)."""
+    current_sum: float
+    """Mean of the sum of the phase currents' magnitudes (A)."""
+    input_power: float
+    """Net power taken from the supply, core loss and switching included (W)."""
+    reference: float
+    """Current reference (A)."""
+
+
+class CurrentSumCurve(NamedTuple):
+    """What a torque costs along the advance angle."""
+
+    current_sum: NDArray[np.float64]
+    """Mean of the sum of current magnitudes, shape (n,) (A); NaN where not robustly feasible."""
+    input_power: NDArray[np.float64]
+    """Net input power, shape (n,) (W); NaN where not robustly feasible."""
+    feasible: NDArray[np.bool_]
+    """Whether the angle is robustly feasible, shape (n,)."""
+
+
+def _demand(drive: Drive, speed: float, torque: float, voltage: float | None) -> Demand:
+    """Return the demand with room for its computation, after a look at the operating point."""
+    if not (isfinite(speed) and speed > 0.0):
+        raise InputError(f"the speed is {speed:g} rad/s; a steady state needs a finite speed above 0")
+    if not isfinite(torque):
+        raise InputError(f"the wanted torque is {torque:g} N m; it must be finite")
+    supply = drive.half_supply_voltage if voltage is None else voltage
+    if not (isfinite(supply) and supply > 0.0):
+        raise InputError(f"the half-supply voltage is {supply:g} V; it must be finite and above 0")
+    return Demand(drive, make_phases(drive), make_phases(drive), float(speed), float(supply), float(torque))
+
+
+def _mean_reference(found: ReferenceSearch) -> float:
+    return found.low + found.share * (found.high - found.low)
+
+
+def _mixed(low: SteadyState, high: SteadyState, share: float, name: str) -> float:
+    first = float(getattr(low, name))
+    return first + share * (float(getattr(high, name)) - first)
+
+
+def point_at_torque(
+    drive: Drive, speed: float, advance: float, torque: float, voltage: float | None = None
+) -> TorquePoint:
+    """Return the steady state at a speed, an advance angle and a mean torque.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive, taken with its band as it is.
+    speed : float
+        Shaft speed (rad/s), above 0.
+    advance : float
+        Advance angle (rad electrical).
+    torque : float
+        Wanted mean electromagnetic torque (N m).
+    voltage : float, optional
+        Voltage of each half-source (V); the drive's nominal one by default.
+
+    Returns
+    -------
+    TorquePoint
+        Means at the least current reference that gives the torque.
+
+    Raises
+    ------
+    InputError
+        If speed, torque or voltage is not a usable number.
+    """
+    demand = _demand(drive, speed, torque, voltage)
+    _, work, slices, speed, supply, torque = demand
+    found = reference_for_torque(
+        drive,
+        work,
+        slices,
+        speed,
+        supply,
+        advance,
+        torque,
+        drive.current_limit,
+        CURRENT_TOLERANCE,
+        0.0,
+        False,
+    )
+    if found.feasibility == OUT_OF_REACH:
+        return TorquePoint(False, False, *(nan,) * 15, False)
+    work = make_phases(drive, KEPT_TIME)
+    low = solve_steady_state(drive, work, slices, speed, supply, found.low, advance)
+    high = low
+    if found.share > 0.0:
+        high = solve_steady_state(drive, work, slices, speed, supply, found.high, advance)
+    share = found.share
+    input_power = sum(
+        _mixed(low, high, share, name) for name in ("source_power", "core_source_power", "switching_loss")
+    )
+    return TorquePoint(
+        robust=found.feasibility == ROBUST,
+        static=True,
+        reference=_mean_reference(found),
+        reference_low=found.low,
+        reference_high=found.high,
+        share=share,
+        torque=_mixed(low, high, share, "torque"),
+        torque_lowest=min(low.torque_lowest, high.torque_lowest),
+        torque_highest=max(low.torque_highest, high.torque_highest),
+        current_sum=_mixed(low, high, share, "current_sum"),
+        input_power=input_power,
+        exchanged_power=_mixed(low, high, share, "exchanged_power"),
+        returned_power=_mixed(low, high, share, "returned_power"),
+        copper_loss=_mixed(low, high, share, "copper_loss"),
+        device_loss=_mixed(low, high, share, "device_loss"),
+        core_loss=_mixed(low, high, share, "core_loss"),
+        current_peak=max(low.current_peak, high.current_peak),
+        certified=bool(low.certified and high.certified),
+    )
+
+
+def feasible_edge(
+    drive: Drive, speed: float, torque: float, voltage: float | None = None, static: bool = False
+) -> float:
+    """Return the smallest advance angle at which a torque can be produced.
+
+    The paper's "necessary" angle (Fig. 6) is read as the robust edge, the default.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive.
+    speed : float
+        Shaft speed (rad/s), above 0.
+    torque : float
+        Wanted mean electromagnetic torque (N m).
+    voltage : float, optional
+        Voltage of each half-source (V); the drive's nominal one by default.
+    static : bool
+        Count any current reference up to the limit, not only the limit itself.
+
+    Returns
+    -------
+    float
+        The edge (rad electrical), from a scan in steps of 1 degree located to 1e-4 degree; 0 where no
+        advance is needed, NaN where no angle up to 90 degrees will do.
+
+    Raises
+    ------
+    InputError
+        If speed, torque or voltage is not a usable number.
+    """
+    return smallest_feasible(_demand(drive, speed, torque, voltage), static)
+
+
+def _least(drive: Drive, speed: float, torque: float, voltage: float | None, by_power: bool) -> Optimum:
+    demand = _demand(drive, speed, torque, voltage)
+    advance = least_cost(demand, by_power)
+    if isnan(advance):
+        return Optimum(nan, nan, nan, nan)
+    found = search_reference(demand, advance)
+    return Optimum(advance, found.current_sum, found.input_power, _mean_reference(found))
+
+
+def least_current_sum(drive: Drive, speed: float, torque: float, voltage: float | None = None) -> Optimum:
+    """Return the advance angle of least sum of current magnitudes, the minimum the paper's Fig. 4 looks for.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive, taken with its band as it is.
+    speed : float
+        Shaft speed (rad/s), above 0.
+    torque : float
+        Mean electromagnetic torque (N m).
+    voltage : float, optional
+        Voltage of each half-source (V); the drive's nominal one by default.
+
+    Returns
+    -------
+    Optimum
+        The least over all robustly feasible angles from 0 to 90 degrees: a grid of 1 degree, its two
+        lowest valleys on a grid of 0.1 degree, then golden section to 0.001 degree and the feasible edge.
+
+    Raises
+    ------
+    InputError
+        If speed, torque or voltage is not a usable number.
+    """
+    return _least(drive, speed, torque, voltage, False)
+
+
+def least_input_power(drive: Drive, speed: float, torque: float, voltage: float | None = None) -> Optimum:
+    """Return the advance angle of least net input power.
+
+    Parameters
+    ----------
+    drive, speed, torque, voltage
+        As in `least_current_sum`.
+
+    Returns
+    -------
+    Optimum
+        The least over all robustly feasible angles, searched as in `least_current_sum`.
+
+    Raises
+    ------
+    InputError
+        If speed, torque or voltage is not a usable number.
+    """
+    return _least(drive, speed, torque, voltage, True)
+
+
+def current_sum_curve(
+    drive: Drive, speed: float, torque: float, advances: ArrayLike, voltage: float | None = None
+) -> CurrentSumCurve:
+    """Return what a torque costs along the advance angle.
+
+    Parameters
+    ----------
+    drive, speed, torque, voltage
+        As in `least_current_sum`.
+    advances : array_like, shape (n,)
+        Advance angles (rad electrical).
+
+    Returns
+    -------
+    CurrentSumCurve
+        Arrays of shape (n,).
+
+    Raises
+    ------
+    InputError
+        If speed, torque or voltage is not a usable number.
+    """
+    demand = _demand(drive, speed, torque, voltage)
+    angles = np.asarray(advances, dtype=np.float64).ravel()
+    found = [search_reference(demand, float(advance)) for advance in angles]
+    return CurrentSumCurve(
+        np.array([point.current_sum for point in found]),
+        np.array([point.input_power for point in found]),
+        np.array([point.feasibility == ROBUST for point in found], dtype=np.bool_),
+    )

@@ -1,0 +1,166 @@
+"""Currents, voltages and torque over one electrical cycle, evaluated exactly from the plant's segments."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import kernel
+from drivegate_models.half_bridge.plant import segments
+from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.half_bridge.plant.phases import Phases, advance_phases, make_phases
+from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME, PERIODIC, periodic_start
+from drivegate_models.machine import ledger
+from drivegate_models.machine.winding_current import current_after
+
+
+@dataclass(frozen=True)
+class Waveforms:
+    """One electrical cycle of the steady state, from the opening of the first phase's positive window on."""
+
+    times: NDArray[np.float64]
+    """Never decreasing, shape (n,) (s); every event of every phase is among them, some times come twice."""
+    currents: NDArray[np.float64]
+    """Phase currents, shape (m, n) (A)."""
+    shapes: NDArray[np.float64]
+    """Shape of each phase's back-EMF, shape (m, n) (1)."""
+    voltages: NDArray[np.float64]
+    """Terminal voltages, shape (m, n) (V); at a step the value before it."""
+    torque: NDArray[np.float64]
+    """Electromagnetic torque, shape (n,) (N m)."""
+    cycle: float
+    """Length of the electrical cycle (s)."""
+    certified: bool
+    """Whether the state repeats after this one cycle; if not, it is one settled cycle of many."""
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Electrical angle turned since the window opened, shape (n,) (rad)."""
+        return self.times * (2.0 * pi / self.cycle)
+
+
+@kernel
+def sample_rows(
+    rows: NDArray[np.float64],
+    row_counts: NDArray[np.int64],
+    times: NDArray[np.float64],
+    currents: NDArray[np.float64],
+    shapes: NDArray[np.float64],
+    voltages: NDArray[np.float64],
+) -> None:
+    """Evaluate the segments of one advance; a time on the border of two belongs to the earlier one.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (m, k, segments.FIELDS)
+        Segments of each phase, without gaps.
+    row_counts : ndarray of int64, shape (m,)
+        Number of segments of each phase.
+    times : ndarray, shape (n,)
+        Increasing, from the start of the advance (s).
+    currents, shapes, voltages : ndarray, shape (m, n)
+        Receive current (A), back-EMF shape (1) and terminal voltage (V).
+    """
+    for phase in range(rows.shape[0]):
+        position = 0
+        for k in range(times.size):
+            # By the next start, not by this one's end: the two differ by rounding.
+            while position < row_counts[phase] - 1 and rows[phase, position + 1, segments.START] < times[k]:
+                position += 1
+            row = rows[phase, position]
+            # Another phase's event may lie past this segment's end by rounding.
+            offset = min(max(times[k] - row[segments.START], 0.0), row[segments.LENGTH])
+            current, _ = current_after(
+                row[segments.CURRENT],
+                row[segments.SLOPE],
+                row[segments.CURVATURE],
+                row[segments.RATE],
+                offset,
+            )
+            currents[phase, k] = current
+            shapes[phase, k] = row[segments.SHAPE] + row[segments.SHAPE_RATE] * offset
+            voltages[phase, k] = row[segments.VOLTAGE] + row[segments.VOLTAGE_RATE] * offset
+
+
+def _sampling_times(phases: Phases, grid: NDArray[np.float64], length: float) -> NDArray[np.float64]:
+    """Return the grid together with the start of every segment that was kept (s)."""
+    starts = [
+        phases.rows[phase, :count, segments.START] for phase, count in enumerate(phases.row_counts.tolist())
+    ]
+    return np.unique(np.clip(np.concatenate([grid, *starts]), 0.0, length))
+
+
+def periodic_waveforms(
+    drive: Drive,
+    speed: float,
+    reference: float,
+    advance: float,
+    voltage: float | None = None,
+    samples: int = 720,
+) -> Waveforms:
+    """Return one electrical cycle of the steady state at one point.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive.
+    speed : float
+        Shaft speed (rad/s), above 0.
+    reference : float
+        Current reference (A).
+    advance : float
+        Advance angle (rad electrical).
+    voltage : float, optional
+        Voltage of each half-source (V); the drive's nominal one by default.
+    samples : int
+        Number of equal parts of the cycle at whose ends it is evaluated, besides at every event.
+
+    Returns
+    -------
+    Waveforms
+        Exact values, as in the paper's Figs. 6, 9 and 10.
+    """
+    supply = drive.half_supply_voltage if voltage is None else voltage
+    phases = make_phases(drive, KEPT_TIME)
+    certified = periodic_start(drive, phases, make_phases(drive), speed, supply, reference, advance)
+    electrical = drive.pole_pairs * speed
+    cycle = 2.0 * pi / electrical
+    grid = np.linspace(0.0, cycle, samples + 1)
+    pieces = int(cycle / KEPT_TIME) + 1
+    length = cycle / pieces
+    angle = 0.5 * (pi - drive.window) - advance
+    unused = np.zeros(ledger.ENTRIES)
+    parts = []
+    for piece in range(pieces):
+        start = piece * length
+        advance_phases(
+            drive,
+            phases,
+            angle + electrical * start,
+            speed,
+            supply,
+            supply,
+            reference,
+            advance,
+            length,
+            unused,
+        )
+        inside = np.append(grid[(grid >= start) & (grid < start + length)] - start, length)
+        times = _sampling_times(phases, inside, length)
+        values = np.zeros((3, drive.phases, times.size))
+        sample_rows(phases.rows, phases.row_counts, times, values[0], values[1], values[2])
+        # The next piece must not begin before this one ends, by rounding.
+        parts.append((np.minimum(times + start, (piece + 1) * length), values))
+    currents, shapes, voltages = np.concatenate([values for _, values in parts], axis=2)
+    return Waveforms(
+        times=np.concatenate([times for times, _ in parts]),
+        currents=currents,
+        shapes=shapes,
+        voltages=voltages,
+        torque=drive.emf_constant * np.sum(shapes * currents, axis=0),
+        cycle=cycle,
+        certified=bool(certified == PERIODIC),
+    )

@@ -1,0 +1,1 @@
+"""The one closed loop, and what goes into it and comes out."""

@@ -1,0 +1,85 @@
+"""What happens to a run from outside, as piecewise linear functions of time."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined
+
+
+class Course(NamedTuple):
+    """A piecewise linear function of time; a step is two points at one time."""
+
+    times: NDArray[np.float64]
+    """Shape (n,), never decreasing (s)."""
+    values: NDArray[np.float64]
+    """Shape (n,), in the unit of the quantity."""
+
+
+class Schedule(NamedTuple):
+    """What happens during a run."""
+
+    speed: Course
+    """Speed reference (rad/s)."""
+    load: Course
+    """Load factor (1), or a vehicle's grade (1)."""
+    supply: Course
+    """Mean voltage of the half-sources (V)."""
+    imbalance: Course
+    """Share by which the upper half-source is above it, and the lower below (1)."""
+    resistance: Course
+    """Factor on the winding resistance (1)."""
+    emf: Course
+    """Factor on the EMF constant (1)."""
+
+
+def steady(value: float) -> Course:
+    """Make the course of a quantity that does not change.
+
+    Parameters
+    ----------
+    value : float
+        The quantity.
+
+    Returns
+    -------
+    Course
+        The same value at all times.
+    """
+    return Course(np.zeros(1), np.full(1, float(value)))
+
+
+@inlined
+def follow(course: Course, positions: NDArray[np.int64], index: int, time: float) -> float:
+    """Return a course's value at a time no earlier than the last one asked for.
+
+    Parameters
+    ----------
+    course : Course
+        The function of time.
+    positions : ndarray of int64
+        Where each course was found last; updated.
+    index : int
+        This course's place in it.
+    time : float
+        Time (s).
+
+    Returns
+    -------
+    float
+        The value; at a step the one behind it.
+    """
+    times = course.times
+    values = course.values
+    position = positions[index]
+    while position + 1 < times.size and times[position + 1] <= time:
+        position += 1
+    positions[index] = position
+    if position + 1 >= times.size:
+        return float(values[times.size - 1])
+    span = times[position + 1] - times[position]
+    share = (time - times[position]) / span
+    return float(values[position] + share * (values[position + 1] - values[position]))

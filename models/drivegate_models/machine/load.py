@@ -1,0 +1,69 @@
+"""Torque that the driven machine asks for."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Final, NamedTuple
+
+from drivegate_models.compilation.kernels import inlined
+
+LOCKED: Final = 0
+"""A dynamometer holds the shaft at the speed reference."""
+CONSTANT_TORQUE: Final = 1
+"""The same torque at every speed; it holds the shaft at standstill and never drives it backward."""
+CONSTANT_POWER: Final = 2
+"""Power over speed, limited to the torque at `SLOWEST`."""
+FAN: Final = 3
+"""Torque with the square of speed."""
+VEHICLE: Final = 4
+"""A vehicle on a road; the factor is the road's grade."""
+SLOWEST: Final = 1.0
+"""Speed below which a constant power load asks for no more torque (rad/s)."""
+
+
+class Load(NamedTuple):
+    """A load: its kind and its size."""
+
+    kind: int
+    """`LOCKED`, `CONSTANT_TORQUE`, `CONSTANT_POWER`, `FAN` or `VEHICLE`."""
+    size: float = 0.0
+    """Torque (N m) or power (W); a vehicle's weight times its lever at the shaft (N m)."""
+    speed: float = 1.0
+    """Speed at which a fan asks for `size` (rad/s); unused by the others."""
+    rolling: float = 0.0
+    """Rolling resistance of a vehicle as a share of its weight (1)."""
+    drag: float = 0.0
+    """Drag torque of a vehicle over the squared shaft speed (N m s2/rad2)."""
+    inertia: float = 0.0
+    """Inertia of the load at the shaft (kg m2)."""
+
+
+@inlined
+def load_torque(load: Load, factor: float, speed: float) -> float:
+    """Return the load's torque.
+
+    Parameters
+    ----------
+    load : Load
+        Kind and size.
+    factor : float
+        Scale of the size at this time (1); a vehicle's grade, height over way (1).
+    speed : float
+        Shaft speed (rad/s), at least 0.
+
+    Returns
+    -------
+    float
+        Torque against the rotation (N m). A vehicle's is that of its weight along the road, its rolling
+        resistance and its drag.
+    """
+    if load.kind == CONSTANT_TORQUE:
+        return factor * load.size
+    if load.kind == CONSTANT_POWER:
+        return factor * load.size / max(speed, SLOWEST)
+    if load.kind == FAN:
+        return factor * load.size * (speed / load.speed) ** 2
+    if load.kind == VEHICLE:
+        weight = load.size / sqrt(1.0 + factor * factor)
+        return weight * (load.rolling + factor) + load.drag * speed * speed
+    return 0.0

@@ -1,0 +1,73 @@
+"""Writing a file so that a reader sees the old content or the new one, never a part of it."""
+
+import contextlib
+import os
+import secrets
+from pathlib import Path
+
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+_WRONG_PLACE = (FileNotFoundError, NotADirectoryError, IsADirectoryError, PermissionError)
+
+
+def write_atomically(path: str | Path, content: str | bytes) -> None:
+    """Write a whole file: beside its place first, flushed to the disk, then renamed onto it.
+
+    A symbolic link is followed, so that the file it points to is replaced and the link stays.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to create or to replace; its folder has to exist.
+    content : str or bytes
+        The whole content; text is written as UTF-8 with its line ends unchanged.
+
+    Raises
+    ------
+    InputError
+        When the path cannot be written because its folder is missing, it is itself a folder, or permission
+        is refused.
+    OSError
+        For any other failure of the file system, such as a full disk.
+    """
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    try:
+        target = Path(path).resolve()
+        beside = target.with_name(f".{secrets.token_hex(12)}.partial")
+        _replace_flushed(beside, target, data)
+    except (*_WRONG_PLACE, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(
+            f"{shown_path(path)} cannot be written: {one_line(reason)}; "
+            "name a file in an existing, writable folder"
+        ) from error
+
+
+def _replace_flushed(beside: Path, target: Path, data: bytes) -> None:
+    """Write the file beside its place and rename it, leaving nothing beside on failure."""
+    try:
+        _write_flushed(beside, data)
+        beside.replace(target)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            beside.unlink()
+        raise
+    _flush_folder(target.parent)
+
+
+def _write_flushed(path: Path, data: bytes) -> None:
+    """Create a file that does not exist yet, with the permissions that the user's mask leaves."""
+    with path.open("xb") as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+def _flush_folder(folder: Path) -> None:
+    """Make the rename itself survive a loss of power."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

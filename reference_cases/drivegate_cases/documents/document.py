@@ -1,0 +1,206 @@
+"""The documents that people write for drivegate: typed, closed to unknown keys, with a schema number.
+
+A document is a pydantic model whose keys are the model's fields. Whatever is wrong with one is told in a
+single sentence that names the document, each offending key, and what would be right.
+"""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar, Self, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+
+from drivegate_cases.documents.problems import described
+from drivegate_cases.documents.reading import read_mapping
+from drivegate_cases.documents.wording import one_line, shown
+from drivegate_models.errors import InputError
+
+DocumentT = TypeVar("DocumentT", bound="Document")
+
+
+class Section(BaseModel):
+    """A table inside a document: frozen, closed to unknown keys, strict in its types, all numbers finite."""
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        strict=True,
+        allow_inf_nan=False,
+        validate_default=True,
+    )
+
+
+class Document(Section):
+    """A whole file: a section with the number of the schema that it is written in.
+
+    A kind of document whose schema has changed sets `schema_current` and translates the previous one in
+    `from_previous`.
+    """
+
+    schema_current: ClassVar[int] = 1
+    schema_version: int = Field(default=0, alias="schema", description="number of the document's schema")
+
+    @field_validator("schema_version")
+    @classmethod
+    def _is_current(cls, number: int) -> int:
+        """Tables that stand inside another document may leave the number out; it is the current one then."""
+        if number not in (0, cls.schema_current):
+            raise ValueError(f"must be {cls.schema_current} here")
+        return cls.schema_current
+
+    @classmethod
+    def from_previous(cls, mapping: dict[str, Any]) -> dict[str, Any]:
+        """Translate the previous schema's keys into the current one's.
+
+        Parameters
+        ----------
+        mapping : dict
+            The keys and values, without the schema number, as the previous schema had them.
+
+        Returns
+        -------
+        dict
+            The same in the current schema.
+        """
+        return mapping
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Write the document as plain data.
+
+        Returns
+        -------
+        dict
+            Strings, numbers, lists and tables only, schema number first; keys without a value are left out.
+        """
+        return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+    def to_json(self) -> str:
+        """Write the document as JSON; equal documents give the same characters.
+
+        Returns
+        -------
+        str
+            An indented JSON object with a line end.
+        """
+        return json.dumps(self.to_mapping(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+    def replaced(self, **changes: Any) -> Self:
+        """Make a document that differs in a few keys, checked like any other.
+
+        Parameters
+        ----------
+        **changes : object
+            New values by field name.
+
+        Returns
+        -------
+        Document
+            A new document of the same kind.
+
+        Raises
+        ------
+        InputError
+            When the changed document is not valid.
+        """
+        values = {field.alias or name: getattr(self, name) for name, field in type(self).model_fields.items()}
+        return _validated({**values, **_frozen(changes)}, type(self), type(self).__name__.lower(), None)
+
+
+def read_document(path: str | Path, model: type[DocumentT]) -> DocumentT:
+    """Read a TOML or JSON file as a document of a given kind.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; the suffix ``.toml`` or ``.json`` says how it is written.
+    model : type of Document
+        The kind of document.
+
+    Returns
+    -------
+    Document
+        The document, valid throughout.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong with the file in one sentence.
+    """
+    return parse_document(read_mapping(path), model, str(path), folder=Path(path).parent)
+
+
+def parse_document(
+    mapping: Mapping[str, Any], model: type[DocumentT], where: str, *, folder: Path | None = None
+) -> DocumentT:
+    """Check plain data as a document of a given kind.
+
+    Parameters
+    ----------
+    mapping : mapping
+        Keys and values as a TOML or JSON parser gives them, the schema number among them.
+    model : type of Document
+        The kind of document.
+    where : str
+        What the data comes from, for the message.
+    folder : Path, optional
+        The folder that files named inside the document are relative to; the working folder by default.
+
+    Returns
+    -------
+    Document
+        The document, valid throughout.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong with the data in one sentence.
+    """
+    if not isinstance(mapping, Mapping):
+        raise InputError(
+            f"{one_line(where)} holds {shown(mapping)}, but must hold a table of keys and values"
+        )
+    values = dict(mapping)
+    schema = _supported_schema(values.pop("schema", None), model, where)
+    if schema < model.schema_current:
+        values = model.from_previous(values)
+    return _validated(_frozen(values), model, where, folder)
+
+
+def _supported_schema(number: object, model: type[Document], where: str) -> int:
+    place = one_line(where)
+    current = model.schema_current
+    oldest = max(1, current - 1)
+    supported = f"{oldest} or {current}" if oldest < current else f"{current}"
+    if number is None:
+        raise InputError(f"{place}: the key 'schema' is missing, but must be {supported}")
+    if not isinstance(number, int) or isinstance(number, bool):
+        raise InputError(f"{place}: the key 'schema' is {shown(number)}, but must be the integer {supported}")
+    if number > current:
+        raise InputError(
+            f"{place}: schema {shown(number)} is newer than this drivegate reads, which is {supported}; "
+            "a newer drivegate reads it"
+        )
+    if number < oldest:
+        raise InputError(
+            f"{place}: schema {shown(number)} is older than this drivegate reads, which is {supported}"
+        )
+    return number
+
+
+def _validated(
+    values: Mapping[str, Any], model: type[DocumentT], where: str, folder: Path | None
+) -> DocumentT:
+    try:
+        return model.model_validate(values, context={"folder": folder})
+    except ValidationError as error:
+        raise InputError(f"{one_line(where)}: {described(error, model)}") from error
+
+
+def _frozen(value: Any) -> Any:
+    """Make lists tuples, since documents are immutable and strict about it."""
+    if isinstance(value, Mapping):
+        return {key: _frozen(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return tuple(_frozen(item) for item in value)
+    return value

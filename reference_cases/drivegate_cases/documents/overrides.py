@@ -1,0 +1,53 @@
+"""Reading ``KEY=VALUE`` pairs, by which single values of a document are set from a command line."""
+
+import json
+from collections.abc import Collection, Sequence
+from typing import Any
+
+from drivegate_cases.documents.wording import nearest, one_line, shown
+from drivegate_models.errors import InputError
+
+
+def parse_overrides(pairs: Sequence[str], known: Collection[str]) -> dict[str, Any]:
+    """Read pairs of key and value.
+
+    Parameters
+    ----------
+    pairs : sequence of str
+        Each as ``KEY=VALUE``; of several for one key the last one counts.
+    known : collection of str
+        The keys that may be set.
+
+    Returns
+    -------
+    dict
+        Values by key: numbers, lists and so on where the text is one, otherwise the text itself.
+
+    Raises
+    ------
+    InputError
+        When a pair has no equals sign or no value, or its key is not known.
+    """
+    values: dict[str, Any] = {}
+    for pair in pairs:
+        key, equals, text = (part.strip() for part in pair.partition("="))
+        if not equals or not key or not text:
+            raise InputError(f"--set {shown(pair)} is not a setting, which is written KEY=VALUE")
+        if key not in known:
+            raise InputError(
+                f"--set {one_line(pair)}: the key '{one_line(key)}' is unknown, "
+                f"the nearest known key is '{nearest(key, known)}'"
+            )
+        values[key] = _value(text)
+    return values
+
+
+def _value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        pass
+    try:
+        return float(text)
+    except ValueError:
+        return text

@@ -1,0 +1,76 @@
+"""Finding the documents that come with drivegate, by their bare names."""
+
+from importlib.resources import as_file, files
+from pathlib import Path
+
+from drivegate_cases.documents.document import DocumentT, read_document
+from drivegate_cases.documents.reading import SUFFIXES
+from drivegate_cases.documents.wording import nearest, one_line
+from drivegate_models.errors import InputError
+
+
+def packaged_names(folder: str) -> tuple[str, ...]:
+    """List what a folder of the package holds.
+
+    Parameters
+    ----------
+    folder : str
+        Such as ``motors``.
+
+    Returns
+    -------
+    tuple of str
+        The bare names, sorted.
+    """
+    entries = (files("drivegate_cases") / folder).iterdir()
+    return tuple(
+        sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml"))
+    )
+
+
+def load_named(
+    name_or_path: str | Path, model: type[DocumentT], folder: str, noun: str, *, beside: Path | None = None
+) -> DocumentT:
+    """Load a document of the package by its name, or any other by its path.
+
+    Parameters
+    ----------
+    name_or_path : str or Path
+        A bare name, or a path: whatever holds a separator or ends in ``.toml`` or ``.json``.
+    model : type of Document
+        The kind of document.
+    folder : str
+        The package's folder of such documents.
+    noun : str
+        What such a document is called in a message, such as ``motor``.
+    beside : Path, optional
+        The folder that a relative path starts from; the working folder by default.
+
+    Returns
+    -------
+    Document
+        The document, valid throughout.
+
+    Raises
+    ------
+    InputError
+        When no such document exists, or it is not valid.
+    """
+    if _is_path(name_or_path):
+        path = Path(name_or_path)
+        return read_document(path if beside is None else beside / path, model)
+    name = str(name_or_path)
+    known = packaged_names(folder)
+    if name not in known:
+        raise InputError(
+            f"no {noun} is called '{one_line(name)}', the nearest is '{nearest(name, known)}'; "
+            f"there are {', '.join(known)}, or a path that ends in .toml or .json"
+        )
+    with as_file(files("drivegate_cases") / folder / f"{name}.toml") as path:
+        return read_document(path, model)
+
+
+def _is_path(name_or_path: str | Path) -> bool:
+    if isinstance(name_or_path, Path):
+        return True
+    return "/" in name_or_path or "\\" in name_or_path or name_or_path.lower().endswith(SUFFIXES)

@@ -1,0 +1,209 @@
+"""Telling everything that is wrong with a document in one sentence, from pydantic's list of errors."""
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from types import UnionType
+from typing import Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from drivegate_cases.documents.wording import nearest, one_line, shown
+
+Location = Sequence[int | str]
+
+_LONGEST_LIST = 8
+
+
+def described(error: ValidationError, model: type[BaseModel]) -> str:
+    """Tell every error of a document, joined by semicolons.
+
+    Parameters
+    ----------
+    error : ValidationError
+        What pydantic found.
+    model : type of BaseModel
+        The kind of document that was expected.
+
+    Returns
+    -------
+    str
+        One line; each part names a key and says what would be right.
+    """
+    parts = [_described_one(details, model) for details in error.errors(include_url=False)]
+    told = list(dict.fromkeys(parts))
+    if len(told) > _LONGEST_LIST:
+        told = [*told[:_LONGEST_LIST], f"and {len(told) - _LONGEST_LIST} more of this kind"]
+    return "; ".join(told)
+
+
+def _described_one(details: ErrorDetails, model: type[BaseModel]) -> str:
+    path = [step for step, _ in _walk(model, details["loc"])]
+    telling = _TELLINGS.get(details["type"], _tell_wrong_value)
+    return telling(details, path, model)
+
+
+def key_name(path: Location) -> str:
+    """Write the place of a value in a document.
+
+    Parameters
+    ----------
+    path : sequence of str or int
+        Keys of tables and indices of lists, from the top.
+
+    Returns
+    -------
+    str
+        Such as ``load.factor[2][1]``, with indices counted from 0.
+    """
+    text = ""
+    for step in path:
+        if isinstance(step, int):
+            text += f"[{step}]"
+        else:
+            text += f".{step}" if text else step
+    return one_line(text)
+
+
+def _tell_unknown(details: ErrorDetails, path: Location, model: type[BaseModel]) -> str:
+    known = _keys_beside(model, details["loc"])
+    closest = nearest(str(path[-1]), known)
+    advice = f"the nearest known key is '{closest}'" if closest else "no key is known there"
+    return f"the key '{key_name(path)}' is unknown, {advice}"
+
+
+def _tell_missing(details: ErrorDetails, path: Location, model: type[BaseModel]) -> str:
+    if path and isinstance(path[-1], int):
+        return f"the key '{key_name(path[:-1])}' has too few entries, {path[-1]}"
+    description = _description(model, details["loc"])
+    return f"the key '{key_name(path)}' is missing" + (f", it gives the {description}" if description else "")
+
+
+def _tell_excess(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
+    limits = details.get("ctx", {})
+    return (
+        f"the key '{key_name(path)}' has {limits.get('actual_length')} entries, "
+        f"but must have at most {limits.get('max_length')}"
+    )
+
+
+def _tell_rule(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
+    """Tell what a rule of our own says; its message follows the key's value, or stands alone."""
+    reason = one_line(str(details["ctx"]["error"]))
+    if not path:
+        return reason
+    if reason.startswith("must "):
+        return f"the key '{key_name(path)}' is {shown(details['input'])}, but {reason}"
+    return f"in the key '{key_name(path)}', {reason}"
+
+
+def _tell_kind(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
+    context = details["ctx"]
+    kinds = context.get("expected_tags")
+    key = key_name([*path, context["discriminator"].strip("'")])
+    if kinds is None:
+        return f"the key '{key}' is missing, it says which kind of table this is"
+    return f"the key '{key}' is {shown(context['tag'])}, but must be one of {kinds}"
+
+
+def _tell_wrong_value(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
+    requirement = _REQUIREMENTS.get(details["type"])
+    if requirement is None:
+        requirement = re.sub(r"^\w+ should", "must", one_line(details["msg"]))
+    place = f"the key '{key_name(path)}'" if path else "the document"
+    return f"{place} is {shown(details['input'])}, but {requirement}"
+
+
+_TELLINGS: dict[str, Callable[[ErrorDetails, Location, type[BaseModel]], str]] = {
+    "extra_forbidden": _tell_unknown,
+    "missing": _tell_missing,
+    "too_long": _tell_excess,
+    "value_error": _tell_rule,
+    "union_tag_invalid": _tell_kind,
+    "union_tag_not_found": _tell_kind,
+}
+
+_REQUIREMENTS = {
+    "float_type": "must be a number",
+    "int_type": "must be a whole number without a decimal point",
+    "int_from_float": "must be a whole number",
+    "string_type": "must be text in quotes",
+    "string_unicode": "must be text that UTF-8 can hold",
+    "bool_type": "must be true or false",
+    "tuple_type": "must be a list",
+    "dict_type": "must be a table",
+    "model_type": "must be a table",
+    "model_attributes_type": "must be a table",
+    "finite_number": "must be a finite number",
+}
+
+
+def _walk(model: type[BaseModel], location: Location) -> Iterator[tuple[int | str, Any]]:
+    """Follow an error's location, leaving out the steps that only pick a member of a union.
+
+    Yields
+    ------
+    tuple
+        Each step that a reader of the document sees, and the type of the values beside it.
+    """
+    annotation: Any = model
+    for step in location:
+        members = [member for member in _members(annotation) if _is_model(member)]
+        chosen = [member for member in members if step in _kinds(member)]
+        if len(members) > 1 and chosen:
+            annotation = chosen[0]
+            continue
+        yield step, annotation
+        annotation = _inside(annotation, members, step)
+
+
+def _inside(annotation: Any, members: list[type[BaseModel]], step: int | str) -> Any:
+    """Find the type of what stands at a key or an index of a value of the given type."""
+    for member in members:
+        for name, field in _fields(member):
+            if step in (name, field.alias):
+                return field.annotation
+    items = [item for member in _members(annotation) for item in get_args(member) if item is not Ellipsis]
+    return items[-1] if items else None
+
+
+def _members(annotation: Any) -> tuple[Any, ...]:
+    """Take the members of a union, without its annotations, or the type itself."""
+    if hasattr(annotation, "__metadata__"):
+        return _members(annotation.__origin__)
+    if get_origin(annotation) in (Union, UnionType):
+        return tuple(member for part in get_args(annotation) for member in _members(part))
+    return (annotation,)
+
+
+def _is_model(annotation: Any) -> bool:
+    return isinstance(annotation, type) and issubclass(annotation, BaseModel)
+
+
+def _fields(model: type[BaseModel]) -> Iterable[tuple[str, FieldInfo]]:
+    return model.model_fields.items()
+
+
+def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:
+    """Take the values of a model's ``kind`` key, by which a union of models is told apart."""
+    kind = model.model_fields.get("kind")
+    return get_args(kind.annotation) if kind and get_origin(kind.annotation) is Literal else ()
+
+
+def _keys_beside(model: type[BaseModel], location: Location) -> list[str]:
+    """Take the keys that are known in the table where an error's last step stands."""
+    _, annotation = list(_walk(model, location))[-1]
+    models = [member for member in _members(annotation) if _is_model(member)]
+    return [field.alias or name for member in models for name, field in _fields(member)]
+
+
+def _description(model: type[BaseModel], location: Location) -> str | None:
+    """Take the description of the key that an error's last step names."""
+    step, annotation = list(_walk(model, location))[-1]
+    for member in _members(annotation):
+        if _is_model(member):
+            for name, field in _fields(member):
+                if step in (name, field.alias):
+                    return field.description
+    return None

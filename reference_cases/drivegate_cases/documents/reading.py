@@ -1,0 +1,115 @@
+"""From the bytes of a TOML or JSON file to plain data, with one sentence for each way to fail."""
+
+import json
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NoReturn
+
+from drivegate_cases.documents.wording import one_line, shown, shown_path
+from drivegate_models.errors import InputError
+
+LARGEST_FILE_BYTES = 16 * 1024 * 1024
+SUFFIXES = (".toml", ".json")
+
+
+def read_mapping(path: str | Path) -> dict[str, Any]:
+    """Read a TOML or JSON file; the suffix of its name says which.
+
+    Parameters
+    ----------
+    path : str or Path
+        A regular file of at most 16 MB, in UTF-8, whose name ends in ``.toml`` or ``.json``.
+
+    Returns
+    -------
+    dict
+        The document's top-level table.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read or is not a well-formed document.
+    """
+    where = shown_path(path)
+    text = _decoded(_bytes_of(path, where), where)
+    suffix = Path(path).suffix.lower()
+    if suffix == ".json":
+        return _table_at_top(_parsed(text, where, "JSON", _json_value), where)
+    return _table_at_top(_parsed(text, where, "TOML", tomllib.loads), where)
+
+
+def _bytes_of(path: str | Path, where: str) -> bytes:
+    if Path(path).suffix.lower() not in SUFFIXES:
+        raise InputError(
+            f"{where} is neither a TOML nor a JSON file by its name, which must end in .toml or .json"
+        )
+    try:
+        place = Path(path)
+        if place.is_dir():
+            raise InputError(f"{where} is a folder, but must be a TOML or JSON file")
+        if place.exists() and not place.is_file():
+            raise InputError(f"{where} is not a regular file, but must be a TOML or JSON file")
+        with place.open("rb") as stream:
+            data = stream.read(LARGEST_FILE_BYTES + 1)
+    except FileNotFoundError as error:
+        raise InputError(f"{where} does not exist; name an existing TOML or JSON file") from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(
+            f"{where} cannot be read: {one_line(reason)}; name a readable TOML or JSON file"
+        ) from error
+    if len(data) > LARGEST_FILE_BYTES:
+        raise InputError(
+            f"{where} is larger than {LARGEST_FILE_BYTES // 1024**2} MB, the most that a document may have"
+        )
+    return data
+
+
+def _decoded(data: bytes, where: str) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            f"{where} is not text in UTF-8 (byte {error.start}, line {line}), but must be TOML or JSON"
+        ) from error
+
+
+def _parsed(text: str, where: str, language: str, parse: Callable[[str], Any]) -> Any:
+    try:
+        return parse(text)
+    except json.JSONDecodeError as error:
+        raise InputError(
+            f"{where} is not well-formed JSON at line {error.lineno}, column {error.colno}: "
+            f"{one_line(error.msg)}"
+        ) from error
+    except RecursionError as error:
+        raise InputError(
+            f"{where} is nested too deeply; a document has a few levels of tables at most"
+        ) from error
+    except ValueError as error:
+        raise InputError(f"{where} is not well-formed {language}: {one_line(str(error))}") from error
+
+
+def _json_value(text: str) -> Any:
+    return json.loads(text, object_pairs_hook=_without_repeats, parse_constant=_refuse_constant)
+
+
+def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        keys = [key for key, _ in pairs]
+        repeated = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f"the key {shown(repeated)} appears more than once in one object")
+    return table
+
+
+def _refuse_constant(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is no JSON number, and every number must be finite")
+
+
+def _table_at_top(value: Any, where: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise InputError(f"{where} holds {shown(value)} at its top, but must hold a table of keys and values")
+    return value

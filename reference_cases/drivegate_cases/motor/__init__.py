@@ -1,0 +1,1 @@
+"""A motor and its drive as a document."""

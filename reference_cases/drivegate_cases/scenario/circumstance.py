@@ -1,0 +1,41 @@
+"""What is not nominal about a run, which decides the requirement that it is judged by."""
+
+from enum import Enum
+
+from drivegate_cases.motor.scales import NOMINAL
+from drivegate_cases.scenario.scenario import Scenario
+
+
+class Circumstance(Enum):
+    """Circumstances of a run; the later ones include what is before them."""
+
+    NOMINAL = "nominal"
+    """The nominal plant through ideal sensors; load, speed reference and supply may change."""
+    PARAMETERS = "parameters"
+    """A plant whose parameters are not the nameplate's."""
+    SENSORS = "sensors"
+    """Sensors that are not ideal."""
+    FAULTS = "faults"
+    """Signals lost, false encoder edges, unequal halves of the supply, or parameters that drift."""
+
+
+def circumstance(scenario: Scenario) -> Circumstance:
+    """Tell what is not nominal about a run.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    Circumstance
+        The last one that holds.
+    """
+    if scenario.drift or scenario.imbalance or scenario.dropouts or scenario.glitches:
+        return Circumstance.FAULTS
+    if scenario.sensors.kind != "ideal":
+        return Circumstance.SENSORS
+    if scenario.scales != NOMINAL:
+        return Circumstance.PARAMETERS
+    return Circumstance.NOMINAL

@@ -1,0 +1,63 @@
+"""Disturbances besides steps of load, speed and supply: drift of parameters, and sensors that fail for a moment."""
+
+from typing import Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from drivegate_cases.documents.document import Section
+from drivegate_cases.scenario.piecewise import Profile, check_times
+
+_LEAST_FACTOR, _GREATEST_FACTOR = 0.1, 10.0
+
+
+class Drift(Section):
+    """How the plant's parameters change during a run, as windings and magnets do with temperature."""
+
+    resistance: Profile | None = Field(
+        default=None, description="factor on the phase resistance, a list of [seconds, factor]"
+    )
+    emf_constant: Profile | None = Field(
+        default=None, description="factor on the EMF constant, a list of [seconds, factor]"
+    )
+
+    @field_validator("resistance", "emf_constant")
+    @classmethod
+    def _factors_in_range(cls, profile: Profile | None) -> Profile | None:
+        if profile is None:
+            return None
+        if any(not _LEAST_FACTOR <= factor <= _GREATEST_FACTOR for _, factor in profile):
+            raise ValueError(f"must have factors from {_LEAST_FACTOR:g} to {_GREATEST_FACTOR:g}")
+        return check_times(profile)
+
+    @model_validator(mode="after")
+    def _has_one(self) -> Self:
+        if self.resistance is None and self.emf_constant is None:
+            raise ValueError("must give 'resistance' or 'emf_constant'")
+        return self
+
+
+class Dropout(Section):
+    """A sensor signal that reads 0 for a while."""
+
+    signal: Literal["speed", "currents", "supply"] = Field(description="signal that is lost")
+    start_s: float = Field(ge=0.0, le=86400.0, description="time at which it is lost, in seconds")
+    duration_s: float = Field(gt=0.0, le=86400.0, description="time until it is back, in seconds")
+
+    @property
+    def end_s(self) -> float:
+        """Time at which the signal is back (s)."""
+        return self.start_s + self.duration_s
+
+
+class Glitch(Section):
+    """Edges that the encoder's counter sees and the encoder did not give."""
+
+    time_s: float = Field(ge=0.0, le=86400.0, description="time of the false edges, in seconds")
+    counts: int = Field(ge=-100_000, le=100_000, description="number of false edges, negative for lost ones")
+
+    @field_validator("counts")
+    @classmethod
+    def _does_something(cls, counts: int) -> int:
+        if counts == 0:
+            raise ValueError("must not be 0")
+        return counts

@@ -1,0 +1,171 @@
+"""Drive cycles: the speed of a vehicle over time, as they come with drivegate or from a user's CSV file."""
+
+from __future__ import annotations
+
+import csv
+import io
+from itertools import pairwise
+from math import isfinite
+from pathlib import Path
+from typing import Final
+
+from pydantic import Field, field_validator
+
+from drivegate_cases.documents.document import Document, parse_document
+from drivegate_cases.documents.packaged import load_named, packaged_names
+from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
+from drivegate_cases.scenario.piecewise import Profile
+from drivegate_models.errors import InputError
+
+CSV_COLUMNS: Final = ("time_s", "speed_km_h")
+"""Columns that a user's file must have; others are left alone."""
+LONGEST_CYCLE_S: Final = 3600.0
+"""Longest cycle (s)."""
+MOST_POINTS: Final = 3601
+"""Most points of a cycle, one a second."""
+HIGHEST_SPEED_KM_H: Final = 300.0
+"""Highest speed of a cycle (km/h)."""
+_LARGEST_FILE_BYTES: Final = 4 * 1024 * 1024
+
+
+class DriveCycle(Document):
+    """The speed of a vehicle over time, straight between points."""
+
+    name: str = Field(min_length=1, max_length=200, description="name of the cycle")
+    description: str = Field(default="", max_length=2000, description="what the cycle stands for")
+    source: str = Field(default="", max_length=1000, description="where the cycle is published")
+    speed_km_h: Profile = Field(description="list of [time in seconds, speed in km/h]")
+
+    @field_validator("speed_km_h")
+    @classmethod
+    def _can_be_driven(cls, points: Profile) -> Profile:
+        if not 2 <= len(points) <= MOST_POINTS:
+            raise ValueError(f"must have 2 to {MOST_POINTS} points")
+        if points[0][0] != 0.0:
+            raise ValueError("must have its first point at time 0")
+        backward = [later for (earlier, _), (later, _) in pairwise(points) if later <= earlier]
+        if backward:
+            raise ValueError(f"must have times that increase, which the point at {backward[0]:g} s does not")
+        if points[-1][0] > LONGEST_CYCLE_S:
+            raise ValueError(f"must end within {LONGEST_CYCLE_S:g} s")
+        if any(not 0.0 <= speed <= HIGHEST_SPEED_KM_H for _, speed in points):
+            raise ValueError(f"must have speeds from 0 to {HIGHEST_SPEED_KM_H:g} km/h")
+        if all(speed == 0.0 for _, speed in points):
+            raise ValueError("must have a speed above 0 somewhere")
+        return points
+
+    @property
+    def duration_s(self) -> float:
+        """Length of the cycle (s)."""
+        return self.speed_km_h[-1][0]
+
+    @property
+    def distance_m(self) -> float:
+        """Way of a vehicle that follows the cycle exactly (m): the area under straight pieces."""
+        return sum(
+            0.5 * (before + after) / 3.6 * (later - earlier)
+            for (earlier, before), (later, after) in pairwise(self.speed_km_h)
+        )
+
+
+def cycle_names() -> tuple[str, ...]:
+    """List the cycles that come with drivegate.
+
+    Returns
+    -------
+    tuple of str
+        Bare names, as `load_drive_cycle` takes them.
+    """
+    return packaged_names("cycles")
+
+
+def load_drive_cycle(name_or_path: str | Path) -> DriveCycle:
+    """Load a cycle that comes with drivegate, or one from a file.
+
+    Parameters
+    ----------
+    name_or_path : str or Path
+        A bare name such as ``ece-15``, or the path of a CSV, TOML or JSON file.
+
+    Returns
+    -------
+    DriveCycle
+        The cycle.
+
+    Raises
+    ------
+    InputError
+        When there is no such cycle, or its file is not valid.
+    """
+    if str(name_or_path).lower().endswith(".csv"):
+        return _from_csv(Path(name_or_path))
+    return load_named(name_or_path, DriveCycle, "cycles", "drive cycle")
+
+
+def _from_csv(path: Path) -> DriveCycle:
+    where = shown_path(path)
+    rows = csv.reader(io.StringIO(_text_of(path, where)))
+    try:
+        header = [name.strip().lower() for name in next(rows, [])]
+        columns = [_column(name, header, where) for name in CSV_COLUMNS]
+        points = [
+            [
+                _number(row, column, name, rows.line_num, where)
+                for name, column in zip(CSV_COLUMNS, columns, strict=True)
+            ]
+            for row in rows
+            if any(cell.strip() for cell in row)
+        ]
+    except csv.Error as error:
+        raise InputError(f"{where} is no CSV file at line {rows.line_num}: {one_line(str(error))}") from error
+    content = {
+        "schema": DriveCycle.schema_current,
+        "name": one_line(path.stem)[:200] or "cycle",
+        "source": f"the file {one_line(path.name)}"[:1000],
+        "speed_km_h": points,
+    }
+    return parse_document(content, DriveCycle, str(path))
+
+
+def _text_of(path: Path, where: str) -> str:
+    try:
+        if path.is_dir():
+            raise InputError(f"{where} is a folder, but must be a CSV file with {' and '.join(CSV_COLUMNS)}")
+        with path.open("rb") as stream:
+            data = stream.read(_LARGEST_FILE_BYTES + 1)
+    except FileNotFoundError as error:
+        raise InputError(f"{where} does not exist; name an existing CSV file") from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{where} cannot be read: {one_line(reason)}; name a readable CSV file") from error
+    if len(data) > _LARGEST_FILE_BYTES:
+        raise InputError(
+            f"{where} is larger than {_LARGEST_FILE_BYTES // 1024**2} MB, the most for a drive cycle"
+        )
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{where} is not text in UTF-8 (byte {error.start}), but must be a CSV file"
+        ) from error
+
+
+def _column(name: str, header: list[str], where: str) -> int:
+    if name in header:
+        return header.index(name)
+    known = [column for column in header if column]
+    hint = f", the nearest there is '{one_line(str(nearest(name, known)))[:60]}'" if known else ""
+    raise InputError(
+        f"{where} has no column '{name}' in its first line{hint}; it must have {' and '.join(CSV_COLUMNS)}"
+    )
+
+
+def _number(row: list[str], column: int, name: str, line: int, where: str) -> float:
+    cell = row[column].strip() if column < len(row) else ""
+    try:
+        value = float(cell)
+    except ValueError:
+        value = float("nan")
+    if not isfinite(value):
+        raise InputError(f"{where}: '{name}' is {shown(cell)} in line {line}, but must be a number")
+    return value

@@ -1,0 +1,177 @@
+"""What the shaft drives: kinds of load, each with the torque that it asks for at a speed."""
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from drivegate_cases.documents.document import Section
+from drivegate_cases.scenario.piecewise import Profile, ProfilePoint, check_times
+
+_Torque = Annotated[float, Field(ge=0.0, le=1e6)]
+_FactorPoint = Annotated[
+    ProfilePoint,
+    Field(description="[time in seconds, share of the load, from 0 without it to 1 with all of it]"),
+]
+_GREATEST_FACTOR = 10.0
+_STEEPEST_PERCENT = 100.0
+GRAVITY = 9.80665
+"""Standard gravity (m/s²)."""
+
+
+class LockedLoad(Section):
+    """A dynamometer that keeps the shaft on the speed reference, whatever torque that takes."""
+
+    kind: Literal["locked"] = Field(description="kind of load")
+
+
+class _SwitchedLoad(Section):
+    """A load that a profile of factors switches on and off."""
+
+    factor: tuple[_FactorPoint, ...] = Field(
+        description="list of [time in seconds, share of the load], best from share 0 at first"
+    )
+
+    @field_validator("factor")
+    @classmethod
+    def _factors_in_range(cls, factor: Profile) -> Profile:
+        if any(not 0.0 <= share <= _GREATEST_FACTOR for _, share in factor):
+            raise ValueError(f"must have shares from 0 to {_GREATEST_FACTOR:g}")
+        return check_times(factor)
+
+
+class ConstantTorqueLoad(_SwitchedLoad):
+    """The same torque at every speed."""
+
+    kind: Literal["constant_torque"] = Field(description="kind of load")
+    torque_nm: _Torque = Field(description="torque of the whole load, in newton metres")
+
+    def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
+        """Torque of the load.
+
+        Parameters
+        ----------
+        speed_rpm : float
+            Speed of the shaft (rpm); without influence here.
+        share : float
+            Share of the load (1).
+
+        Returns
+        -------
+        float
+            Torque (N·m).
+        """
+        del speed_rpm
+        return share * self.torque_nm
+
+
+class ConstantPowerLoad(_SwitchedLoad):
+    """A torque that falls with speed, so that the power stays; it needs a turning shaft."""
+
+    kind: Literal["constant_power"] = Field(description="kind of load")
+    power_w: float = Field(ge=0.0, le=1e9, description="power of the whole load, in watts")
+
+    def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
+        """Torque of the load.
+
+        Parameters
+        ----------
+        speed_rpm : float
+            Speed of the shaft (rpm), above 0.
+        share : float
+            Share of the load (1).
+
+        Returns
+        -------
+        float
+            Torque (N·m), power over angular speed.
+        """
+        return share * self.power_w / (speed_rpm * 2.0 * math.pi / 60.0)
+
+
+class FanLoad(_SwitchedLoad):
+    """A torque that grows with the square of the speed."""
+
+    kind: Literal["fan"] = Field(description="kind of load")
+    torque_nm: _Torque = Field(description="torque of the whole load at speed_rpm, in newton metres")
+    speed_rpm: float = Field(gt=0.0, le=1e6, description="speed at which the fan asks for torque_nm, in rpm")
+
+    def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
+        """Torque of the load.
+
+        Parameters
+        ----------
+        speed_rpm : float
+            Speed of the shaft (rpm).
+        share : float
+            Share of the load (1).
+
+        Returns
+        -------
+        float
+            Torque (N·m), by the fan law proportional to the square of the speed.
+        """
+        return share * self.torque_nm * (speed_rpm / self.speed_rpm) ** 2
+
+
+class VehicleLoad(Section):
+    """A vehicle on a road behind a fixed gear; its mass is felt as inertia at the shaft."""
+
+    kind: Literal["vehicle"] = Field(description="kind of load")
+    mass_kg: float = Field(gt=0.0, le=1e6, description="mass of the vehicle, in kilograms")
+    wheel_radius_m: float = Field(gt=0.0, le=10.0, description="radius of the driven wheels, in metres")
+    gear_ratio: float = Field(gt=0.0, le=1e3, description="turns of the shaft for one of the wheels")
+    rolling_resistance: float = Field(
+        ge=0.0, le=1.0, description="rolling resistance as a share of the vehicle's weight"
+    )
+    drag_area_m2: float = Field(
+        ge=0.0, le=100.0, description="drag coefficient times frontal area, in square metres"
+    )
+    air_density_kg_m3: float = Field(
+        default=1.2, ge=0.0, le=100.0, description="density of the air, in kilograms per cubic metre"
+    )
+    grade_percent: Profile = Field(
+        default=((0.0, 0.0),), description="grade of the road, a list of [seconds, percent], positive uphill"
+    )
+
+    @field_validator("grade_percent")
+    @classmethod
+    def _grades_in_range(cls, grade: Profile) -> Profile:
+        if any(abs(percent) > _STEEPEST_PERCENT for _, percent in grade):
+            raise ValueError(f"must have grades from -{_STEEPEST_PERCENT:g} to {_STEEPEST_PERCENT:g} %")
+        return check_times(grade)
+
+    @property
+    def lever_m(self) -> float:
+        """Way of the vehicle for one radian of the shaft (m)."""
+        return self.wheel_radius_m / self.gear_ratio
+
+    @property
+    def inertia_kg_m2(self) -> float:
+        """The vehicle's mass as an inertia at the shaft (kg·m²)."""
+        return self.mass_kg * self.lever_m**2
+
+    def torque_at(self, speed_rpm: float, share: float = 0.0) -> float:
+        """Torque that keeps the vehicle at its speed.
+
+        Parameters
+        ----------
+        speed_rpm : float
+            Speed of the shaft (rpm).
+        share : float
+            Grade of the road (%).
+
+        Returns
+        -------
+        float
+            Torque (N·m): weight along the road, rolling resistance and drag, through the lever of wheel and gear.
+        """
+        vehicle_speed = speed_rpm * math.pi / 30.0 * self.lever_m
+        slope = share / 100.0
+        weight = self.mass_kg * GRAVITY / math.hypot(1.0, slope)
+        drag = 0.5 * self.air_density_kg_m3 * self.drag_area_m2 * vehicle_speed**2
+        return self.lever_m * (weight * (self.rolling_resistance + slope) + drag)
+
+
+SwitchedLoad = ConstantTorqueLoad | ConstantPowerLoad | FanLoad
+Load = Annotated[LockedLoad | SwitchedLoad | VehicleLoad, Field(discriminator="kind")]

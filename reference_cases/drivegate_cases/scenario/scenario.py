@@ -1,0 +1,256 @@
+"""A run as plain data: motor, plant, supply, speed reference, load, duration and seed."""
+
+import math
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+
+from drivegate_cases.documents.document import Document
+from drivegate_cases.documents.packaged import load_named, packaged_names
+from drivegate_cases.motor.motor import Motor, load_motor
+from drivegate_cases.motor.scales import Scales
+from drivegate_cases.scenario.disturbance import Drift, Dropout, Glitch
+from drivegate_cases.scenario.load import ConstantPowerLoad, Load, LockedLoad, VehicleLoad
+from drivegate_cases.scenario.piecewise import Profile, breakpoints, check_times, value_from, value_until
+from drivegate_cases.scenario.sensors import IDEAL, Sensors
+from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.errors import InputError
+
+LONGEST_CONTROL_PERIOD_S = 0.0005
+SHORTEST_CONTROL_PERIOD_S = 1e-6
+_HIGHEST_SPEED_RPM = 1e6
+_HIGHEST_VOLTAGE_V = 1e5
+_GREATEST_IMBALANCE = 0.5
+_STEADY: Profile = ((0.0, 1.0),)
+
+
+def _motor_by_name(value: Any, info: ValidationInfo) -> Any:
+    """Take a motor from the package or a file where a scenario only names it."""
+    if not isinstance(value, str):
+        return value
+    try:
+        return load_motor(value, beside=(info.context or {}).get("folder"))
+    except InputError as error:
+        raise ValueError(str(error)) from error
+
+
+class Scenario(Document):
+    """A run of a candidate against the plant, fully resolved: its motor is in it, not just named."""
+
+    schema_current: ClassVar[int] = 2
+
+    name: str = Field(min_length=1, max_length=200, description="name of the scenario")
+    description: str = Field(default="", max_length=2000, description="what the run shows")
+    motor: Annotated[Motor, BeforeValidator(_motor_by_name)] = Field(
+        description="nominal motor: the name of one, the path of its file, or a table of its keys"
+    )
+    scales: Scales = Field(
+        default_factory=Scales, description="table of how the plant differs from the nominal motor"
+    )
+    duration_s: float = Field(gt=0.0, le=86400.0, description="length of the run, in seconds")
+    control_period_s: float = Field(
+        default=LONGEST_CONTROL_PERIOD_S,
+        ge=SHORTEST_CONTROL_PERIOD_S,
+        le=LONGEST_CONTROL_PERIOD_S,
+        description="time between two steps of the controller, in seconds",
+    )
+    seed: int = Field(default=0, ge=0, lt=2**63, description="seed of everything random in the run")
+    initial_speed_rpm: float = Field(
+        ge=0.0,
+        le=_HIGHEST_SPEED_RPM,
+        description="speed of the shaft at time 0, by default the first reference",
+    )
+    speed_rpm: Profile = Field(description="speed reference, a list of [time in seconds, speed in rpm]")
+    supply_v: Profile | None = Field(
+        default=None,
+        description="voltage of each half of the supply, a list of [seconds, volts], by default the motor's",
+    )
+    load: Load = Field(description="table of the load on the shaft")
+    sensors: Sensors = Field(
+        default=IDEAL,
+        description="sensors between plant and controller: the name of a kind, or a table of its keys",
+    )
+    imbalance: Profile | None = Field(
+        default=None,
+        description="share by which the upper half of the supply is above, and the lower half below, its voltage, "
+        "a list of [seconds, share]",
+    )
+    drift: Drift | None = Field(default=None, description="table of how parameters change during the run")
+    dropouts: tuple[Dropout, ...] = Field(default=(), description="list of tables of signals that are lost")
+    glitches: tuple[Glitch, ...] = Field(default=(), description="list of tables of false encoder edges")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _starts_on_the_reference(cls, values: Any) -> Any:
+        """Take the first speed reference where no initial speed is given."""
+        if not isinstance(values, dict) or "initial_speed_rpm" in values:
+            return values
+        match values.get("speed_rpm"):
+            case ((_, float() | int() as first), *_) if 0.0 <= first <= _HIGHEST_SPEED_RPM:
+                return {**values, "initial_speed_rpm": first}
+        # The profile itself is refused, and told about, where it has no valid first speed.
+        return {**values, "initial_speed_rpm": 0.0}
+
+    @field_validator("speed_rpm")
+    @classmethod
+    def _speeds_in_range(cls, profile: Profile) -> Profile:
+        if any(not 0.0 <= speed <= _HIGHEST_SPEED_RPM for _, speed in profile):
+            raise ValueError(f"must have speeds from 0 to {_HIGHEST_SPEED_RPM:g} rpm")
+        return check_times(profile)
+
+    @field_validator("supply_v")
+    @classmethod
+    def _voltages_in_range(cls, profile: Profile | None) -> Profile | None:
+        if profile is None:
+            return None
+        if any(not 0.0 < voltage <= _HIGHEST_VOLTAGE_V for _, voltage in profile):
+            raise ValueError(f"must have voltages above 0 and up to {_HIGHEST_VOLTAGE_V:g} V")
+        return check_times(profile)
+
+    @field_validator("imbalance")
+    @classmethod
+    def _imbalance_in_range(cls, profile: Profile | None) -> Profile | None:
+        if profile is None:
+            return None
+        if any(abs(share) > _GREATEST_IMBALANCE for _, share in profile):
+            raise ValueError(f"must have shares from -{_GREATEST_IMBALANCE:g} to {_GREATEST_IMBALANCE:g}")
+        return check_times(profile)
+
+    @model_validator(mode="after")
+    def _keys_fit_together(self) -> Self:
+        self._check_whole_periods()
+        self._check_profiles_end_in_time()
+        self._check_disturbances_end_in_time()
+        self._check_load_fits_speed()
+        if self.glitches and self.sensors.kind == "ideal":
+            raise ValueError("the key 'glitches' needs the sensors 'mcs96', since ideal ones have no encoder")
+        return self
+
+    def _check_whole_periods(self) -> None:
+        periods = self.duration_s / self.control_period_s
+        if round(periods) < 1 or not math.isclose(periods, round(periods), rel_tol=1e-9):
+            raise ValueError(
+                f"the key 'duration_s' is {self.duration_s}, but must be a whole number of control periods "
+                f"of {self.control_period_s} s, such as {max(1, round(periods)) * self.control_period_s:.9g}"
+            )
+
+    def _check_profiles_end_in_time(self) -> None:
+        profiles = {
+            "speed_rpm": self.speed_rpm,
+            "supply_v": self.supply_profile,
+            "load.grade_percent" if isinstance(self.load, VehicleLoad) else "load.factor": self.load_profile,
+            "imbalance": self.imbalance_profile,
+            "drift.resistance": self.resistance_profile,
+            "drift.emf_constant": self.emf_profile,
+        }
+        for key, profile in profiles.items():
+            if profile[-1][0] > self.duration_s:
+                raise ValueError(
+                    f"the key '{key}' has a point at {profile[-1][0]} s, "
+                    f"but must end within the run's {self.duration_s} s"
+                )
+
+    def _check_disturbances_end_in_time(self) -> None:
+        ends = {"dropouts": [dropout.end_s for dropout in self.dropouts]}
+        ends["glitches"] = [glitch.time_s for glitch in self.glitches]
+        for key, times in ends.items():
+            late = [time for time in times if time > self.duration_s]
+            if late:
+                raise ValueError(
+                    f"the key '{key}' has one that ends at {late[0]:.9g} s, "
+                    f"but must end within the run's {self.duration_s} s"
+                )
+
+    def _check_load_fits_speed(self) -> None:
+        if isinstance(self.load, LockedLoad):
+            if self.initial_speed_rpm != self.speed_rpm[0][1]:
+                raise ValueError(
+                    f"the key 'initial_speed_rpm' is {self.initial_speed_rpm}, but must be the first speed "
+                    f"reference, {self.speed_rpm[0][1]}, since the load is locked to it"
+                )
+        elif isinstance(self.load, ConstantPowerLoad):
+            for time in breakpoints([self.speed_rpm, self.load.factor], self.duration_s):
+                for value in (value_until, value_from):
+                    if value(self.speed_rpm, time) == 0.0 and value(self.load.factor, time) > 0.0:
+                        raise ValueError(
+                            f"the key 'speed_rpm' is 0 at {time} s, but must be above 0 wherever a load "
+                            "of constant power is drawn"
+                        )
+
+    @property
+    def supply_profile(self) -> Profile:
+        """Voltage of each half of the supply over time (s, V), the motor's where none is given."""
+        return self.supply_v if self.supply_v is not None else ((0.0, self.motor.supply_voltage_v),)
+
+    @property
+    def load_profile(self) -> Profile:
+        """Share of the load over time (s, -), 1 throughout for a locked shaft; a vehicle's grade (s, %)."""
+        if isinstance(self.load, LockedLoad):
+            return ((0.0, 1.0),)
+        return self.load.grade_percent if isinstance(self.load, VehicleLoad) else self.load.factor
+
+    @property
+    def imbalance_profile(self) -> Profile:
+        """Share by which the halves of the supply differ from their mean over time (s, -)."""
+        return self.imbalance if self.imbalance is not None else ((0.0, 0.0),)
+
+    @property
+    def resistance_profile(self) -> Profile:
+        """Factor on the phase resistance over time (s, -)."""
+        return _STEADY if self.drift is None or self.drift.resistance is None else self.drift.resistance
+
+    @property
+    def emf_profile(self) -> Profile:
+        """Factor on the EMF constant over time (s, -)."""
+        return _STEADY if self.drift is None or self.drift.emf_constant is None else self.drift.emf_constant
+
+    def nameplate(self) -> Nameplate:
+        """Give what the controller is told of its drive.
+
+        Returns
+        -------
+        Nameplate
+            The motor's nominal data; the inertia at the shaft includes a vehicle's mass.
+        """
+        nameplate = self.motor.nameplate(self.control_period_s)
+        if isinstance(self.load, VehicleLoad):
+            return nameplate._replace(inertia=nameplate.inertia + self.load.inertia_kg_m2)
+        return nameplate
+
+    @property
+    def control_periods(self) -> int:
+        """Number of control periods in the run."""
+        return round(self.duration_s / self.control_period_s)
+
+
+def load_scenario(name_or_path: str | Path) -> Scenario:
+    """Load a scenario that comes with drivegate, or one from a file.
+
+    Parameters
+    ----------
+    name_or_path : str or Path
+        A bare name such as ``fig5-search``, or the path of a TOML or JSON file.
+
+    Returns
+    -------
+    Scenario
+        The scenario, valid throughout, its motor resolved.
+
+    Raises
+    ------
+    InputError
+        When there is no such scenario, or its file is not valid.
+    """
+    return load_named(name_or_path, Scenario, "scenarios", "scenario")
+
+
+def scenario_names() -> tuple[str, ...]:
+    """List the scenarios that come with drivegate.
+
+    Returns
+    -------
+    tuple of str
+        Bare names, as `load_scenario` takes them.
+    """
+    return packaged_names("scenarios")

@@ -1,0 +1,81 @@
+"""A script: what a controller is told, interval by interval, without a plant behind it."""
+
+from pathlib import Path
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from drivegate_cases.documents.document import Document, Section, read_document
+from drivegate_cases.motor.motor import Motor
+from drivegate_cases.motor.motor_reference import MotorReference
+from drivegate_models.contract.outer_loop.signals import Nameplate
+
+
+class ScriptRow(Section):
+    """What holds from one decision of the controller's search to the next."""
+
+    speed_reference_rpm: float = Field(ge=0.0, le=1e6, description="wanted speed, in rpm")
+    speed_rpm: float = Field(ge=0.0, le=1e6, description="measured speed, in rpm")
+    current_sum_a: float = Field(
+        ge=0.0, le=1e6, description="sum of the magnitudes of the phase currents, in amperes"
+    )
+    supply_v: float = Field(gt=0.0, le=1e5, description="voltage of each half of the supply, in volts")
+
+
+class Script(Document):
+    """Signals for a controller whose search decides at a fixed period; each row is held for one such period."""
+
+    kind: Literal["script"] = Field(description="kind of document")
+    name: str = Field(min_length=1, max_length=200, description="name of the script")
+    description: str = Field(default="", max_length=2000, description="what the script tries")
+    motor: MotorReference = Field(
+        description="nominal motor: the name of one, the path of its file, or a table of its keys"
+    )
+    control_period_s: float = Field(
+        default=0.0005, gt=0.0, le=0.0005, description="time between two steps of the controller, in seconds"
+    )
+    rows: tuple[ScriptRow, ...] = Field(
+        min_length=1, max_length=100_000, description="list of tables of what the controller is told"
+    )
+
+    @model_validator(mode="after")
+    def _starts_above_base_speed(self) -> Self:
+        slow = [row.speed_rpm for row in self.rows if row.speed_rpm <= self.motor.base_speed_rpm]
+        if slow:
+            raise ValueError(
+                f"the key 'rows' has a speed_rpm of {slow[0]:g}, but must have speeds above the motor's base speed "
+                f"of {self.motor.base_speed_rpm:g} rpm, where there is an advance angle to search for"
+            )
+        return self
+
+    def nameplate(self) -> Nameplate:
+        """Give what the controller is told of its drive.
+
+        Returns
+        -------
+        Nameplate
+            The motor's nominal data.
+        """
+        motor: Motor = self.motor
+        return motor.nameplate(self.control_period_s)
+
+
+def load_script(path: str | Path) -> Script:
+    """Load a script from a file.
+
+    Parameters
+    ----------
+    path : str or Path
+        A TOML or JSON file.
+
+    Returns
+    -------
+    Script
+        The script, valid throughout, its motor resolved.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or it is not valid.
+    """
+    return read_document(path, Script)

@@ -1,0 +1,65 @@
+"""What stands between plant and controller: ideal sensors, or those of the published implementation (Fig. 8)."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from drivegate_cases.documents.document import Section
+
+
+class IdealSensors(Section):
+    """Sensors that show the plant as it is, without delay."""
+
+    kind: Literal["ideal"] = Field(description="kind of sensors")
+
+
+class Mcs96Sensors(Section):
+    """Encoder, Hall sensors and converter of a microcontroller of the MCS-96 family (paper, Fig. 8).
+
+    The speed comes from encoder edges timed by the high-speed inputs' clock, the currents and the supply through
+    an analogue-to-digital converter. Each phase's gain and offset are drawn once a run from the scenario's seed.
+    """
+
+    kind: Literal["mcs96"] = Field(description="kind of sensors")
+    encoder_lines: int = Field(
+        default=500, ge=1, le=1_000_000, description="lines of the quadrature encoder a turn"
+    )
+    speed_window_s: float = Field(
+        default=0.005, ge=1e-5, le=1.0, description="time over which encoder edges are counted, in seconds"
+    )
+    clock_s: float = Field(
+        default=1e-6, gt=0.0, le=1e-3, description="resolution of the edges' times, in seconds"
+    )
+    current_range_a: float = Field(
+        default=40.0, gt=0.0, le=1e6, description="greatest current that the converter shows, in amperes"
+    )
+    current_gain_spread: float = Field(
+        default=0.005, ge=0.0, le=0.5, description="greatest error of a current sensor's gain, as a share"
+    )
+    current_offset_a: float = Field(
+        default=0.05, ge=0.0, le=1e3, description="greatest offset of a current sensor, in amperes"
+    )
+    current_noise_a: float = Field(
+        default=0.02, ge=0.0, le=1e3, description="standard deviation of a current sensor's noise, in amperes"
+    )
+    voltage_range_v: float = Field(
+        default=100.0, gt=0.0, le=1e6, description="greatest half-supply voltage shown, in volts"
+    )
+    voltage_noise_v: float = Field(
+        default=0.02, ge=0.0, le=1e3, description="standard deviation of the voltage's noise, in volts"
+    )
+    converter_bits: int = Field(default=10, ge=4, le=24, description="bits of the converter")
+
+
+def _by_kind(value: Any) -> Any:
+    """Take a bare name for the sensors of that kind with all their defaults."""
+    return {"kind": value} if isinstance(value, str) else value
+
+
+Sensors = Annotated[
+    Annotated[IdealSensors | Mcs96Sensors, Field(discriminator="kind")], BeforeValidator(_by_kind)
+]
+"""Sensors of a run, also given as a bare name."""
+
+IDEAL = IdealSensors(kind="ideal")
+MCS96 = Mcs96Sensors(kind="mcs96")

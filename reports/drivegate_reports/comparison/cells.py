@@ -1,0 +1,119 @@
+"""Cells and tables of the comparison page, and how names and numbers are written in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from drivegate_reports.page.printable import clean
+
+_LONGEST_NAME: Final = 80
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell of a table.
+
+    Attributes
+    ----------
+    text : str
+        What is shown.
+    tone : str
+        ``pass``, ``caution``, ``fail`` or empty.
+    is_number : bool
+        Whether it is aligned as one.
+    sort : str
+        What it is sorted by, where that is not the text.
+    """
+
+    text: str
+    tone: str = ""
+    is_number: bool = False
+    sort: str = ""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A table.
+
+    Attributes
+    ----------
+    name : str
+        Name of its CSV file and of its place in the page.
+    caption : str
+        What it shows.
+    heads : tuple of str
+        Headings, with units.
+    rows : tuple of tuple of Cell
+        The first cell of each names the row.
+    """
+
+    name: str
+    caption: str
+    heads: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+
+
+def name(value: object) -> str:
+    """Make a candidate's name printable and short enough for a heading.
+
+    Parameters
+    ----------
+    value : object
+        The name.
+
+    Returns
+    -------
+    str
+        Not yet escaped for HTML.
+    """
+    return clean(value, _LONGEST_NAME)
+
+
+def figure(value: float | None, digits: int, *, signed: bool = False, tone: str = "") -> Cell:
+    """Write a number as a cell.
+
+    Parameters
+    ----------
+    value : float or None
+        The number.
+    digits : int
+        Digits after the point.
+    signed : bool
+        Whether a plus is written.
+    tone : str
+        Tone of the cell.
+
+    Returns
+    -------
+    Cell
+        A dash where there is none, which sorts last.
+    """
+    return Cell(
+        written(value, digits, signed=signed), tone, is_number=True, sort="" if value is not None else "1e99"
+    )
+
+
+def written(value: float | None, digits: int, *, signed: bool = False) -> str:
+    """Write a number.
+
+    Parameters
+    ----------
+    value : float or None
+        The number.
+    digits : int
+        Digits after the point.
+    signed : bool
+        Whether a plus is written.
+
+    Returns
+    -------
+    str
+        With a real minus sign; a dash where there is none.
+    """
+    if value is None:
+        return "–"
+    text = f"{value:+.{digits}f}" if signed else f"{value:.{digits}f}"
+    if float(text) == 0.0:
+        text = text.lstrip("+-")
+    return text.replace("-", "−")

@@ -1,0 +1,63 @@
+"""The comparison report: one page that decides between candidates, from the comparison document alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate_cases.documents.atomic_write import write_atomically
+
+REPORT_FILE: Final = "comparison.html"
+"""Name of the page in the report's folder."""
+
+
+def write(document: Mapping[str, Any], folder: Path) -> Path:
+    """Write the comparison report.
+
+    Parameters
+    ----------
+    document : mapping
+        The document of a comparison.
+    folder : Path
+        An existing folder.
+
+    Returns
+    -------
+    Path
+        The page, complete in one file.
+
+    Raises
+    ------
+    InputError
+        When the document is no comparison, or the page cannot be written.
+    """
+    path = folder / REPORT_FILE
+    write_atomically(path, page(document))
+    return path
+
+
+def page(document: Mapping[str, Any]) -> str:
+    """Make the page.
+
+    Parameters
+    ----------
+    document : mapping
+        The document of a comparison.
+
+    Returns
+    -------
+    str
+        HTML; the same text for the same document and versions.
+
+    Raises
+    ------
+    InputError
+        When the document is no comparison.
+    """
+    from drivegate_reports.comparison.figures import comparison_figures
+    from drivegate_reports.comparison.view import view_of
+    from drivegate_reports.page.page import page_text
+
+    view = view_of(document)
+    return page_text("comparison.html.j2", view=view, figures=comparison_figures(document))

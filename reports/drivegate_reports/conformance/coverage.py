@@ -1,0 +1,130 @@
+"""From requirement to evidence: which runs judged a check, and what no run and no check holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.traceability import SPECIAL, facts_of, families_of
+from drivegate_cases.publication.facts import facts
+from drivegate_reports.page.printable import clean
+from drivegate_reports.paper.catalogue import FIGURES
+
+FEW_RUNS: Final = 3
+"""Number of runs below which a check's evidence is called thin."""
+_BY_ID: Final = {check.id: check for check in CHECKS}
+_SPECIAL: Final = frozenset(check for checks in SPECIAL.values() for check in checks)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a check rests on, and which runs exercise it.
+
+    Attributes
+    ----------
+    facts : tuple of str
+        Facts of the publication.
+    scenarios : str
+        Scenarios that it applies to, in words.
+    families : tuple of str
+        Kinds of runs that exercise it.
+    """
+
+    facts: tuple[str, ...]
+    scenarios: str
+    families: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class FactRow:
+    """A fact of the publication, and what holds it.
+
+    Attributes
+    ----------
+    id, title, source : str
+        The fact.
+    checks : tuple of str
+        Checks of candidates.
+    properties : int
+        Number of tests of the plant and of the controllers.
+    figures : tuple of str
+        Figures of the publication that are reproduced for it.
+    """
+
+    id: str
+    title: str
+    source: str
+    checks: tuple[str, ...]
+    properties: int
+    figures: tuple[str, ...]
+
+
+def evidence_of(check: str) -> Evidence | None:
+    """Look a check up.
+
+    Parameters
+    ----------
+    check : str
+        Its identifier.
+
+    Returns
+    -------
+    Evidence or None
+        None of a check that this version does not have.
+    """
+    known = _BY_ID.get(check)
+    if known is None:
+        return None
+    return Evidence(tuple(fact.id for fact in facts_of(known)), known.scenarios, families_of(check))
+
+
+def fact_rows() -> tuple[FactRow, ...]:
+    """List the facts with what holds each.
+
+    Returns
+    -------
+    tuple of FactRow
+        In the order of their numbers.
+    """
+    labels = {figure.module: figure.label for figure in FIGURES}
+    return tuple(
+        FactRow(
+            fact.id,
+            fact.title,
+            fact.source,
+            fact.covered_by.checks,
+            len(fact.covered_by.properties),
+            tuple(labels[name] for name in fact.covered_by.figures if name in labels),
+        )
+        for fact in facts()
+    )
+
+
+def coverage_gaps(document: Mapping[str, Any]) -> tuple[str, ...]:
+    """List what a result leaves unjudged.
+
+    Parameters
+    ----------
+    document : mapping
+        A result document.
+
+    Returns
+    -------
+    tuple of str
+        Sentences; none where every check was judged on enough runs and every fact is held by a check.
+    """
+    judged = {str(check["id"]): check for check in document["checks"]}
+    gaps = [f"{name} is not in this result." for name in _BY_ID if name not in judged]
+    for name, check in judged.items():
+        runs = int(check["runs"])
+        if runs == 0:
+            gaps.append(f"{clean(name)} was judged on no run: {clean(check['message'])}.")
+        elif runs < FEW_RUNS and name not in _SPECIAL:
+            gaps.append(f"{clean(name)} rests on {runs} {'run' if runs == 1 else 'runs'} only.")
+    for row in fact_rows():
+        if not row.checks:
+            held = f"{row.properties} tests of the plant" if row.properties else "nothing"
+            gaps.append(f"{row.id}, {row.title}, is held by no check of candidates, but by {held}.")
+    return tuple(gaps)

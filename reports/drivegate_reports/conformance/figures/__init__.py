@@ -1,0 +1,1 @@
+"""Figures of that page: recorded runs, scripts, margins."""

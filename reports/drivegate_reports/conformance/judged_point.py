@@ -1,0 +1,82 @@
+"""What the plant could do at the operating point that a run was judged on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.errors import InputError
+from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum
+from drivegate_reports.conformance.signals import RunSignals
+from drivegate_reports.paper.drive import RADIANS_PER_RPM
+
+
+@dataclass(frozen=True)
+class JudgedPoint:
+    """An operating point of a run, and the oracle's answers there.
+
+    Attributes
+    ----------
+    begins_s : float
+        When its conditions begin (s).
+    speed_rpm, torque_nm : float
+        Speed reference, and torque of the load and of friction (N·m).
+    edge_deg : float
+        Smallest angle that gives the torque (electrical deg).
+    best_deg, least_current_sum_a : float
+        Angle of least Σ|i|, and that (A).
+    """
+
+    begins_s: float
+    speed_rpm: float
+    torque_nm: float
+    edge_deg: float
+    best_deg: float
+    least_current_sum_a: float
+
+
+def judged_point(signals: RunSignals) -> JudgedPoint | None:
+    """Ask the oracle about the conditions at the end of the judged stretch.
+
+    Parameters
+    ----------
+    signals : RunSignals
+        The run.
+
+    Returns
+    -------
+    JudgedPoint or None
+        None where the conditions are not constant there, nothing loads the shaft, or no angle gives the torque.
+    """
+    end = signals.judged_s[1]
+    held = [dwell for dwell in dwells(signals.scenario) if dwell.start < end <= dwell.end + 1e-9]
+    if not held:
+        return None
+    return _answers(signals.scenario, held[-1])
+
+
+@lru_cache(maxsize=200)
+def _answers(scenario: Scenario, dwell: Dwell) -> JudgedPoint | None:
+    drive = scenario.motor.drive(dwell_scales(scenario, dwell))
+    speed = dwell.speed_rpm * RADIANS_PER_RPM
+    load = dwell_torque(scenario, dwell)
+    voltage = dwell.supply_v * (1.0 - abs(dwell.imbalance))
+    torque = load + drive.friction + drive.viscous_friction * speed
+    if load <= 0.0 or speed <= 0.0:
+        return None
+    try:
+        edge = feasible_edge(drive, speed, torque, voltage)
+        least = least_current_sum(drive, speed, torque, voltage)
+    except InputError:
+        return None
+    if not (math.isfinite(edge) and math.isfinite(least.advance)):
+        return None
+    angles = np.degrees([edge, least.advance])
+    return JudgedPoint(
+        dwell.start, dwell.speed_rpm, torque, float(angles[0]), float(angles[1]), least.current_sum
+    )

@@ -1,0 +1,81 @@
+"""The conformance report: one page that a reviewer reads in a browser, from the result document alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate_cases.documents.atomic_write import write_atomically
+
+REPORT_FILE: Final = "report.html"
+"""Name of the page in the report's folder."""
+
+
+def write(document: Mapping[str, Any], folder: Path) -> Path:
+    """Write the conformance report.
+
+    Parameters
+    ----------
+    document : mapping
+        The result document of a check.
+    folder : Path
+        An existing folder.
+
+    Returns
+    -------
+    Path
+        The page, complete in one file: its only script sorts and filters tables, and a browser fetches nothing.
+
+    Raises
+    ------
+    InputError
+        When the document is no result of a check, or the page cannot be written.
+    """
+    path = folder / REPORT_FILE
+    write_atomically(path, page(document))
+    return path
+
+
+def page(document: Mapping[str, Any]) -> str:
+    """Make the page.
+
+    Parameters
+    ----------
+    document : mapping
+        The result document of a check.
+
+    Returns
+    -------
+    str
+        HTML; the same text for the same document and versions.
+
+    Raises
+    ------
+    InputError
+        When the document is no result of a check.
+    """
+    from drivegate_cases.publication.facts import facts, open_assumptions
+    from drivegate_reports.conformance.coverage import coverage_gaps, evidence_of, fact_rows
+    from drivegate_reports.conformance.runs import margin_figure, shown_runs
+    from drivegate_reports.conformance.view import view_of
+    from drivegate_reports.page.page import page_text
+    from drivegate_reports.paper.facts import comparisons
+    from drivegate_reports.paper.findings import recomputed_findings
+    from drivegate_reports.paper.verdicts import verdict_counts
+
+    view = view_of(document)
+    compared = comparisons()
+    return page_text(
+        "conformance.html.j2",
+        result=view,
+        runs=shown_runs(document),
+        margins=margin_figure(document),
+        evidence={row.id: evidence_of(row.id) for row in view.checks},
+        gaps=coverage_gaps(document),
+        fact_rows=fact_rows(),
+        counts=verdict_counts(compared),
+        facts=[(fact, [row for row in compared if row.fact == fact.id]) for fact in facts()],
+        findings=recomputed_findings(),
+        assumptions=open_assumptions(),
+    )

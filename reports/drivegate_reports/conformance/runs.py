@@ -1,0 +1,141 @@
+"""The figures of the runs that a result document shows, each drawn once, with the account of each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drivegate_cases.documents.document import parse_document
+from drivegate_cases.scenario.script import Script
+from drivegate_models.errors import InputError
+from drivegate_reports.conformance.account import account
+from drivegate_reports.conformance.figures import margin_distribution, recorded_run
+from drivegate_reports.conformance.figures import script as told_script
+from drivegate_reports.conformance.signals import RunSignals, signals_of
+from drivegate_reports.page.printable import clean
+from drivegate_reports.page.style import house_style, inline_svg
+from drivegate_reports.paper.placed import PageFigure
+
+
+@dataclass(frozen=True)
+class ShownRun:
+    """The run that is shown for a check.
+
+    Attributes
+    ----------
+    account : tuple of str
+        What happened in it, in sentences.
+    figure : PageFigure
+        Its signals.
+    drawn_before : bool
+        Whether the figure stands with an earlier check already.
+    """
+
+    account: tuple[str, ...]
+    figure: PageFigure
+    drawn_before: bool
+
+
+def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
+    """Draw the runs of a result document.
+
+    Parameters
+    ----------
+    document : mapping
+        A result document.
+
+    Returns
+    -------
+    dict
+        By identifier of the check, in the order in which a page shows them: those that fail first. Checks without
+        a recording are left out, unless their counterexample is a script, which tells everything itself.
+    """
+    shown: dict[str, ShownRun] = {}
+    drawn: dict[tuple[int, tuple[float, float]], PageFigure] = {}
+    for check in sorted(document["checks"], key=lambda check: check["counterexample"] is None):
+        signals = signals_of(document, check)
+        if signals is None:
+            script = _script_of(check)
+            if script is not None:
+                told = _script_figure(script, f"script-{clean(check['id'], 40)}")
+                shown[str(check["id"])] = ShownRun((_what_was_told(script, check),), told, drawn_before=False)
+            continue
+        key = (check["recording"]["trace"], signals.judged_s)
+        known = key in drawn
+        if not known:
+            drawn[key] = _figure(signals, f"run-{len(drawn) + 1}")
+        shown[str(check["id"])] = ShownRun(tuple(map(clean, account(signals))), drawn[key], known)
+    return shown
+
+
+def _figure(signals: RunSignals, name: str) -> PageFigure:
+    with house_style():
+        svg = inline_svg(recorded_run.draw(signals), name)
+    title = f"Run {clean(signals.scenario.name)}"
+    caption = (
+        "Means over equal stretches of the run. Dashed: what is asked for, and the smallest angle that can give it at "
+        "the operating point of the judged stretch, which is set off."
+    )
+    return PageFigure(name, title, svg, recorded_run.alternative(signals), caption)
+
+
+def _script_of(check: Mapping[str, Any]) -> Script | None:
+    """Read the counterexample of a check where it is a script."""
+    stored = check["counterexample"]
+    if not isinstance(stored, Mapping) or stored.get("kind") != "script":
+        return None
+    try:
+        return parse_document(stored, Script, "the script")
+    except InputError:
+        return None
+
+
+def _what_was_told(script: Script, check: Mapping[str, Any]) -> str:
+    rows = "1 row" if len(script.rows) == 1 else f"{len(script.rows)} rows"
+    return clean(f"Script of {rows}, each held for one period of the search: {check['measured']}.")
+
+
+def _script_figure(script: Script, name: str) -> PageFigure:
+    with house_style():
+        svg = inline_svg(told_script.draw(script), name)
+    title = f"Script {clean(script.name)}"
+    return PageFigure(name, title, svg, told_script.alternative(script), told_script.CAPTION)
+
+
+def margin_figure(document: Mapping[str, Any]) -> PageFigure | None:
+    """Draw the margins of all runs.
+
+    Parameters
+    ----------
+    document : mapping
+        A result document.
+
+    Returns
+    -------
+    PageFigure or None
+        None where the document keeps no margins.
+    """
+    rows = [
+        margin_distribution.CheckMargins(clean(check["id"], 40), margins)
+        for check in document["checks"]
+        if (margins := _margins(check)) is not None
+    ]
+    if not rows:
+        return None
+    with house_style():
+        svg = inline_svg(margin_distribution.draw(rows), "margins")
+    words = margin_distribution.alternative(rows), margin_distribution.caption(rows)
+    return PageFigure("margins", margin_distribution.TITLE, svg, *words)
+
+
+def _margins(check: Mapping[str, Any]) -> np.ndarray[Any, np.dtype[np.float64]] | None:
+    values = check.get("margins")
+    if not isinstance(values, list) or not values:
+        return None
+    if not all(value is None or isinstance(value, int | float) for value in values):
+        return None
+    # An infinite loss cannot be written as JSON.
+    return np.sort(np.array([-np.inf if value is None else value for value in values], dtype=np.float64))

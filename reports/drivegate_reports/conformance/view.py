@@ -1,0 +1,275 @@
+"""From the result document to what the conformance page shows: bounded, printable text and plain numbers."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from shlex import quote
+from typing import Any, Final
+
+from drivegate.output.result_file import counterexample_name
+from drivegate.results.result import RESULT_SCHEMA
+from drivegate.results.waivers import DAY_VARIABLE, present_day
+from drivegate_models.errors import InputError
+from drivegate_reports.conformance.rows import (
+    TONES,
+    CheckRow,
+    ComparisonRow,
+    FaultRow,
+    check_row,
+    comparison_row,
+    fault_row,
+)
+from drivegate_reports.page.printable import clean
+
+MOST_FAULTS: Final = 20
+"""Most faults that are shown one by one."""
+
+
+@dataclass(frozen=True)
+class ResultView:
+    """A result document as the page shows it.
+
+    Attributes
+    ----------
+    candidate, kind, specification, candidate_hash : str
+        The candidate.
+    verdict, tone, meaning : str
+        The verdict, its colour, and what it means in one sentence.
+    exit_code, seed, runs, set_aside : int
+        As in the result document.
+    infeasible : tuple of (str, str)
+        Scenarios that were set aside, each with the reason.
+    effort : str
+        As in the result document.
+    failing : tuple of str
+        Identifiers of the required checks that fail.
+    rests_on : tuple of str
+        What the verdict rests on, in sentences.
+    next_step : str
+        A command to go on with.
+    checks : tuple of CheckRow
+        In the order of the document.
+    comparisons : tuple of ComparisonRow
+        Of each check with the baseline; empty where there was none.
+    faults : tuple of FaultRow
+        The first `MOST_FAULTS` of them.
+    more_faults : int
+        Number of further ones.
+    provenance : tuple of tuple of str
+        Names and values.
+    """
+
+    candidate: str
+    kind: str
+    specification: str
+    candidate_hash: str
+    verdict: str
+    tone: str
+    meaning: str
+    exit_code: int
+    seed: int
+    runs: int
+    set_aside: int
+    infeasible: tuple[tuple[str, str], ...]
+    effort: str
+    failing: tuple[str, ...]
+    rests_on: tuple[str, ...]
+    next_step: str
+    checks: tuple[CheckRow, ...]
+    comparisons: tuple[ComparisonRow, ...]
+    faults: tuple[FaultRow, ...]
+    more_faults: int
+    provenance: tuple[tuple[str, str], ...]
+
+    @property
+    def broken(self) -> tuple[CheckRow, ...]:
+        """Checks with a counterexample."""
+        return tuple(row for row in self.checks if row.file)
+
+    @property
+    def met(self) -> tuple[CheckRow, ...]:
+        """Checks without one that have a worst run."""
+        return tuple(row for row in self.checks if row.scenario and not row.file)
+
+    def replay(self, row: CheckRow) -> str:
+        """Write the command that runs a counterexample again.
+
+        Parameters
+        ----------
+        row : CheckRow
+            A check with a counterexample.
+
+        Returns
+        -------
+        str
+            The command, for the folder of the page.
+        """
+        return f"drivegate replay {quote(row.file)} --candidate {quote(self.specification)} --plot {quote(row.id)}.svg"
+
+    def verdict_of(self, check: str) -> CheckRow | None:
+        """Find a check.
+
+        Parameters
+        ----------
+        check : str
+            Its identifier.
+
+        Returns
+        -------
+        CheckRow or None
+            None where the result does not hold it.
+        """
+        return next((row for row in self.checks if row.id == check), None)
+
+
+def view_of(document: Mapping[str, Any]) -> ResultView:
+    """Prepare a result document for the page.
+
+    Parameters
+    ----------
+    document : mapping
+        A result document of a check.
+
+    Returns
+    -------
+    ResultView
+        Texts are bounded and printable, but not escaped for HTML.
+
+    Raises
+    ------
+    InputError
+        When it is no result of a check, or of a newer schema.
+    """
+    if document.get("kind") != "check":
+        raise InputError(
+            f"the document is of kind {document.get('kind')!r}, but must be a result of kind 'check'"
+        )
+    schema = document.get("schema")
+    if not isinstance(schema, int) or schema > RESULT_SCHEMA:
+        raise InputError(
+            f"the result has the schema {schema!r}, but this version reads up to {RESULT_SCHEMA}"
+        )
+    candidate = document["candidate"]
+    times = _shown_times(document)
+    checks = tuple(check_row(_with_timed_numbers(check, times)) for check in document["checks"])
+    faults = tuple(fault_row(fault) for fault in document["faults"][:MOST_FAULTS])
+    counted = ("required", "advisory") if document.get("fail_on") == "advisory" else ("required",)
+    failing = tuple(row.id for row in checks if row.verdict == "fail" and row.level in counted)
+    verdict = clean(document["verdict"])
+    return ResultView(
+        candidate=clean(candidate["name"]),
+        kind=clean(candidate["kind"]),
+        specification=clean(candidate["specification"]),
+        candidate_hash=clean(candidate["hash"]),
+        verdict=verdict,
+        tone=TONES.get(verdict, "fail"),
+        meaning=_meaning(verdict, failing),
+        exit_code=int(document["exit_code"]),
+        seed=int(document["seed"]),
+        runs=int(document["runs"]),
+        set_aside=int(document["set_aside"]),
+        infeasible=tuple(
+            (clean(drawn["scenario"]), clean(drawn["reason"])) for drawn in document.get("infeasible") or ()
+        ),
+        effort=clean(document["effort"]),
+        failing=failing,
+        rests_on=_rests_on(document, checks),
+        next_step=clean(_next_step(document, failing)),
+        checks=checks,
+        comparisons=tuple(comparison_row(entry) for entry in document.get("baseline") or ()),
+        faults=faults,
+        more_faults=len(document["faults"]) - len(faults),
+        provenance=_provenance(document, times),
+    )
+
+
+def _shown_times(document: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Take the times; where the date is settled, that alone, so that equal results give equal pages."""
+    times: Mapping[str, Any] = document.get("timing", {})
+    if DAY_VARIABLE not in os.environ:
+        return times
+    return {"day": present_day().isoformat()}
+
+
+def _with_timed_numbers(check: Mapping[str, Any], times: Mapping[str, Any]) -> dict[str, Any]:
+    """Take the numbers of a check that depends on the machine from the times."""
+    timed = times.get("checks", {}).get(check["id"], {})
+    return {**check, **timed} if check["margin"] is None else dict(check)
+
+
+def _meaning(verdict: str, failing: Sequence[str]) -> str:
+    meanings = {
+        "pass": "Every required check is met in every run that it applies to.",
+        "waived": "Every required check is met, but for failures that somebody answers for by a waiver.",
+        "waiver expired": "A check fails whose waiver has expired.",
+        "unexpectedly passes": "A check passes that has a waiver, which is to be removed.",
+        "inconclusive": "Not all planned runs were made, so that the required checks could not all be judged.",
+        "harness fault": "A check of the plant itself failed: the result says nothing about the candidate.",
+        "exception": "The candidate raised an exception.",
+        "crash": "The candidate's process died.",
+        "hang": "The candidate did not answer in time.",
+        "invalid output": "The candidate answered with what is no command.",
+        "non-deterministic": "The candidate answered the same scenario in two ways.",
+    }
+    if verdict == "fail" and not failing:
+        return "The margin of a required check has fallen against the baseline."
+    if verdict == "fail":
+        return f"{'A required check fails' if len(failing) == 1 else 'Required checks fail'}: {', '.join(failing)}."
+    return meanings.get(verdict, "")
+
+
+def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[str, ...]:
+    told = []
+    for level in ("required", "advisory"):
+        of_level = [row for row in checks if row.level == level]
+        counts = {row.verdict: sum(other.verdict == row.verdict for other in of_level) for row in of_level}
+        listed = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+        told.append(f"{len(of_level)} {level} checks: {listed or 'none'}.")
+    fixed, corpus = len(document.get("fixed") or ()), int(document.get("corpus_runs") or 0)
+    told.append(
+        f"{document['runs']} runs: {fixed} fixed scenarios, {corpus} of the corpus, the others drawn with the seed "
+        f"{document['seed']}."
+    )
+    told.append(
+        f"{document['set_aside']} drawn scenarios were set aside: no controller could have done what they ask for, "
+        "since no angle gives the torque there, or the shaft would have to be braked."
+    )
+    if document["faults"]:
+        told.append(f"{len(document['faults'])} faults of the candidate, which no waiver covers.")
+    waived = [row.id for row in checks if row.waiver]
+    if waived:
+        told.append(f"Waivers for {', '.join(waived)}.")
+    return tuple(map(clean, told))
+
+
+def _next_step(document: Mapping[str, Any], failing: Sequence[str]) -> str:
+    specification = quote(str(document["candidate"]["specification"]))
+    if failing:
+        first = failing[0]
+        file = counterexample_name(first)
+        return f"drivegate replay {file} --candidate {specification} --plot {first}.svg"
+    if document["verdict"] == "pass" and document["effort"] != "nightly":
+        return f"drivegate check {specification} --effort nightly"
+    return f"drivegate check {specification} --effort {document['effort']} --seed {document['seed']}"
+
+
+def _provenance(document: Mapping[str, Any], times: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    candidate = document["candidate"]
+    entries: list[tuple[str, object]] = [
+        ("candidate", candidate["name"]),
+        ("specification", candidate["specification"]),
+        ("kind", candidate["kind"]),
+        ("hash of its sources", candidate["hash"]),
+        *(
+            (f"declares {key}", json.dumps(value, default=str))
+            for key, value in candidate["declaration"].items()
+        ),
+    ]
+    for section in (document.get("provenance", {}), {key: times[key] for key in times if key != "checks"}):
+        for key, value in section.items():
+            items = value.items() if isinstance(value, Mapping) else [("", value)]
+            entries += [(f"{key} {name}".strip().replace("_", " "), item) for name, item in items]
+    return tuple((clean(name), clean(value)) for name, value in entries)

@@ -1,1 +1,0 @@
-"""Figures: each module computes a figure's data, in named units, and draws it apart from that."""

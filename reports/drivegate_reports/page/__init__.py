@@ -1,0 +1,1 @@
+"""How any page and any figure is made."""

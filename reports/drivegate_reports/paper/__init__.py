@@ -1,0 +1,1 @@
+"""The page of `drivegate reproduce`: the paper beside what is computed."""

@@ -1,0 +1,68 @@
+"""The drive of the publication, as figures and comparisons use it."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Final
+
+from drivegate_cases.motor.motor import Motor, load_motor
+from drivegate_models.half_bridge.plant.drive import Drive
+
+RADIANS_PER_RPM: Final = math.pi / 30.0
+HIGHEST_PUBLISHED_RPM: Final = 1500.0
+"""Greatest speed of the published results, three times base speed."""
+
+
+@cache
+def reference_motor() -> Motor:
+    """Load the calibrated 5-phase motor.
+
+    Returns
+    -------
+    Motor
+        ``paper-5-phase``.
+    """
+    return load_motor("paper-5-phase")
+
+
+@cache
+def banded_drive() -> Drive:
+    """Make the drive as candidates meet it: with its current band and its core loss.
+
+    Returns
+    -------
+    Drive
+        The nominal plant.
+    """
+    return reference_motor().drive()
+
+
+@cache
+def ideal_drive() -> Drive:
+    """Make the drive as it was calibrated: ideal current regulators and no core loss.
+
+    Returns
+    -------
+    Drive
+        The nominal plant with a band and a core loss of zero.
+    """
+    return banded_drive()._replace(hysteresis_band=0.0, core_loss_conductance=0.0)
+
+
+def power_torque(speed_rpm: float, power_w: float) -> float:
+    """Return the torque of a power.
+
+    Parameters
+    ----------
+    speed_rpm : float
+        Shaft speed (rpm), above 0.
+    power_w : float
+        Power (W).
+
+    Returns
+    -------
+    float
+        Torque (N·m).
+    """
+    return power_w / (speed_rpm * RADIANS_PER_RPM)

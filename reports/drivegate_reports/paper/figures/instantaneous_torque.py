@@ -1,0 +1,174 @@
+"""Torque over one electrical cycle at three times base speed (paper, Fig. 6)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_cases.scenario.operating_point import load_operating_point
+from drivegate_models.half_bridge.steady.oracle import point_at_torque
+from drivegate_models.half_bridge.steady.waveform import periodic_waveforms
+from drivegate_reports.page.style import BLUE, GREY, VERMILION, label, new_figure
+from drivegate_reports.paper.drive import RADIANS_PER_RPM, ideal_drive
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+POINT = "fig6-torque-1500"
+ADVANCE_DEG = 52.5
+"""Angle of the figure: a little above the smallest one at which the torque can be produced."""
+LIMIT_PERCENT = 13.0
+"""The published limit of the ripple."""
+
+
+@dataclass(frozen=True)
+class TorqueCycle:
+    """Torque over one electrical cycle in the steady state with ideal current regulators.
+
+    Attributes
+    ----------
+    angle_deg : ndarray, shape (n,)
+        Electrical angle since the opening of the first phase's window (deg).
+    torque_nm : ndarray, shape (n,)
+        Electromagnetic torque (N·m).
+    mean_nm, lowest_nm, highest_nm : float
+        Mean and exact extremes (N·m).
+    speed_rpm, advance_deg, current_reference_a : float
+        The operating point.
+    certified : bool
+        Whether the state repeats after the one cycle.
+    """
+
+    angle_deg: NDArray[np.float64]
+    torque_nm: NDArray[np.float64]
+    mean_nm: float
+    lowest_nm: float
+    highest_nm: float
+    speed_rpm: float
+    advance_deg: float
+    current_reference_a: float
+    certified: bool
+
+    @property
+    def ripple_percent(self) -> float:
+        """Peak to peak over mean (%)."""
+        return 100.0 * (self.highest_nm - self.lowest_nm) / self.mean_nm
+
+    @property
+    def one_sided_ripple_percent(self) -> float:
+        """Greatest deviation from the mean, over the mean (%)."""
+        deviation = max(self.highest_nm - self.mean_nm, self.mean_nm - self.lowest_nm)
+        return 100.0 * deviation / self.mean_nm
+
+
+@cache
+def torque_cycle(advance_deg: float = ADVANCE_DEG) -> TorqueCycle:
+    """Compute the torque at the speed and mean torque of Fig. 6.
+
+    Parameters
+    ----------
+    advance_deg : float
+        Advance angle (electrical deg).
+
+    Returns
+    -------
+    TorqueCycle
+        With ideal current regulators.
+    """
+    point = load_operating_point(POINT)
+    speed = point.speed_rpm * RADIANS_PER_RPM
+    advance = math.radians(advance_deg)
+    found = point_at_torque(ideal_drive(), speed, advance, point.torque_nm)
+    waves = periodic_waveforms(ideal_drive(), speed, found.reference, advance)
+    return TorqueCycle(
+        angle_deg=np.degrees(waves.angles),
+        torque_nm=waves.torque,
+        mean_nm=found.torque,
+        lowest_nm=found.torque_lowest,
+        highest_nm=found.torque_highest,
+        speed_rpm=point.speed_rpm,
+        advance_deg=advance_deg,
+        current_reference_a=found.reference,
+        certified=waves.certified,
+    )
+
+
+TITLE = "Torque at three times base speed (Fig. 6)"
+
+
+def alternative(data: TorqueCycle) -> str:
+    """Tell the figure in words, for who cannot see it.
+
+    Parameters
+    ----------
+    data : TorqueCycle
+        The data.
+
+    Returns
+    -------
+    str
+        A sentence.
+    """
+    return (
+        f"Torque over one electrical cycle repeats ten times between {data.lowest_nm:.2f} and "
+        f"{data.highest_nm:.2f} N·m around its mean of {data.mean_nm:.2f} N·m: a ripple of "
+        f"{data.ripple_percent:.1f} % peak to peak."
+    )
+
+
+def caption(data: TorqueCycle) -> str:
+    """Say what the figure shows.
+
+    Parameters
+    ----------
+    data : TorqueCycle
+        The data.
+
+    Returns
+    -------
+    str
+        A few sentences.
+    """
+    state = "certified periodic" if data.certified else "not exactly periodic"
+    return (
+        f"Steady state at {data.speed_rpm:.0f} rpm, {data.advance_deg:g}° and {data.current_reference_a:.2f} A with "
+        f"ideal current regulators, {state}. Extremes are exact, not taken from a grid. Ripple is "
+        f"{data.ripple_percent:.1f} % peak to peak over the mean, {data.one_sided_ripple_percent:.1f} % one-sided; "
+        f"the published limit is {LIMIT_PERCENT:.0f} %."
+    )
+
+
+def draw(data: TorqueCycle) -> Figure:
+    """Draw the torque with its mean and extremes.
+
+    Parameters
+    ----------
+    data : TorqueCycle
+        The data.
+
+    Returns
+    -------
+    Figure
+        One panel, with the torque's axis from zero.
+    """
+    figure, (panel,) = new_figure(3.3, 1)
+    panel.fill_between([0.0, 360.0], data.lowest_nm, data.highest_nm, color=BLUE, alpha=0.10, linewidth=0)
+    panel.plot(data.angle_deg, data.torque_nm, color=BLUE, linewidth=1.5)
+    panel.plot([0.0, 360.0], [data.mean_nm] * 2, color=VERMILION, linewidth=1.2, linestyle=(0, (5, 3)))
+    right = 364.0
+    label(panel, right, data.highest_nm, f"max {data.highest_nm:.2f}", BLUE, va="bottom")
+    label(panel, right, data.mean_nm, f"mean {data.mean_nm:.2f}", VERMILION, va="center", weight="bold")
+    label(panel, right, data.lowest_nm, f"min {data.lowest_nm:.2f}", BLUE, va="top")
+    text = f"peak to peak over mean: {data.ripple_percent:.1f} %  (published: below {LIMIT_PERCENT:.0f} %)"
+    label(panel, 180.0, 0.5 * data.mean_nm, text, GREY, ha="center", va="center", fontsize=10.0)
+    panel.set_xlim(0.0, 420.0)
+    panel.set_ylim(0.0, 1.15 * data.highest_nm)
+    panel.set_xticks(np.arange(0.0, 361.0, 72.0))
+    panel.set_xlabel("electrical angle since the first phase's window opened (deg)")
+    panel.set_ylabel("torque (N·m)")
+    return figure

@@ -1,0 +1,66 @@
+"""The figures of the paper, ready to be placed in a page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+from drivegate_reports.page.style import house_style, inline_svg
+from drivegate_reports.paper.catalogue import FIGURES, PaperFigure
+
+
+@dataclass(frozen=True)
+class PageFigure:
+    """A figure with its words.
+
+    Attributes
+    ----------
+    name : str
+        Unique in the page.
+    title : str
+        What it is about.
+    svg : str
+        The ``svg`` element.
+    alternative : str
+        The figure in words.
+    caption : str
+        What it shows and under which conditions.
+    """
+
+    name: str
+    title: str
+    svg: str
+    alternative: str
+    caption: str
+
+
+@cache
+def placed(figure: PaperFigure) -> PageFigure:
+    """Compute and draw a figure.
+
+    Parameters
+    ----------
+    figure : PaperFigure
+        The figure.
+
+    Returns
+    -------
+    PageFigure
+        With its words.
+    """
+    data = figure.compute()
+    identifier = f"figure-{figure.name}"
+    with house_style():
+        svg = inline_svg(figure.draw(data), identifier)
+    return PageFigure(identifier, figure.title, svg, figure.alternative(data), figure.caption(data))
+
+
+def page_figures() -> tuple[PageFigure, ...]:
+    """Compute and draw all figures of the paper.
+
+    Returns
+    -------
+    tuple of PageFigure
+        In the order of the paper.
+    """
+    return tuple(map(placed, FIGURES))

@@ -1,0 +1,85 @@
+"""The figures of the read-me: ``python -m drivegate_reports.paper.readme_figures FOLDER``."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate_models.errors import InputError
+from drivegate_reports.page.style import house_style, svg_document
+from drivegate_reports.paper.figures import input_current, search_trajectory
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+README_FIGURES: Final[Mapping[str, Callable[[], Figure]]] = {
+    "search-trajectory": lambda: search_trajectory.draw(search_trajectory.search_trajectory()),
+    "initial-against-optimal": lambda: input_current.draw(input_current.input_current_sweep()),
+}
+"""How each figure is drawn, by the name of its file."""
+
+
+def write_readme_figures(folder: Path) -> tuple[Path, ...]:
+    """Write the figures of the read-me.
+
+    Parameters
+    ----------
+    folder : Path
+        Where to; made where it is missing.
+
+    Returns
+    -------
+    tuple of Path
+        SVG files, the same bytes for the same models and version of matplotlib.
+
+    Raises
+    ------
+    InputError
+        When the folder cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"the folder {folder} cannot be made: {error.strerror}; name one in a writable folder"
+        ) from error
+    paths = []
+    for name, draw in README_FIGURES.items():
+        with house_style():
+            text = svg_document(draw(), name)
+        path = folder / f"{name}.svg"
+        write_atomically(path, text)
+        paths.append(path)
+    return tuple(paths)
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write the figures into the folder that the command line names.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        The folder alone.
+
+    Returns
+    -------
+    int
+        Exit code: 0, or 2 for bad usage.
+    """
+    if len(arguments) != 1:
+        sys.stderr.write("usage: python -m drivegate_reports.paper.readme_figures FOLDER\n")
+        return 2
+    try:
+        paths = write_readme_figures(Path(arguments[0]))
+    except InputError as error:
+        sys.stderr.write(f"{error}\n")
+        return 2
+    sys.stdout.write("".join(f"{path}\n" for path in paths))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,54 @@
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drivegate_cases.documents.wording import counted, nearest, one_line, shown
+
+ANY_TEXT = st.text(st.characters(codec=None), max_size=100)
+
+
+@given(ANY_TEXT)
+@settings(deadline=None)
+def test_any_text_becomes_one_printable_line(text: str) -> None:
+    line = one_line(text)
+    assert line.isprintable(), f"{line!r} is not printable"
+    line.encode("utf-8")
+
+
+@pytest.mark.parametrize(("count", "told"), [(0, "0 runs"), (1, "1 run"), (2, "2 runs")])
+def test_a_number_agrees_with_its_noun(count, told):
+    assert counted(count, "run") == told
+
+
+def test_printable_text_stays_as_it_is() -> None:
+    assert one_line("9.8 N·m at 1500 rpm") == "9.8 N·m at 1500 rpm"
+
+
+@given(
+    st.recursive(st.none() | st.booleans() | st.integers() | st.floats() | ANY_TEXT, st.lists, max_leaves=30)
+)
+@settings(deadline=None)
+def test_any_value_is_shown_in_a_short_line(value: object) -> None:
+    line = shown(value)
+    assert line.isprintable(), f"{line!r} is not printable"
+    assert len(line) < 800, f"{len(line)} characters are too many for a message"
+
+
+def test_a_long_value_is_cut() -> None:
+    assert shown("x" * 1000).endswith("…")
+
+
+def test_a_huge_integer_is_shown_by_its_size() -> None:
+    assert shown(10**5000) == "an integer of 16610 bits"
+
+
+def test_the_nearest_name_is_found_whatever_its_case() -> None:
+    assert nearest("Inductence_H", ["resistance_ohm", "inductance_h"]) == "inductance_h"
+
+
+def test_there_is_a_nearest_name_even_for_something_unlike_all() -> None:
+    assert nearest("zzz", ["phases", "name"]) in ("phases", "name")
+
+
+def test_nothing_is_near_when_nothing_is_known() -> None:
+    assert nearest("phases", []) is None

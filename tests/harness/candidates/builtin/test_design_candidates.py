@@ -1,0 +1,82 @@
+"""Correct controllers of other designs: they are found by name, and each finds the optimum its own way."""
+
+import pytest
+
+from drivegate.candidates.builtin.design_candidates import DESIGN_CANDIDATES
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.margin import Margin
+from drivegate.runs.record import RunRecord
+from drivegate.runs.scenario import run_scenario
+from drivegate.scenarios.building import steady_scenario
+from drivegate.scenarios.changes import with_load_shares
+from drivegate.scenarios.fixed import fixed_scenarios
+from drivegate.studies.selftest.correct_designs import correct_designs
+from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.scenario.scenario import Scenario, load_scenario
+from drivegate_models.errors import InputError
+
+HARD = ("lock-up", "900rpm-1500W-50-100%", "700rpm-1500W-L×1.2", "700rpm-1500W-mcs96")
+
+
+def failed_margins(name: str, scenario: Scenario) -> list[Margin]:
+    """Run a design, and return what it fails of the required checks."""
+    candidate = resolve_candidate(name)
+    run = run_scenario(scenario, load_controller(candidate))
+    record = RunRecord(scenario, run, candidate.declaration)
+    margins = [check.evaluate(record) for check in CHECKS if check.level == "required"]
+    return [margin for margin in margins if margin is not None and not margin.met and not margin.advisory]
+
+
+@pytest.mark.parametrize("name", DESIGN_CANDIDATES)
+@pytest.mark.parametrize("scenario_name", HARD)
+def test_a_design_rests_at_the_optimum(name: str, scenario_name: str) -> None:
+    (scenario,) = (scenario for scenario in fixed_scenarios() if scenario.name == scenario_name)
+    failed = failed_margins(name, scenario)
+    assert not failed, failed
+
+
+@pytest.mark.parametrize("name", DESIGN_CANDIDATES)
+@pytest.mark.parametrize("share", [0.95, 0.9])
+def test_a_load_a_little_lighter_during_the_search_does_not_mislead_a_design(name: str, share: float) -> None:
+    steady = steady_scenario(load_motor("paper-5-phase"), 1210.0, power_share=1.0, constant_power=True)
+    failed = failed_margins(name, with_load_shares(steady, (0.0, 0.95), (1.5, 1.0), (3.5, share)))
+    assert not failed, failed
+
+
+def test_at_light_load_a_design_takes_the_angle_of_the_table() -> None:
+    steady = steady_scenario(load_motor("paper-5-phase"), 1430.0, power_share=0.3, constant_power=True)
+    seen = steady.replaced(sensors={"kind": "mcs96"})
+    digests = {
+        name: run_scenario(seen, load_controller(resolve_candidate(name))).digest
+        for name in DESIGN_CANDIDATES
+    }
+    assert len(set(digests.values())) == 1, digests
+    assert not failed_margins("design:angle-table", seen)
+
+
+def test_a_design_does_not_rest_where_regulator_and_band_beat() -> None:
+    steady = steady_scenario(load_motor("paper-5-phase"), 1460.0, power_share=0.1, constant_power=True)
+    failed = failed_margins("design:quadratic-interpolation", steady)
+    assert not failed, failed
+
+
+def test_designs_move_differently() -> None:
+    scenario = load_scenario("fig5-search")
+    digests = {
+        name: run_scenario(scenario, load_controller(resolve_candidate(name))).digest
+        for name in ("reference", *DESIGN_CANDIDATES)
+    }
+    assert len(set(digests.values())) == len(digests), digests
+
+
+def test_an_unknown_design_is_told_with_the_nearest() -> None:
+    with pytest.raises(InputError, match="design:golden-section"):
+        resolve_candidate("design:golden-sectoin")
+
+
+def test_the_self_test_judges_designs_that_are_there() -> None:
+    names = [design.candidate for design in correct_designs()]
+    assert {"reference", "published"} <= set(names), names
+    assert set(names) - {"reference", "published"} <= set(DESIGN_CANDIDATES), names

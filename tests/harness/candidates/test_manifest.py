@@ -1,0 +1,98 @@
+"""Manifests: what they may say, and what is told about one that says something else."""
+
+from dataclasses import astuple
+from math import pi, radians
+
+import pytest
+
+from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.manifest import Manifest
+from drivegate_cases.documents.document import parse_document, read_document
+from drivegate_models.errors import InputError
+
+LEAST = {"schema": 1, "name": "mine", "kind": "python", "entry": "controller.py:Mine"}
+FLOWCHART = {"k1_rpm": 5.0, "k2_w": 2.0, "step_deg": 1.0, "period_s": 0.1}
+
+
+def parsed(**changes):
+    return parse_document({**LEAST, **changes}, Manifest, "candidate.toml")
+
+
+def test_the_least_manifest_declares_nothing_special():
+    assert parsed().declaration() == Declaration()
+
+
+def test_a_full_manifest_is_read_from_toml(tmp_path):
+    file = tmp_path / "candidate.toml"
+    file.write_text(
+        """
+        schema = 1
+        name = "flowchart search"
+        kind = "python"
+        entry = "controller.py:Search"
+        sources = ["controller.py", "gains.py"]
+        profile = "flowchart"
+        estimates_power = true
+        power_window_s = 0.1
+        speed_range_rpm = [0.0, 2000.0]
+
+        [flowchart]
+        k1_rpm = 30.0
+        k2_percent = 0.1
+        step_deg = 1.0
+        period_s = 0.1
+        """,
+        encoding="utf-8",
+    )
+    manifest = read_document(file, Manifest)
+    assert manifest.sources == ("controller.py", "gains.py")
+    declaration = manifest.declaration()
+    assert (declaration.estimates_power, declaration.speed_range_rpm) == (True, (0.0, 2000.0))
+    assert declaration.power_window_s == 0.1
+    assert astuple(declaration.flowchart) == pytest.approx((pi, 0.0, 0.001, radians(1.0), 0.1))
+
+
+def test_a_power_tolerance_may_be_in_watts():
+    profile = parsed(profile="flowchart", flowchart=FLOWCHART).declaration().flowchart
+    assert (profile.power_tolerance, profile.power_tolerance_fraction) == (2.0, 0.0)
+
+
+def test_a_native_candidate_may_have_flags_and_headers():
+    manifest = parsed(kind="c", entry="controller.c", include=["include"], flags=["-O3"])
+    assert (manifest.include, manifest.flags) == (("include",), ("-O3",))
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"kid": "python"}, "the nearest known key is 'kind'"),
+        ({"kind": "rust"}, "'kind'"),
+        ({"name": ""}, "'name'"),
+        ({"schema": 2}, "newer"),
+        ({"estimates_power": "yes"}, "'estimates_power'"),
+        ({"profile": "flowchart"}, "needs a table [flowchart]"),
+        ({"flowchart": FLOWCHART}, "the table [flowchart] needs the profile 'flowchart'"),
+        ({"profile": "flowchart", "flowchart": {**FLOWCHART, "k2_percent": 0.1}}, "exactly one of"),
+        ({"profile": "flowchart", "flowchart": {**FLOWCHART, "step_deg": 0.0}}, "'flowchart.step_deg'"),
+        ({"profile": "flowchart", "flowchart": {"k1_rpm": 5.0}}, "'flowchart.step_deg' is missing"),
+        ({"speed_range_rpm": [2000.0, 0.0]}, "'speed_range_rpm[1]'"),
+        ({"speed_range_rpm": [2000.0, 500.0]}, "the lowest speed first"),
+        ({"estimates_power": True, "power_window_s": -0.1}, "'power_window_s'"),
+        ({"power_window_s": 0.1}, "the key 'power_window_s' needs 'estimates_power = true'"),
+        (
+            {
+                "profile": "flowchart",
+                "flowchart": {"k1_rpm": 5.0, "k2_percent": 100.0, "step_deg": 1.0, "period_s": 0.1},
+            },
+            "'flowchart.k2_percent'",
+        ),
+        ({"flags": ["-O3"]}, "the key 'flags' is for the kind 'c', but the kind is 'python'"),
+    ],
+)
+def test_a_wrong_manifest_is_told_in_one_sentence(changes, sentence):
+    with pytest.raises(InputError) as caught:
+        parsed(**changes)
+    message = str(caught.value)
+    assert sentence in message
+    assert message.startswith("candidate.toml")
+    assert "\n" not in message

@@ -1,0 +1,39 @@
+"""Every check has a page in the documentation, whose facts come from the catalogue."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from drivegate.candidates.builtin.faults import MUTATIONS
+from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.check import Check
+
+DOCS = Path(__file__).parents[3] / "docs"
+SECTIONS = ["How it is judged", "What a failing candidate does wrong", "How to read its counterexample"]
+
+
+def test_pages_and_checks_match() -> None:
+    pages = {page.stem for page in (DOCS / "checks").glob("*.md")}
+    assert pages == {check.id for check in CHECKS}
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.id)
+def test_a_page_inserts_what_the_catalogue_knows_and_tells_the_rest(check: Check) -> None:
+    text = (DOCS / "checks" / f"{check.id}.md").read_text(encoding="utf-8")
+    assert text.startswith(f"# {check.id}: ")
+    assert f"```{{check}} {check.id}\n" in text
+    assert re.findall(r"^## (.+)$", text, re.MULTILINE) == SECTIONS
+    assert check.requirement not in text, "the requirement must stand in one place"
+    has_faults = any(mutation.check == check.id for mutation in MUTATIONS.values())
+    assert (f"```{{known-faults}} {check.id}\n" in text) == has_faults, (
+        "the self-test's faults must be inserted"
+    )
+
+
+def test_the_faulty_controllers_that_pages_name_exist() -> None:
+    for page in DOCS.rglob("*.md"):
+        named = set(re.findall(r"faulty:([a-z0-9-]+)", page.read_text(encoding="utf-8")))
+        assert named <= set(MUTATIONS), f"{page.name} names {named - set(MUTATIONS)}, which do not exist"

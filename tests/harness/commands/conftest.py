@@ -1,0 +1,190 @@
+"""Running the command line in this process, and results to show without a check."""
+
+import json
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.commands.command_line import main
+from drivegate.gate.events import CheckFinished, CheckStarted, RunDone
+from drivegate.results.baseline import Comparison
+from drivegate.results.result import CheckOutcome, CheckResult
+from drivegate_cases.scenario.scenario import load_scenario
+
+
+@dataclass(frozen=True)
+class Ended:
+    """What a command printed, and its exit code."""
+
+    code: int
+    out: str
+    err: str
+
+    @property
+    def document(self) -> Any:
+        return json.loads(self.out)
+
+
+@pytest.fixture
+def command(capsys, monkeypatch, tmp_path):
+    """Run a command in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words: object) -> Ended:
+        with pytest.raises(SystemExit) as ended:
+            main([str(word) for word in words])
+        printed = capsys.readouterr()
+        return Ended(int(ended.value.code or 0), printed.out, printed.err)
+
+    return run
+
+
+@pytest.fixture
+def refused(command, tmp_path):
+    """Run a command that must be refused in one sentence, without writing anything, as text and as JSON."""
+
+    def run(*words: object) -> str:
+        before = sorted(tmp_path.rglob("*"))
+        told, data = command(*words), command(*words, "--json")
+        assert told.code == data.code == 2, f"bad input must end with exit code 2: {told.err}"
+        assert told.out == "", "a refusal belongs on standard error"
+        lines = told.err.strip().splitlines()
+        assert len(lines) == 1, f"a refusal must be one sentence: {told.err}"
+        assert lines[0].startswith("error: ")
+        assert "Traceback" not in told.err
+        assert set(data.document) == {"schema", "error"}
+        assert data.document["error"] == {"message": lines[0].removeprefix("error: "), "exit_code": 2}
+        assert sorted(tmp_path.rglob("*")) == before, "nothing may be written when input is bad"
+        return lines[0]
+
+    return run
+
+
+CONTROLLERS = """
+from drivegate import Command
+
+class Steady:
+    def reset(self, nameplate): pass
+    def step(self, sense): return Command(current_reference=5.0, advance_angle=0.0)
+
+class Raising(Steady):
+    def step(self, sense): raise ValueError("\\x1b[31mred [bold]x[/bold] | <b> & ]]>")
+
+class WithoutStep:
+    def reset(self, nameplate): pass
+"""
+
+
+@pytest.fixture
+def controllers(tmp_path):
+    """A file with controllers of which each does one thing."""
+    file = tmp_path / "controllers.py"
+    file.write_text(CONTROLLERS, encoding="utf-8")
+    return file
+
+
+HOSTILE = "\x1b]0;title\x07[red]markup[/red] | a_b *c* <script> & \ud800 \ufffe \u202e"
+
+
+def outcome(
+    check: str, verdict: str, *, level: str = "required", message: str = "as measured"
+) -> CheckOutcome:
+    scenario = load_scenario("lock-up").to_mapping()
+    applied = verdict in ("pass", "fail")
+    return CheckOutcome(
+        id=check,
+        requirement="The requirement.",
+        source="P6",
+        subject="candidate",
+        level=level,
+        limit="the limit",
+        verdict=verdict,
+        margin={"pass": 0.25, "fail": -1.5}.get(verdict),
+        measured="measured",
+        runs=int(applied),
+        message=message,
+        scenario=scenario if applied else None,
+        counterexample=scenario if verdict == "fail" else None,
+    )
+
+
+@dataclass
+class FakeEngine:
+    """Stands for the engine: answers for a candidate by its name."""
+
+    outcomes: tuple[CheckOutcome, ...] = ()
+    faults: tuple[Fault, ...] = ()
+    verdict: str = "pass"
+    exit_code: int = 0
+    error: BaseException | None = None
+    options: dict[str, Any] | None = None
+    baseline: tuple[Comparison, ...] | None = None
+    corpus_runs: int = 0
+    timing: dict[str, Any] = field(default_factory=lambda: {"seconds": 1.0})
+
+    def __call__(self, candidate: Candidate, **options: Any) -> Any:
+        self.options = options
+        yield CheckStarted(candidate.name, 2)
+        yield RunDone(1, 2, "a scenario", "CNV-1 +0.1")
+        if self.error is not None:
+            raise self.error
+        result = CheckResult(
+            candidate=candidate,
+            verdict=self.verdict,
+            exit_code=self.exit_code,
+            seed=options["seed"],
+            effort=options["effort"],
+            checks=self.outcomes,
+            faults=self.faults,
+            runs=2,
+            set_aside=(),
+            provenance={"drivegate": "0.1.0"},
+            timing=self.timing,
+            corpus_runs=self.corpus_runs,
+            baseline=self.baseline,
+        )
+        yield CheckFinished(result)
+
+
+class OnePage:
+    """Stands for an installed report."""
+
+    name = "page"
+
+    def load(self) -> Callable[..., Any]:
+        def write(document: dict[str, Any], folder: Any) -> Any:
+            sys.stdout.write("a report that prints\n")
+            (folder / "report.html").write_text(document["verdict"], encoding="utf-8")
+            return folder / "report.html"
+
+        return write
+
+
+@pytest.fixture
+def engine(monkeypatch):
+    """The engine and the reports replaced: a pass, and one page."""
+    fake = FakeEngine(outcomes=(outcome("CNV-1", "pass"),))
+    monkeypatch.setattr("drivegate.gate.engine.check_candidate", fake)
+    monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group: [OnePage()])
+    return fake
+
+
+@pytest.fixture
+def failing(engine):
+    """The engine replaced: everything that can be told, from a candidate that says what it should not."""
+    engine.outcomes = (
+        outcome("CNV-1", "fail", message=HOSTILE),
+        outcome("CNV-2", "pass"),
+        outcome("CPW-1", "not applicable"),
+        outcome("RIP-1", "inconclusive"),
+        outcome("CUR-1", "fail", level="advisory"),
+    )
+    fault = Fault(FaultKind.EXCEPTION, HOSTILE, "step", "ValueError", f"first\n{HOSTILE}", 3, 0.0015, None)
+    engine.faults = (fault, fault)
+    engine.verdict, engine.exit_code = "exception", 1
+    return engine

@@ -1,0 +1,180 @@
+"""`drivegate check`: verdicts, exit codes, the files of the report, and candidates beside each other."""
+
+import json
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+from drivegate.candidates.fault import Fault, FaultKind
+from drivegate_models.errors import HarnessFault, InputError
+
+FILES = [".drivegate-report.json", "junit.xml", "report.html", "result.json", "summary.md"]
+
+
+def names(folder):
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
+def test_a_pass_is_told_and_reported(command, engine, tmp_path):
+    ended = command(
+        "check", "reference", "--effort", "quick", "--seed", "7", "--workers", "1", "--max-time", "9"
+    )
+    assert ended.code == 0
+    asked = {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0}
+    assert engine.options == {**asked, "search": True, "fail_on": "required"}
+    assert "reference: pass" in ended.out
+    assert "report: drivegate-report/report.html" in ended.out
+    assert "a report that prints" not in ended.out
+    assert "reference: 1 of 2 runs" in ended.err
+    assert names(tmp_path / "drivegate-report") == FILES
+
+
+def test_json_is_the_result_document(command, engine, tmp_path):
+    ended = command("check", "reference", "--json")
+    document = ended.document
+    keys = {"schema", "candidate", "verdict", "exit_code", "seed", "checks", "provenance"}
+    assert set(document) >= keys
+    assert set(document["checks"][0]) >= {
+        "id", "level", "verdict", "margin", "runs", "message", "counterexample",
+    }  # fmt: skip
+    stored = json.loads((tmp_path / "drivegate-report" / "result.json").read_text(encoding="utf-8"))
+    assert stored == document
+
+
+def test_a_failure_names_the_counterexample_its_file_and_the_next_step(command, failing, tmp_path):
+    ended = command("check", "reference", "--output", "out")
+    assert ended.code == 1
+    assert "CNV-1 fails (required)" in ended.out
+    assert "lock-up: 20 s, 1500 rpm, load constant torque 9.8 N·m × 0 → 1" in ended.out
+    assert (
+        "next: drivegate replay out/counterexamples/CNV-1.json --candidate reference --plot CNV-1.svg"
+        in ended.out
+    )
+    assert "exception in 2 runs" in ended.out
+    file = json.loads((tmp_path / "out" / "counterexamples" / "CNV-1.json").read_text(encoding="utf-8"))
+    assert (file["schema"], file["check"], file["margin"], file["seed"]) == (2, "CNV-1", -1.5, 0)
+    assert set(file["candidate"]) == {"name", "hash"}
+    assert file["versions"]["drivegate"]
+    assert file["scenario"]["motor"]["pole_pairs"] == 11, "the scenario must be fully resolved"
+
+
+def test_a_narrow_terminal_breaks_no_command_that_is_to_be_copied(command, failing, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    lines = command("check", "reference", "--output", "a-folder-with-a-rather-long-name").out.splitlines()
+    following = next(line for line in lines if line.startswith("next: "))
+    assert following.endswith(
+        "a-folder-with-a-rather-long-name/counterexamples/CNV-1.json --candidate reference --plot CNV-1.svg"
+    )
+    assert max(len(line) for line in lines if line.startswith(" CNV-1")) <= 60, "tables must fit"
+
+
+def test_nothing_that_a_candidate_says_acts_on_terminal_xml_or_markdown(command, failing, tmp_path):
+    ended = command("check", "reference")
+    for text in (ended.out, ended.err):
+        assert "\x1b" not in text
+        assert "\x07" not in text
+        assert "\u202e" not in text
+    assert "[red]markup[/red]" in ended.out, "markup must be shown as it is"
+    folder = tmp_path / "drivegate-report"
+    summary = (folder / "summary.md").read_text(encoding="utf-8")
+    assert "<script>" not in summary.replace("\\<script\\>", "")
+    rows = [line for line in summary.splitlines() if line.startswith("| CNV-1")]
+    assert rows[0].replace("\\|", "").count("|") == 6, "a message must not break the table"
+    cases = {case.get("name"): case for case in ElementTree.parse(folder / "junit.xml").iter("testcase")}
+    assert "<script>" in cases["CNV-1"].find("failure").get("message")
+
+
+def test_junit_counts_what_a_ci_server_counts(command, failing, tmp_path):
+    command("check", "reference")
+    suite = ElementTree.parse(tmp_path / "drivegate-report" / "junit.xml").getroot().find("testsuite")
+    counts = {key: suite.get(key) for key in ("tests", "failures", "errors", "skipped")}
+    # Six cases: five checks and one fault that came twice; an advisory check that fails does not count.
+    assert counts == {"tests": "6", "failures": "1", "errors": "2", "skipped": "1"}
+
+
+def test_several_candidates_get_a_folder_each_and_a_refused_one_stops_nobody(command, failing, tmp_path):
+    ended = command("check", "reference", "nobody", "initial", "--output", "out", "--json")
+    assert ended.code == ended.document["exit_code"] == 2, "a refusal wins over a failure"
+    first, second, third = ended.document["results"]
+    assert (first["verdict"], third["verdict"]) == ("exception", "exception")
+    assert second["error"]["exit_code"] == 2
+    assert second["candidate"] == {"specification": "nobody"}
+    assert "error: nobody: the candidate 'nobody' is unknown" in ended.err
+    assert {path.name for path in (tmp_path / "out").iterdir() if path.is_dir()} == {"reference", "initial"}
+    stored = json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))
+    assert stored == ended.document
+
+
+def test_the_same_candidate_twice_gets_two_folders(command, engine, tmp_path):
+    assert command("check", "reference", "reference", "--output", "out").code == 0
+    assert {path.name for path in (tmp_path / "out").iterdir() if path.is_dir()} == {
+        "reference",
+        "reference-2",
+    }
+
+
+@pytest.mark.parametrize(
+    ("error", "code"), [(InputError("no step"), 2), (HarnessFault("broke"), 3), (KeyError("x"), 3)]
+)
+def test_a_check_that_ends_without_a_result_writes_nothing(command, engine, tmp_path, error, code):
+    engine.error = error
+    ended = command("check", "reference", "--json")
+    assert ended.code == ended.document["error"]["exit_code"] == code
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_report_that_cannot_be_written_is_a_fault_of_drivegate_beside_the_verdict(
+    command, engine, monkeypatch, tmp_path
+):
+    class Broken:
+        name = "broken"
+
+        def load(self):
+            raise ImportError("no such module")
+
+    monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group: [Broken()])
+    told = command("check", "reference")
+    assert told.code == 3
+    assert "reference: pass" in told.out
+    assert "the report 'broken' could not be written" in told.err
+    data = command("check", "reference", "--json")
+    assert data.document["verdict"] == "pass"
+    assert data.document["error"]["exit_code"] == 3
+    assert (tmp_path / "drivegate-report" / "result.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ([], "CANDIDATE"),
+        (["nobody"], "'nobody' is unknown"),
+        (["missing.py:Mine"], "does not exist"),
+        (["reference", "--effort", "huge"], "--effort"),
+        (["reference", "--seed", "-1"], "--seed"),
+        (["reference", "--workers", "0"], "--workers"),
+        (["reference", "--max-time", "0"], "above 0"),
+        (["reference", "--max-time", "nan"], "above 0"),
+        (["reference", "--output", "."], "working folder"),
+        (["reference", "--output", "/proc/nowhere"], "cannot be written"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(refused, engine, words, told):
+    assert told in refused("check", *words)
+
+
+def test_a_class_without_step_is_refused_and_leaves_nothing(refused, controllers):
+    assert "no method 'step'" in refused("check", f"{controllers}:WithoutStep")
+
+
+def test_a_folder_of_somebody_else_is_refused(refused, engine, tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.txt").write_text("years of work", encoding="utf-8")
+    assert "no report of drivegate" in refused("check", "reference", "--output", "mine")
+
+
+def test_a_candidate_that_raises_is_checked_for_real(command, controllers, tmp_path):
+    ended = command("check", f"{controllers}:Raising", "--effort", "quick", "--workers", "2", "--json")
+    assert ended.document["verdict"] == FaultKind.EXCEPTION
+    assert ended.document["exit_code"] == 1
+    assert set(ended.document["faults"][0]) >= set(Fault.__dataclass_fields__) - {"time"}
+    assert (tmp_path / "drivegate-report" / "summary.md").exists()

@@ -1,0 +1,147 @@
+"""What holds for every command: it answers at once, in one form, and ends in one of the documented ways."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import click
+import pytest
+
+from drivegate import __version__
+from drivegate.commands.command_line import COMMANDS
+from drivegate.commands.conduct import Outcome, conducted
+from drivegate_models.errors import HarnessFault, InputError
+
+HEAVY = ("numba", "numpy", "pandas", "pydantic", "scipy", "hypothesis", "matplotlib", "rich")
+
+
+def drivegate(*words, **options):
+    program = "from drivegate.commands.command_line import main; main()"
+    return subprocess.Popen(
+        [sys.executable, "-c", program, *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **options,
+    )
+
+
+@pytest.mark.parametrize("words", [["--help"], *([name, "--help"] for name in COMMANDS)])
+def test_help_answers_at_once(words):
+    seconds = []
+    for _ in range(5):
+        began = time.perf_counter()
+        process = drivegate(*words)
+        out, err = process.communicate()
+        seconds.append(time.perf_counter() - began)
+        assert (process.returncode, err) == (0, "")
+        assert "Usage: drivegate" in out
+    assert min(seconds) < 0.3, f"help took {min(seconds):.2f} s"
+
+
+@pytest.mark.parametrize("words", [["--help"], *([name, "--help"] for name in COMMANDS)])
+def test_help_loads_nothing_heavy(words):
+    program = (
+        "import sys\nfrom drivegate.commands.command_line import main\n"
+        f"try: main({words})\nexcept SystemExit: print('LOADED', *sorted(set(sys.modules) & {set(HEAVY)}))"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert ended.stdout.splitlines()[-1].strip() == "LOADED", "help must not load what only the work needs"
+
+
+def test_help_lists_every_command_and_the_version_is_told(command):
+    text = command("--help").out
+    assert all(name in text for name in COMMANDS)
+    assert command("--version").out == f"drivegate {__version__}\n"
+
+
+def test_a_misspelt_command_is_named_with_the_nearest(refused):
+    assert "'pint' is unknown, the nearest is 'point'" in refused("pint")
+
+
+def test_without_a_command_they_are_listed(refused):
+    assert all(name in refused() for name in COMMANDS)
+
+
+def test_json_is_understood_before_and_after_the_command(command):
+    assert command("--json", "cases").document == command("cases", "--json").document
+
+
+def test_an_option_that_does_not_exist_is_named(refused):
+    assert "--sped-rpm" in refused("point", "--sped-rpm", "3")
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (InputError("the key is wrong"), 2, "error: the key is wrong\n"),
+        (click.UsageError("Missing\noption."), 2, "error: Missing option\n"),
+        (
+            HarnessFault("it broke: Traceback (most recent call last):\n  x\nValueError: 3"),
+            3,
+            "it broke: ValueError: 3",
+        ),
+        (ZeroDivisionError("division by zero"), 3, "drivegate itself failed"),
+        (OSError(28, "No space left on device", "x.csv"), 3, "cannot write at x.csv: No space left"),
+        (KeyboardInterrupt(), 130, "error: interrupted\n"),
+    ],
+)
+def test_every_ending_has_its_exit_code_and_one_sentence(error, code, words, capsys):
+    def work():
+        raise error
+
+    for as_json in (False, True):
+        assert conducted(work, as_json=as_json) == code
+        printed = capsys.readouterr()
+        assert words in printed.err
+        assert len(printed.err.splitlines()) == 1
+        if as_json:
+            message = printed.err.removeprefix("error: ").rstrip("\n")
+            assert json.loads(printed.out) == {"schema": 1, "error": {"message": message, "exit_code": code}}
+        else:
+            assert printed.out == ""
+
+
+def test_a_traceback_is_shown_only_when_it_is_asked_for(monkeypatch, capsys):
+    def work():
+        raise ZeroDivisionError
+
+    monkeypatch.setenv("DRIVEGATE_DEBUG", "1")
+    conducted(work, as_json=True)
+    printed = capsys.readouterr()
+    assert "Traceback" in printed.err
+    assert json.loads(printed.out)["error"]["exit_code"] == 3
+
+
+def test_numbers_that_json_cannot_write_become_null(capsys):
+    document = {"schema": 1, "nan": float("nan"), "list": [float("inf"), (1.5,)]}
+    assert conducted(lambda: Outcome(document, lambda _: None, 1), as_json=True) == 1
+    assert json.loads(capsys.readouterr().out) == {"schema": 1, "nan": None, "list": [None, [1.5]]}
+
+
+def test_a_reader_that_leaves_changes_nothing():
+    process = drivegate("cases", "--json")
+    process.stdout.close()
+    assert process.stderr.read() == ""
+    assert process.wait() == 0
+    process.stderr.close()
+
+
+def test_a_console_without_the_characters_gets_escapes():
+    process = drivegate("cases", env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    out, err = process.communicate()
+    assert (process.returncode, err) == (0, "")
+    assert r"N\xb7m" in out
+
+
+def test_ctrl_c_ends_a_check_with_130_and_leaves_nothing(tmp_path):
+    process = drivegate("check", "reference", "--json", cwd=tmp_path)
+    assert "runs" in process.stderr.readline()
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate()
+    assert process.returncode == 130, err
+    assert json.loads(out)["error"]["exit_code"] == 130
+    assert list(tmp_path.iterdir()) == [], "an interrupted check leaves no folder behind"

@@ -1,0 +1,97 @@
+"""`drivegate compare`: end to end, with a plan that is small."""
+
+import csv
+import json
+
+import pytest
+
+from drivegate.studies.compare import plan as comparison_plan
+from drivegate.studies.compare.compare_all import table_text
+
+SMALL = comparison_plan.ComparisonEffort((700.0, 1500.0), (0.25, 1.0), 1, 1, 3)
+CYCLE = "time_s,speed_km_h\n0,0\n1,0\n5,15\n7,15\n11,0\n12,0\n"
+
+
+@pytest.fixture
+def compare(command, monkeypatch, tmp_path):
+    """Compare over a small plan and a short cycle."""
+    monkeypatch.setitem(comparison_plan.EFFORTS, "quick", SMALL)
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1900000000")
+    (tmp_path / "short.csv").write_text(CYCLE, encoding="utf-8")
+
+    def run(*words):
+        return command("compare", *words, "--effort", "quick", "--cycle", "short.csv", "--no-checks")
+
+    return run
+
+
+def test_the_built_in_candidates_are_compared_the_same_on_any_number_of_workers(
+    compare, tmp_path, monkeypatch
+):
+    ended = compare("reference", "initial", "published", "--workers", 2, "--output", "two", "--json")
+    assert ended.code == 0, ended.err
+    document = ended.document
+    assert document["kind"] == "comparison"
+    ranking = document["tables"]["ranking"]
+    assert [(row["rank"], row["candidate"]) for row in ranking] == [
+        (1, "reference"),
+        (2, "initial"),
+        (3, "published"),
+    ]
+    assert ranking[0]["points_held"] == ranking[0]["points_feasible"] == 4
+    assert ranking[2]["points_held"] < 4, "the literal flowchart loses full load"
+    assert ranking[1]["current_above_first_a"] > 1.0, "without a search Σ|i| is higher"
+    assert document["timing"]["started_utc"] == "2030-03-17"
+    assert {row["candidate"] for row in document["timing"]["steps"]} == {"reference", "initial", "published"}
+
+    page = (tmp_path / "two" / "comparison.html").read_text(encoding="utf-8")
+    assert "reference ranks first" in page
+    table = (tmp_path / "two" / "tables" / "operating_points.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(table.splitlines()))
+    assert len(rows) == 12
+    assert rows[0]["candidate"] == "reference"
+
+    # The page is a function of the document, and what a candidate is measured as does not depend on the others.
+    monkeypatch.setattr("drivegate.studies.compare.compare_all.entry_points", lambda group: [])
+    alone = compare("initial", "--workers", 1, "--output", "one", "--json").document
+    for table in ("operating_points", "disturbances", "repetitions", "drive_cycle"):
+        rows = [row for row in document["tables"][table] if row["candidate"] == "initial"]
+        assert json.dumps(rows) == json.dumps(alone["tables"][table]), (
+            f"{table} depends on the number of workers"
+        )
+
+
+def test_who_fails_or_is_refused_does_not_stop_the_others(compare, controllers, tmp_path):
+    ended = compare("nonsense", "initial", f"{controllers}:Raising", "--json")
+    assert ended.code == 2
+    assert "error: nonsense: the candidate 'nonsense' is unknown" in ended.err
+    assert "Traceback" not in ended.err
+    ranking = ended.document["tables"]["ranking"]
+    assert [(row["rank"], row["status"]) for row in ranking] == [
+        (1, "compared"),
+        (None, "faulted"),
+        (None, "refused"),
+    ]
+    faults = ended.document["candidates"][2]["faults"]
+    assert [fault["kind"] for fault in faults] == ["exception"] * 3, (
+        "after three faults it is not run any further"
+    )
+    assert "\x1b" not in faults[0]["message"]
+    page = (tmp_path / "drivegate-comparison" / "comparison.html").read_text(encoding="utf-8")
+    assert "nonsense" in page
+    assert "ValueError" in page
+
+
+def test_nothing_is_written_where_nothing_can_be_compared(refused):
+    assert "'nonsense' is unknown" in refused("compare", "nonsense")
+
+
+def test_a_bad_cycle_is_told(refused, tmp_path):
+    (tmp_path / "bad.csv").write_text("time_s\n0\n", encoding="utf-8")
+    assert "bad.csv has no column 'speed_km_h'" in refused("compare", "initial", "--cycle", "bad.csv")
+    assert "no drive cycle is called 'ece'" in refused("compare", "initial", "--cycle", "ece")
+
+
+def test_a_table_is_safe_to_open():
+    text = table_text([{"name": "=1+1", "value": 0.5, "held": True}, {"name": "a\x1bb", "more": None}])
+    assert text == "name,value,held,more\n'=1+1,0.5,yes,\na\\x1bb,,,\n"

@@ -1,0 +1,60 @@
+"""`drivegate checks`, `drivegate cases` and `drivegate calibrate`: what there is, and where it comes from."""
+
+from drivegate.checks.catalogue import CHECKS
+from drivegate_cases.motor.motor import motor_names
+from drivegate_cases.scenario.drive_cycle import cycle_names
+from drivegate_cases.scenario.operating_point import operating_point_names, power_sweep_names
+from drivegate_cases.scenario.scenario import scenario_names
+
+
+def test_checks_are_listed_with_their_requirements(command):
+    listed = command("checks", "--json").document["checks"]
+    assert [row["id"] for row in listed] == [check.id for check in CHECKS]
+    assert all(set(row) >= {"id", "requirement", "source", "subject", "level", "limit"} for row in listed)
+    text = command("checks").out
+    assert all(check.id in text for check in CHECKS)
+
+
+def test_cases_are_listed_by_the_names_that_other_commands_take(command):
+    document = command("cases", "--json").document
+    names = {
+        "scenarios": scenario_names(),
+        "operating_points": operating_point_names(),
+        "sweeps": power_sweep_names(),
+        "drive_cycles": cycle_names(),
+        "motors": motor_names(),
+    }
+    text = command("cases").out
+    for key, known in names.items():
+        assert [row["name"] for row in document[key]] == list(known)
+        assert all(row["description"] for row in document[key])
+        assert all(name in text for name in known)
+
+
+def test_the_stored_motor_agrees_with_its_calibration(command):
+    ended = command("calibrate", "--json")
+    document = ended.document
+    assert ended.code == 0
+    assert document["agrees"] is True
+    for fact in document["facts"]:
+        assert abs(fact["stored_residual"]) <= fact["rounding"], (
+            f"{fact['name']} is off by more than rounding"
+        )
+    assert max(map(abs, document["torque_residuals_nm"])) < 1e-6
+    told = command("calibrate").out
+    assert "agrees with the fit" in told
+    assert all(fact["name"] in told for fact in document["facts"])
+
+
+def test_a_motor_that_no_longer_follows_from_the_facts_is_told(command, monkeypatch):
+    from drivegate_cases.motor import motor
+
+    altered = motor.load_motor("paper-5-phase").replaced(inductance_h=3.2e-3)
+    monkeypatch.setattr(motor, "load_motor", lambda name: altered)
+    ended = command("calibrate")
+    assert ended.code == 1
+    assert "differs from the fit" in ended.out
+
+
+def test_an_argument_too_many_is_refused(refused):
+    assert "extra" in refused("cases", "extra")

@@ -1,0 +1,135 @@
+"""`drivegate new`: a candidate of each kind that works, and whose own test runs."""
+
+import shutil
+import subprocess
+import sys
+import tomllib
+from datetime import UTC, datetime, timedelta
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.results.waivers import read_waivers
+from drivegate.studies.diff.diff import compared
+from drivegate.studies.diff.jobs import Rule
+from drivegate.studies.new.write import KINDS, WAIVED, write_candidate
+from drivegate_cases.scenario.scenario import load_scenario
+from drivegate_models.errors import InputError
+
+COMMON = {
+    "README.md",
+    "candidate.toml",
+    "test_controller.py",
+    "waivers.toml",
+    ".github/workflows/drivegate.yml",
+}
+TODAY = datetime.now(UTC).date()
+# cargo is no part of what the suite of tests may ask for.
+BUILT_HERE = [
+    kind for kind, known in KINDS.items() if not known.build or shutil.which(known.build.split()[0])
+]
+# From standstill to above base speed, so that every branch of the algorithm is taken.
+RISING = load_scenario("lock-up").replaced(
+    duration_s=1.5,
+    initial_speed_rpm=300.0,
+    speed_rpm=((0.0, 300.0), (0.1, 300.0), (0.1, 900.0), (0.8, 900.0), (0.8, 700.0)),
+    load={"kind": "constant_torque", "torque_nm": 2.0, "factor": [[0.0, 1.0]]},
+)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_is_written_whole_and_tells_the_next_step(command, tmp_path, kind):
+    ended = command("new", kind, "my-own", "--json")
+    document, folder = ended.document, tmp_path / "my-own"
+    assert ended.code == 0
+    assert set(document["files"]) == {
+        path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()
+    }
+    assert set(document["files"]) >= COMMON | {KINDS[kind].source}
+    assert document["next"][0] == "cd my-own"
+    assert document["next"][-1] == "drivegate check candidate.toml --waivers waivers.toml"
+    assert tomllib.loads((folder / "candidate.toml").read_text(encoding="utf-8"))["name"] == "my-own"
+    for path in folder.rglob("*"):
+        text = path.read_text(encoding="utf-8") if path.is_file() else ""
+        left = [word for word in ("@name@", "@expires@", "@build@", "@source@") if word in text]
+        assert not left, f"{path.name} has a blank left"
+
+
+def test_people_are_told_the_next_step(command):
+    told = command("new", "rust", "mine", "--output", "some where/else")
+    assert "src/lib.rs" in told.out
+    assert "next: cd 'some where/else' && cargo build --release && drivegate check" in told.out
+
+
+@pytest.mark.parametrize("kind", BUILT_HERE)
+def test_every_kind_gives_the_commands_of_the_built_in_line_of_angles(tmp_path, kind):
+    folder = tmp_path / "mine"
+    write_candidate(kind, "mine", folder, TODAY)
+    if KINDS[kind].build:
+        subprocess.run([*KINDS[kind].build.split(), "--quiet"], cwd=folder, check=True)
+    candidate = resolve_candidate(str(folder / "candidate.toml"))
+    assert candidate.name == "mine"
+    # So what `initial` passes and fails is what the new candidate passes and fails.
+    ended = compared(resolve_candidate("initial"), candidate, RISING, Rule(), before=0, after=0)
+    assert (ended.fault, ended.difference, ended.steps) == (None, None, RISING.control_periods)
+
+
+def test_the_program_is_the_one_of_the_examples():
+    examples = Path(__file__).parents[3] / "examples" / "exec"
+    template = files("drivegate").joinpath("templates/new/exec/controller.py")
+    assert template.read_text(encoding="utf-8") == (examples / "controller.py").read_text(encoding="utf-8")
+
+
+def test_its_own_test_runs_and_its_waivers_are_all_needed(tmp_path):
+    folder = tmp_path / "mine"
+    write_candidate("c", "mine", folder, TODAY)
+    waivers = read_waivers(folder / "waivers.toml", ["mine"])
+    assert [waiver.expires for waiver in waivers] == [TODAY + WAIVED] * 2
+    ended = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "ignore"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stdout[-3000:]
+    assert "failed" not in ended.stdout
+    assert "passed" in ended.stdout
+
+
+def test_a_folder_with_something_in_it_is_left_alone(tmp_path, refused):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "note.txt").write_text("precious", encoding="utf-8")
+    assert "nothing is ever overwritten" in refused("new", "c", "mine")
+    (tmp_path / "file").write_text("precious", encoding="utf-8")
+    assert "exists already" in refused("new", "c", "mine", "--output", "file")
+
+
+def test_an_empty_folder_is_filled(command, tmp_path):
+    (tmp_path / "mine").mkdir()
+    assert command("new", "python", "mine").code == 0
+    assert (tmp_path / "mine" / "controller.py").is_file()
+    assert [path.name for path in tmp_path.iterdir()] == ["mine"], "nothing may be left beside the folder"
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["cobol", "mine"], "'cobol' is not one of"),
+        (["c"], "NAME"),
+        (["c", "../mine"], "must begin with a letter"),
+        (["c", "m" * 65], "64 at most"),
+        (["c", "mine", "--output", "/proc/mine"], "cannot be written"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(refused, words, told):
+    assert told in refused("new", *words)
+
+
+def test_a_failure_to_write_leaves_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr("pathlib.Path.rename", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left")))
+    with pytest.raises(InputError, match="No space left"):
+        write_candidate("c", "mine", tmp_path / "mine", TODAY + timedelta(days=1))
+    assert list(tmp_path.iterdir()) == []

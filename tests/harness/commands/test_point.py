@@ -1,0 +1,169 @@
+"""`drivegate point`: its values, and every kind of bad input."""
+
+import math
+
+import pytest
+
+from drivegate_cases.motor.motor import load_motor
+from drivegate_models.half_bridge.steady.oracle import point_at_torque
+from drivegate_models.half_bridge.steady.steady_state import steady_state
+
+KEYS = [
+    "schema",
+    "speed_rpm",
+    "advance_deg",
+    "current_reference_a",
+    "feasible",
+    "torque_mean_nm",
+    "torque_ripple_percent",
+    "torque_ripple_one_sided_percent",
+    "current_sum_a",
+    "exchanged_power_w",
+    "input_power_w",
+    "copper_loss_w",
+    "core_loss_w",
+    "current_peak_a",
+]
+AT_1500 = ("point", "--speed-rpm", "1500", "--advance-deg", "52.5")
+SPEED = 1500 * math.pi / 30
+
+
+@pytest.fixture(scope="module")
+def drive():
+    return load_motor("paper-5-phase").drive()
+
+
+def test_at_a_torque_the_document_is_the_oracles_point(command, drive):
+    ended = command(*AT_1500, "--torque-nm", "9.8", "--json")
+    point = point_at_torque(drive, SPEED, math.radians(52.5), 9.8)
+    document = ended.document
+    assert ended.code == 0
+    assert ended.err == ""
+    assert list(document)[: len(KEYS)] == KEYS
+    assert document["feasible"] is True
+    assert document["current_reference_a"] == point.reference
+    assert document["input_power_w"] == point.input_power
+    assert (
+        document["torque_ripple_percent"] == 100 * (point.torque_highest - point.torque_lowest) / point.torque
+    )
+
+
+def test_at_a_current_the_document_is_the_steady_state(command, drive):
+    document = command(*AT_1500, "--current-a", "11.3", "--json").document
+    state = steady_state(drive, SPEED, 11.3, math.radians(52.5))
+    assert document["torque_mean_nm"] == state.torque
+    assert document["input_power_w"] == state.source_power + state.core_source_power + state.switching_loss
+    worst = max(state.torque_highest - state.torque, state.torque - state.torque_lowest)
+    assert document["torque_ripple_one_sided_percent"] == 100 * worst / state.torque
+
+
+def test_cycles_from_rest_come_to_the_ideal_regulators_steady_state(command):
+    ideal = ("--current-a", "11.3", "--set", "hysteresis_band_a=0", "--json")
+    settled = command(*AT_1500, *ideal).document
+    from_rest = command(*AT_1500, *ideal, "--cycles", "30").document
+    assert settled["certified"] is True
+    assert from_rest["averaged_cycles"] == 1
+    for key in KEYS[5:]:
+        assert from_rest[key] == pytest.approx(settled[key], rel=1e-8), f"{key} must settle"
+
+
+def test_out_of_reach_it_gives_the_values_at_the_limit(command):
+    beyond = command("point", "--speed-rpm", 1500, "--advance-deg", 45, "--torque-nm", 9.8, "--json").document
+    at_limit = command(
+        "point", "--speed-rpm", 1500, "--advance-deg", 45, "--current-a", 26, "--json"
+    ).document
+    assert (beyond["feasible"], at_limit["feasible"]) == (False, True)
+    assert {key: beyond[key] for key in KEYS if key != "feasible"} == {
+        key: at_limit[key] for key in KEYS if key != "feasible"
+    }
+    told = command("point", "--speed-rpm", 1500, "--advance-deg", 45, "--torque-nm", 9.8)
+    assert told.code == 0
+    assert "not feasible" in told.out
+
+
+def test_a_current_above_the_limit_is_not_feasible(command):
+    assert command(*AT_1500, "--current-a", "26.01", "--json").document["feasible"] is False
+
+
+def test_the_ripple_of_no_torque_is_null(command):
+    document = command("point", "--speed-rpm", 10, "--advance-deg", 0, "--current-a", 0, "--json").document
+    assert document["torque_mean_nm"] == 0
+    assert document["torque_ripple_percent"] is None
+    assert document["torque_ripple_one_sided_percent"] is None
+
+
+def test_people_get_a_table_with_units_and_what_to_do_next(command):
+    text = command(*AT_1500, "--torque-nm", "9.8").out
+    assert all(unit in text for unit in ("rpm", "N·m", "A", "W", "%"))
+    assert "next: " in text
+
+
+def test_a_motor_from_a_file_and_settings_on_top(command, tmp_path):
+    (tmp_path / "mine.json").write_text(load_motor("paper-5-phase").to_json(), encoding="utf-8")
+    plain = command(*AT_1500, "--current-a", 11, "--json").document
+    same = command(*AT_1500, "--current-a", 11, "--motor", "mine.json", "--json").document
+    other = command(
+        *AT_1500, "--current-a", 11, "--motor", "mine.json", "--set", "resistance_ohm=0.16", "--json"
+    )
+    assert same == plain
+    assert other.document["copper_loss_w"] > 1.5 * plain["copper_loss_w"]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--speed-rpm", "0"], "--speed-rpm"),
+        (["--speed-rpm", "-5"], "above 0"),
+        (["--speed-rpm", "nan"], "--speed-rpm"),
+        (["--speed-rpm", "inf"], "--speed-rpm"),
+        (["--speed-rpm", "1e6"], "up to 100000"),
+        (["--speed-rpm", "fast"], "fast"),
+        (["--speed-rpm", "1e-9"], "or more"),
+        (["--advance-deg", "120"], "from 0 to 90"),
+        (["--advance-deg", "-1"], "from 0 to 90"),
+        (["--advance-deg", "NaN"], "from 0 to 90"),
+        (["--current-a", "-1"], "--current-a"),
+        (["--current-a", "nan"], "--current-a"),
+        (["--torque-nm", "3"], "exactly one of --torque-nm and --current-a"),
+        (["--cycles", "0"], "--cycles"),
+        (["--cycles", "1.5"], "--cycles"),
+        (["--cycles", "100001"], "--cycles"),
+        (["--motor", "paper-5-fase"], "'paper-5-phase'"),
+        (["--motor", "missing.toml"], "does not exist"),
+        (["--set", "inductence_h=3e-3"], "'inductance_h'"),
+        (["--set", "inductance_h=-3e-3"], "inductance_h"),
+        (["--set", "inductance_h=nan"], "inductance_h"),
+        (["--set", "inductance_h"], "KEY=VALUE"),
+        (["--set", "emf_flat_deg=190"], "emf_flat_deg"),
+        (["--set", "phases=5.5"], "phases"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(refused, words, told):
+    assert told in refused(*AT_1500, "--current-a", "11", *words)
+
+
+def test_neither_torque_nor_current_is_refused(refused):
+    assert "exactly one" in refused(*AT_1500)
+
+
+def test_cycles_go_with_a_current_only(refused):
+    assert "--cycles" in refused(*AT_1500, "--torque-nm", "9.8", "--cycles", "3")
+
+
+def test_a_missing_option_is_named(refused):
+    assert "--advance-deg" in refused("point", "--speed-rpm", "1500", "--current-a", "3")
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (b"\x7fELF\x02\x01\xff\xfe\x00", "UTF-8"),
+        (b"schema = 1\nname = ", "TOML"),
+        (b"name = 'x'\n", "schema"),
+        (b"schema = 99\n", "newer"),
+        (b"schema = 1\nresistence_ohm = 1.0\n", "resistance_ohm"),
+    ],
+)
+def test_a_file_that_is_no_motor_is_refused(refused, tmp_path, content, told):
+    (tmp_path / "motor.toml").write_bytes(content)
+    assert told in refused(*AT_1500, "--current-a", "11", "--motor", "motor.toml")

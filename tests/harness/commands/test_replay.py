@@ -1,0 +1,173 @@
+"""`drivegate replay`: a counterexample is run again, by whom the user says, and judged."""
+
+import json
+
+import pytest
+
+from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.scenario.scenario import load_scenario
+
+SCENARIO = load_scenario("lock-up").replaced(duration_s=12.0)
+
+
+def counterexample(**changes):
+    table = {
+        "schema": 2,
+        "kind": "counterexample",
+        "check": "CNV-1",
+        "margin": -2.5,
+        "measured": "speed error 17.5 rpm",
+        "candidate": {"name": "published", "hash": "00ff"},
+        "scenario": SCENARIO.to_mapping(),
+    }
+    return table | changes
+
+
+@pytest.fixture
+def file(tmp_path):
+    """Write a counterexample with some of its keys changed."""
+
+    def write(**changes):
+        path = tmp_path / "found" / "CNV-1.json"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(json.dumps(counterexample(**changes)), encoding="utf-8")
+        return path
+
+    return write
+
+
+def test_the_published_search_still_fails_and_its_signals_are_drawn(command, file, tmp_path):
+    told = command("replay", file())
+    assert told.code == 1
+    assert "CNV-1 STILL FAILS" in told.out
+    assert "then margin -2.5 (speed error 17.5 rpm), by published" in told.out
+    assert f"next: look at the signals: drivegate replay {file()} --plot CNV-1.svg" in told.out
+    drawn = command("replay", file(), "--plot", "run.svg", "--json")
+    document = drawn.document
+    assert (drawn.code, document["exit_code"], document["verdict"]) == (1, 1, "still fails")
+    assert document["now"]["margin"] < 0.0
+    assert document["then"] == {"margin": -2.5, "measured": "speed error 17.5 rpm"}
+    assert document["window_s"][1] == SCENARIO.duration_s, "the stretch that was judged ends with the run"
+    assert document["window_s"][0] > 6.0, "what comes before the stretch is not judged"
+    assert document["files"] == ["run.svg"]
+    drawing = (tmp_path / "run.svg").read_text(encoding="utf-8")
+    for words in ("judged here", "speed", "advance angle", "current reference", "load"):
+        assert words in drawing
+
+
+def test_the_reference_is_told_to_be_right(command, file):
+    told = command("replay", file(), "--candidate", "reference")
+    assert told.code == 0
+    assert "CNV-1 FIXED" in told.out
+    assert f"cp {file()} corpus/ && drivegate check reference --corpus corpus" in told.out
+
+
+def test_a_check_of_the_whole_run_is_judged_on_the_whole_run(command, file, controllers):
+    scenario = SCENARIO.replaced(duration_s=1.0).to_mapping()
+    words = (
+        "replay",
+        file(check="CMD-1", scenario=scenario),
+        "--candidate",
+        f"{controllers}:Steady",
+        "--json",
+    )
+    assert command(*words).document["window_s"] == [0.0, 1.0]
+
+
+def test_a_repetition_is_repeated(command, file):
+    words = ("replay", file(check="DET-1", scenario=SCENARIO.replaced(duration_s=1.0).to_mapping()), "--json")
+    ended = command(*words)
+    assert (ended.code, ended.document["verdict"], ended.document["now"]["margin"]) == (0, "fixed", 1.0)
+
+
+def test_a_check_that_does_not_apply_is_told_why(command, file, controllers):
+    scenario = SCENARIO.replaced(duration_s=1.0).to_mapping()
+    words = ("replay", file(check="PWR-2", scenario=scenario), "--candidate", f"{controllers}:Steady")
+    told, data = command(*words), command(*words, "--json")
+    assert told.code == data.code == 0
+    assert "PWR-2 NOT APPLICABLE" in told.out
+    assert data.document["reason"]
+    assert data.document["now"] is None
+
+
+def test_a_candidate_that_raises_still_fails(command, file, controllers):
+    words = ("replay", file(), "--candidate", f"{controllers}:Raising", "--plot", "run.svg")
+    told, data = command(*words), command(*words, "--json")
+    assert told.code == data.code == 1
+    assert "\x1b" not in told.out
+    assert "exception: ValueError" in told.out
+    assert (data.document["verdict"], data.document["fault"]["kind"]) == ("still fails", "exception")
+    assert data.document["files"] == []
+
+
+@pytest.fixture
+def script(file):
+    """Write a script that a flowchart without k2 does not follow."""
+    row = {"speed_reference_rpm": 1500.0, "speed_rpm": 1500.0, "supply_v": 48.0}
+    sums = (40.0, 38.0, 36.0, 35.999, 35.998, 35.997)
+    table = {
+        "schema": 1,
+        "kind": "script",
+        "name": "hardly any change",
+        "motor": load_motor("paper-5-phase").to_mapping(),
+        "rows": [row | {"current_sum_a": current} for current in sums],
+    }
+    return lambda name: file(check="FLO-1", scenario=table, candidate={"name": name})
+
+
+def test_a_script_is_replayed(command, script, tmp_path):
+    words = ("replay", script("faulty:flowchart-without-k2"))
+    told, data = command(*words), command(*words, "--plot", "rows.svg", "--json")
+    assert told.code == data.code == 1, told.err
+    assert "FLO-1 STILL FAILS" in told.out
+    assert "in hardly any change, row " in told.out
+    assert data.document["rows"][0] == data.document["rows"][1] >= 3, "the row of the first departure is told"
+    assert data.document["window_s"] is None
+    assert "judged here" in (tmp_path / "rows.svg").read_text(encoding="utf-8")
+    right = command("replay", script("published"), "--json")
+    assert (right.code, right.document["verdict"]) == (0, "fixed")
+    other = command("replay", script("reference"))
+    assert other.code == 0
+    assert "does not declare the profile 'flowchart'" in other.out
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["mine.py:Mine", "os:system", "exec:touch owned", "./drive.so", "\x1b[31m<script>", "faulty:../x", "a b"],
+)
+def test_a_file_does_not_say_what_is_executed(refused, file, name):
+    sentence = refused("replay", file(candidate={"name": name}))
+    assert "does not come with drivegate; say which one to run with --candidate" in sentence
+    assert "\x1b" not in sentence
+
+
+def test_a_name_that_only_looks_built_in_is_refused(refused, file, tmp_path):
+    (tmp_path / "faulty.py").write_text("open('owned', 'w')", encoding="utf-8")
+    assert "'nobody' is unknown" in refused("replay", file(candidate={"name": "faulty:nobody"}))
+    (tmp_path / "design.py").write_text("open('owned', 'w')", encoding="utf-8")
+    refused("replay", file(candidate={"name": "design:nobody"}))
+    assert not (tmp_path / "owned").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["missing.json"], "missing.json does not exist"),
+        (["controllers.txt"], "neither a TOML nor a JSON file"),
+        ([], "FILE"),
+        (["FOUND", "--candidate", "nobody"], "'nobody' is unknown"),
+        (["FOUND", "--plot", "run.pdf"], ".png or .svg"),
+        (["FOUND", "--plot", "no/where.svg"], "folder does not exist"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(refused, file, words, told):
+    found = str(file())
+    assert told in refused("replay", *(found if word == "FOUND" else word for word in words))
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [({"schema": 9}, "schema 9 is newer"), ({"check": "XYZ-1"}, "'XYZ-1'"), ({"kind": "result"}, "kind")],
+)
+def test_a_bad_file_is_refused_in_one_sentence(refused, file, changes, told):
+    assert told.strip("'") in refused("replay", file(**changes))

@@ -1,0 +1,139 @@
+"""``drivegate report`` and ``drivegate reproduce``: the same reports again, and one sentence for what cannot be."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "reporter"
+
+
+@pytest.fixture
+def result(command: Any, engine: Any, tmp_path: Path) -> Path:
+    """Write a result by the replaced engine."""
+    ended = command("check", "reference", "--output", str(tmp_path / "first"))
+    assert ended.code == 0, ended.err
+    return tmp_path / "first" / "result.json"
+
+
+def test_reports_are_made_anew(command: Any, result: Path, tmp_path: Path) -> None:
+    ended = command("report", str(result), "--output", str(tmp_path / "again"), "--json")
+    assert ended.code == 0, ended.err
+    document = ended.document
+    assert (document["kind"], document["verdict"]) == ("reports", "pass")
+    assert document["formats"] == ["junit", "markdown", "page"]
+    for name in ("result.json", "junit.xml", "summary.md", "report.html"):
+        first, again = ((tmp_path / folder / name).read_bytes() for folder in ("first", "again"))
+        assert first == again, f"{name} differs"
+
+
+def test_only_the_reports_that_are_asked_for(command: Any, result: Path, tmp_path: Path) -> None:
+    ended = command("report", str(result), "--format", "markdown", "--output", str(tmp_path / "again"))
+    assert ended.code == 0, ended.err
+    assert f"report: {tmp_path / 'again' / 'summary.md'}" in ended.out
+    assert not (tmp_path / "again" / "report.html").exists()
+
+
+def test_a_report_that_there_is_not(command: Any, result: Path) -> None:
+    ended = command("report", str(result), "--format", "junti")
+    assert ended.code == 2
+    assert ended.err.strip() == (
+        "error: there is no report 'junti', the nearest is 'junit'; there are junit, markdown, page"
+    )
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ({"schema": 1, "kind": "checks", "results": []}, "holds the results of several candidates"),
+        ({"schema": 2, "kind": "counterexample"}, "is of kind"),
+        ({"schema": 2, "kind": "check"}, "candidate"),
+        ({"schema": 3, "kind": "check"}, "is newer than this drivegate reads"),
+    ],
+)
+def test_a_file_that_is_no_result(command: Any, tmp_path: Path, content: dict[str, Any], said: str) -> None:
+    file = tmp_path / "result.json"
+    file.write_text(json.dumps(content), encoding="utf-8")
+    ended = command("report", str(file), "--output", str(tmp_path / "again"))
+    assert ended.code == 2
+    assert said in ended.err
+    assert len(ended.err.splitlines()) == 1
+    assert not (tmp_path / "again").exists(), "nothing is written when input is bad"
+
+
+def test_advisory_checks_can_be_made_to_count(command: Any, engine: Any, tmp_path: Path) -> None:
+    command("check", "reference", "--fail-on", "advisory", "--output", str(tmp_path / "report"))
+    assert engine.options["fail_on"] == "advisory"
+
+
+def test_the_example_of_a_reporter_is_found_by_its_entry_point(result: Path, tmp_path: Path) -> None:
+    project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    installed = tmp_path / "installed"
+    info = installed / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
+    )
+    points = "".join(
+        f"[{group}]\n" + "".join(f"{name} = {place}\n" for name, place in entries.items())
+        for group, entries in project["entry-points"].items()
+    )
+    (info / "entry_points.txt").write_text(points)
+    shutil.copy(EXAMPLE / "margin_table.py", installed)
+    program = (
+        "import sys; sys.path.insert(0, sys.argv.pop(1)); "
+        "from drivegate.commands.command_line import main; main()"
+    )
+    words = ["report", str(result), "--format", "margin-table", "--output", str(tmp_path / "again")]
+    ended = subprocess.run(
+        [sys.executable, "-c", program, str(installed), *words],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stderr
+    lines = (tmp_path / "again" / "margins.csv").read_text(encoding="utf-8").splitlines()
+    assert lines == [
+        "candidate,id,level,verdict,margin,runs,measured,limit",
+        "reference,CNV-1,required,pass,0.25,1,measured,the limit",
+    ]
+
+
+def test_the_reproduction_comes_from_its_entry_point(command: Any, monkeypatch: Any, tmp_path: Path) -> None:
+    class Point:
+        def load(self) -> Any:
+            def reproduce(folder: Path) -> dict[str, Any]:
+                (folder / "page.html").write_text("a page", encoding="utf-8")
+                row = dict.fromkeys(
+                    ("fact", "quantity", "published", "ours", "residual", "tolerance", "verdict"), "x"
+                )
+                return {
+                    "schema": 1,
+                    "page": "page.html",
+                    "paper": "a paper",
+                    "numbers": [row],
+                    "verdicts": {"x": 1},
+                }
+
+            return reproduce
+
+    monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group, name: [Point()])
+    ended = command("reproduce", "--output", str(tmp_path / "made"))
+    assert ended.code == 0, ended.err
+    assert (tmp_path / "made" / "page.html").read_text(encoding="utf-8") == "a page"
+    assert "a paper: 1 x" in ended.out
+
+
+def test_a_reproduction_that_is_not_installed(command: Any, monkeypatch: Any, tmp_path: Path) -> None:
+    monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group, name: [])
+    ended = command("reproduce", "--output", str(tmp_path / "made"))
+    assert ended.code == 2
+    assert "no installed package offers the entry point 'paper'" in ended.err

@@ -1,0 +1,125 @@
+"""`drivegate simulate`: one run, its summary and its files."""
+
+import json
+
+import pandas
+import pytest
+
+from drivegate.output.result_file import counterexamples
+from drivegate_cases.scenario.scenario import load_scenario
+from drivegate_models.loop.observation import TRACE_COLUMNS
+
+
+@pytest.fixture
+def short(tmp_path):
+    """A scenario of 10 s, so long that there is a steady stretch to judge."""
+    file = tmp_path / "short.json"
+    file.write_text(load_scenario("lock-up").replaced(duration_s=10.0).to_json(), encoding="utf-8")
+    return file
+
+
+def test_a_run_is_summarised_and_its_trace_written(command, short, tmp_path):
+    files = ("--csv", "run.csv", "--plot", "run.svg")
+    document = command("simulate", "reference", "--case", short, *files, "--json").document
+    summary = document["summary"]
+    trace = pandas.read_csv(tmp_path / "run.csv")
+    assert tuple(trace.columns) == TRACE_COLUMNS
+    assert len(trace) == summary["steps"] == 20_000
+    assert trace["speed_rpm"].iloc[-1] == pytest.approx(summary["speed_final_rpm"], abs=1.0)
+    assert abs(trace["speed_rpm"] - trace["speed_reference_rpm"]).max() == summary["speed_error_worst_rpm"]
+    assert summary["energy_residual"] < 1e-9
+    assert [window["end_s"] for window in document["windows"]] == [10.0]
+    assert document["windows"][0]["torque_mean_nm"] == pytest.approx(9.8, rel=0.01)
+    assert document["files"] == ["run.csv", "run.svg"]
+    assert "<svg" in (tmp_path / "run.svg").read_text(encoding="utf-8")
+
+
+def test_people_get_tables_and_the_way_to_a_plot(command, short):
+    ended = command("simulate", "initial", "--case", short)
+    assert ended.code == 0
+    assert "steady from" in ended.out
+    assert "--plot" in ended.out
+
+
+def test_a_python_candidate_runs_and_a_motor_can_be_altered(command, short, controllers, tmp_path):
+    words = ("simulate", f"{controllers}:Steady", "--case", short, "--json")
+    nominal = command(*words).document
+    altered = command(
+        *words, "--set", "friction_n_m=5", "--motor", "paper-5-phase", "--plot", "x.png"
+    ).document
+    assert altered["summary"]["speed_final_rpm"] <= nominal["summary"]["speed_final_rpm"]
+    assert altered["summary"]["shaft_power_mean_w"] != nominal["summary"]["shaft_power_mean_w"]
+    assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_candidate_that_raises_ends_with_1_and_cannot_write_to_the_terminal(command, short, controllers):
+    words = ("simulate", f"{controllers}:Raising", "--case", short, "--csv", "run.csv")
+    told, data = command(*words), command(*words, "--json")
+    assert (told.code, data.code) == (1, 1)
+    assert "\x1b" not in told.out
+    assert "[bold]x[/bold]" in told.out
+    assert data.document["fault"]["kind"] == "exception"
+    assert data.document["fault"]["step"] == 0
+
+
+def test_a_counterexample_is_a_case_too(command, failing, tmp_path):
+    command("check", "reference")
+    result = json.loads((tmp_path / "drivegate-report" / "result.json").read_text(encoding="utf-8"))
+    file = tmp_path / "drivegate-report" / "counterexamples" / "CNV-1.json"
+    stored = json.loads(file.read_text(encoding="utf-8"))
+    assert stored == counterexamples(result)[0]
+    short = json.dumps({**stored, "scenario": {**stored["scenario"], "duration_s": 0.5}})
+    file.write_text(short, encoding="utf-8")
+    document = command("simulate", "initial", "--case", file, "--json").document
+    assert (document["scenario"], document["duration_s"]) == ("lock-up", 0.5)
+
+
+def test_a_script_is_to_be_replayed(refused, tmp_path):
+    file = tmp_path / "FLO-1.json"
+    file.write_text(json.dumps({"kind": "counterexample", "scenario": {"kind": "script"}}), encoding="utf-8")
+    assert f"drivegate replay {file}" in refused("simulate", "published", "--case", file)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["nobody", "--case", "lock-up"], "'nobody' is unknown"),
+        (["missing.py:Mine", "--case", "lock-up"], "missing.py does not exist"),
+        (["missing_module:Mine", "--case", "lock-up"], "missing_module"),
+        (["reference", "--case", "lock-upp"], "'lock-up'"),
+        (["reference", "--case", "missing.toml"], "missing.toml does not exist"),
+        (["reference"], "--case"),
+        (["reference", "--case", "lock-up", "--csv", "no/where.csv"], "folder does not exist"),
+        (["reference", "--case", "lock-up", "--csv", "."], "is a folder"),
+        (["reference", "--case", "lock-up", "--plot", "run.pdf"], ".png or .svg"),
+        (["reference", "--case", "lock-up", "--csv", "run.png", "--plot", "run.png"], "the same file"),
+        (["reference", "--case", "lock-up", "--set", "inductence_h=1"], "'inductance_h'"),
+        (["reference", "--case", "lock-up", "--set", "emf_flat_deg=190"], "emf_flat_deg"),
+        (["drive.c", "--case", "lock-up"], "drive.c does not exist"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(refused, words, told):
+    assert told in refused("simulate", *words)
+
+
+def test_a_class_without_step_is_refused(refused, controllers):
+    assert "no method 'step'" in refused("simulate", f"{controllers}:WithoutStep", "--case", "lock-up")
+
+
+def test_a_class_that_is_not_there_is_refused(refused, controllers):
+    assert "Stedy" in refused("simulate", f"{controllers}:Stedy", "--case", "lock-up")
+
+
+def test_a_syntax_error_is_refused_with_its_line(refused, tmp_path):
+    (tmp_path / "wrong.py").write_text("class Mine:\n    def step(self, sense)\n", encoding="utf-8")
+    assert "line 2" in refused("simulate", "wrong.py:Mine", "--case", "lock-up")
+
+
+def test_a_binary_file_is_no_scenario(refused, tmp_path):
+    (tmp_path / "case.toml").write_bytes(b"\x7fELF\xff\xfe\x00")
+    assert "UTF-8" in refused("simulate", "reference", "--case", "case.toml")
+
+
+def test_parquet_without_its_library_is_refused(refused, monkeypatch):
+    monkeypatch.setattr("drivegate.output.trace_files.find_spec", lambda name: None)
+    assert "pyarrow" in refused("simulate", "reference", "--case", "lock-up", "--parquet", "run.parquet")

@@ -1,0 +1,349 @@
+"""Faults of a candidate stay in its process, each with its verdict; the next job works again."""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+from drivegate.candidates.fault import FaultKind
+from drivegate.candidates.python.loading import load_python_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.messages import Job
+from drivegate.containment.pool import WorkerPool
+from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.worker import CandidateWorker
+from drivegate_models.errors import HarnessFault, InputError
+
+HERE = Path(__file__).parents[1]
+QUICK = WorkerLimits(
+    step_processor_seconds=0.3, start_processor_seconds=20.0, idle_seconds=20.0, memory_bytes=2**30
+)
+NORMAL, WITH_FAULT = 3, 7
+"""Steps of a run that ends before the fault, and of one that comes to it."""
+
+
+@pytest.fixture(autouse=True)
+def surroundings(monkeypatch, tmp_path, no_process_left):
+    """Let workers import the jobs of these tests; hold the tests to leaving nothing behind."""
+    monkeypatch.syspath_prepend(HERE)
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(scratch))
+    monkeypatch.setenv("TMPDIR", str(scratch))
+    open_before = psutil.Process().num_fds()
+    yield
+    assert list(scratch.iterdir()) == [], "a temporary file is left"
+    assert psutil.Process().num_fds() <= open_before, "a file is left open"
+
+
+@pytest.fixture
+def jobs():
+    """Jobs whose functions belong to the module that the worker processes import."""
+    import worker_jobs
+
+    return worker_jobs
+
+
+@pytest.fixture
+def candidate(tmp_path):
+    """Make a candidate that counts its steps and does something particular in the fifth."""
+
+    def make(fault="pass", *, reset="pass", top="pass", init="pass"):
+        file = tmp_path / "mine.py"
+        file.write_text(
+            f"""
+import ctypes, math, os, subprocess, sys, time
+from drivegate import Command
+{top}
+class Mine:
+    def __init__(self):
+        {init}
+    def reset(self, nameplate):
+        self.count = 0
+        {reset}
+    def step(self, sense):
+        self.count += 1
+        if self.count == 5:
+            {fault}
+        return Command(1.0, 0.5)
+""",
+            encoding="utf-8",
+        )
+        return resolve_candidate(f"{file}:Mine")
+
+    return make
+
+
+def worker_of(candidate, limits=QUICK):
+    return CandidateWorker(candidate, load_python_controller, limits=limits)
+
+
+FAULTS_IN_STEP = {
+    "raise": ("raise ValueError('gain')", FaultKind.EXCEPTION, "ValueError: gain"),
+    "exit": ("sys.exit(3)", FaultKind.EXCEPTION, "SystemExit: 3"),
+    "none": ("return None", FaultKind.INVALID_OUTPUT, "step returned None"),
+    "nan": ("return Command(math.nan, 0.0)", FaultKind.INVALID_OUTPUT, "current_reference is nan"),
+    "infinity": ("return Command(0.0, math.inf)", FaultKind.INVALID_OUTPUT, "advance_angle is inf"),
+    "text": ("return Command('1', 0.0)", FaultKind.INVALID_OUTPUT, "current_reference is of type str"),
+    "end": (
+        "os._exit(5)",
+        FaultKind.CRASH,
+        "the process ended itself with exit status 5 after 4 completed steps",
+    ),
+    "end well": ("os._exit(0)", FaultKind.CRASH, "the process ended itself with exit status 0"),
+    "segfault": (
+        "ctypes.string_at(0)",
+        FaultKind.CRASH,
+        "the process was killed by SIGSEGV (Segmentation fault)",
+    ),
+    "abort": ("os.abort()", FaultKind.CRASH, "the process was killed by SIGABRT (Aborted)"),
+    "loop": (
+        "while True: pass",
+        FaultKind.HANG,
+        "no progress within 0.3 s of processor time after 4 completed",
+    ),
+    "memory": ("bytearray(10 * 2**30)", FaultKind.EXCEPTION, "MemoryError (a candidate may allocate 1 GiB)"),
+    "leak": ("self.all = [bytes(2**20) for _ in range(10_000)]", FaultKind.EXCEPTION, "MemoryError"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS_IN_STEP)
+def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(candidate, jobs, fault):
+    statement, kind, message = FAULTS_IN_STEP[fault]
+    with worker_of(candidate(statement)) as worker:
+        assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
+        outcome = worker.run(Job(jobs.drive, WITH_FAULT))
+        assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
+    assert (outcome.kind, outcome.phase) == (kind, "step")
+    assert outcome.message.startswith(message)
+    assert outcome.step == 4
+    assert outcome.time == pytest.approx(4 * 0.0005)
+    assert outcome.sense["phase_currents"] == (1.0,) * 5
+
+
+@pytest.mark.parametrize("fault", ["raise", "segfault", "loop"])
+def test_the_place_of_a_fault_is_told(candidate, jobs, fault):
+    with worker_of(candidate(FAULTS_IN_STEP[fault][0])) as worker:
+        outcome = worker.run(Job(jobs.drive, WITH_FAULT))
+    assert "mine.py" in outcome.traceback
+    assert "in step" in outcome.traceback
+
+
+@pytest.mark.parametrize(
+    ("where", "statement", "kind", "phase"),
+    [
+        ("reset", "raise ValueError('gain')", FaultKind.EXCEPTION, "reset"),
+        ("reset", "ctypes.string_at(0)", FaultKind.CRASH, "reset"),
+        ("reset", "bytearray(10 * 2**30)", FaultKind.EXCEPTION, "reset"),
+        ("init", "raise ValueError('gain')", FaultKind.EXCEPTION, "loading"),
+        ("init", "os._exit(1)", FaultKind.CRASH, "loading"),
+        ("top", "raise ValueError('gain')", FaultKind.EXCEPTION, "loading"),
+        ("top", "sys.exit()", FaultKind.EXCEPTION, "loading"),
+        ("top", "os.kill(os.getpid(), 9)", FaultKind.CRASH, "loading"),
+        ("top", "block = bytearray(10 * 2**30)", FaultKind.EXCEPTION, "loading"),
+    ],
+)
+def test_a_fault_before_the_first_step_gets_its_verdict(candidate, jobs, where, statement, kind, phase):
+    with worker_of(candidate(**{where: statement})) as worker:
+        outcome = worker.run(Job(jobs.drive, NORMAL))
+    assert (outcome.kind, outcome.phase) == (kind, phase)
+    assert (outcome.step, outcome.time, outcome.sense) == (None, None, None)
+
+
+@pytest.mark.parametrize(
+    ("where", "limits", "message"),
+    [
+        ("top", {"start_processor_seconds": 2.0}, "no progress within 2 s of processor time while loading"),
+        ("reset", {"start_processor_seconds": 2.0}, "no progress within 2 s of processor time in reset"),
+    ],
+)
+def test_an_endless_loop_before_the_first_step_is_a_hang(candidate, jobs, where, limits, message):
+    with worker_of(candidate(**{where: "while True: pass"}), WorkerLimits(**limits)) as worker:
+        outcome = worker.run(Job(jobs.drive, NORMAL))
+    assert outcome.kind is FaultKind.HANG
+    assert outcome.message.startswith(message)
+
+
+def test_a_step_that_sleeps_forever_is_a_hang(candidate, jobs):
+    with worker_of(candidate("time.sleep(1000)"), WorkerLimits(idle_seconds=2.0)) as worker:
+        outcome = worker.run(Job(jobs.drive, WITH_FAULT))
+    assert outcome.kind is FaultKind.HANG
+    assert outcome.message == "no progress within 2 s of waiting after 4 completed steps"
+
+
+def test_a_run_that_never_ends_is_a_hang(candidate, jobs):
+    with worker_of(candidate(), WorkerLimits(job_seconds=2.0)) as worker:
+        outcome = worker.run(Job(jobs.drive, 10**9))
+    assert outcome.message.startswith("the job did not end within 2 s after")
+
+
+def test_a_hang_is_tried_once_more(candidate, jobs, tmp_path):
+    mark = tmp_path / "tried"
+    once = f"if not os.path.exists({str(mark)!r}): open({str(mark)!r}, 'w').close(); time.sleep(1000)"
+    with worker_of(candidate(once), WorkerLimits(idle_seconds=2.0)) as worker:
+        assert worker.run(Job(jobs.drive, WITH_FAULT)) == 7.0
+
+
+def test_a_candidate_that_cannot_be_used_is_refused(candidate, jobs):
+    with worker_of(candidate(top="import absent_module")) as worker:
+        for _ in range(2):
+            with pytest.raises(InputError, match="No module named 'absent_module'"):
+                worker.run(Job(jobs.drive, NORMAL))
+
+
+def test_the_same_process_does_many_jobs_each_with_a_new_instance(candidate, jobs):
+    with worker_of(candidate(reset="assert not hasattr(self, 'used'); self.used = True")) as worker:
+        outcomes = [worker.run(Job(jobs.drive_then_tell_process, NORMAL)) for _ in range(5)]
+    assert {total for total, _ in outcomes} == {3.0}
+    assert len({process for _, process in outcomes}) == 1
+
+
+def test_what_a_candidate_prints_stays_out_of_the_output(candidate, jobs, capfd):
+    loud = "for _ in range(300): print('x' * 1000); os.write(1, b'y' * 1000); os.write(2, b'z' * 1000)"
+    with worker_of(candidate(loud)) as worker:
+        assert worker.run(Job(jobs.drive, WITH_FAULT)) == 7.0
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_candidate_that_closes_its_output_does_no_harm(candidate, jobs):
+    with worker_of(candidate("os.close(1); os.close(2)")) as worker:
+        assert worker.run(Job(jobs.drive, WITH_FAULT)) == 7.0
+
+
+def test_processes_that_a_candidate_starts_end_with_it(candidate, jobs):
+    sleep = ["sleep", "98765"]
+    with worker_of(candidate(f"subprocess.Popen({sleep}); os._exit(1)")) as worker:
+        assert worker.run(Job(jobs.drive, WITH_FAULT)).kind is FaultKind.CRASH
+    commands = [process.info["cmdline"] for process in psutil.process_iter(["cmdline"])]
+    assert sleep not in commands
+
+
+def test_the_process_inherits_the_environment_but_not_the_input(candidate, jobs, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "/somewhere")
+    monkeypatch.delenv("PYTHONHASHSEED", raising=False)
+    with worker_of(candidate()) as worker:
+        assert worker.run(Job(jobs.surroundings, "NUMBA_CACHE_DIR")) == ("/somewhere", "")
+        assert worker.run(Job(jobs.surroundings, "PYTHONHASHSEED"))[0] == "0"
+
+
+@pytest.mark.parametrize(
+    ("target", "told"), [("harness_error", "LookupError: a mistake"), ("unpicklable", "lambda")]
+)
+def test_an_error_of_the_harness_is_no_verdict_on_the_candidate(candidate, jobs, target, told):
+    with worker_of(candidate()) as worker:
+        with pytest.raises(HarnessFault, match=told):
+            worker.run(Job(getattr(jobs, target), None))
+        assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
+
+
+def test_a_stall_of_the_harness_is_no_verdict_on_the_candidate(candidate, jobs):
+    limits = WorkerLimits(start_processor_seconds=2.0)
+    with worker_of(candidate(), limits) as worker, pytest.raises(HarnessFault, match="outside the candidate"):
+        worker.run(Job(jobs.stuck, None))
+
+
+def test_an_input_error_of_a_job_reaches_the_user(candidate, jobs):
+    with worker_of(candidate()) as worker, pytest.raises(InputError, match="the scenario is wrong"):
+        worker.run(Job(jobs.user_error, None))
+
+
+def test_a_worker_that_is_forgotten_ends(candidate, jobs):
+    worker = worker_of(candidate())
+    assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
+    del worker
+
+
+def test_a_worker_whose_idle_process_died_starts_another(candidate, jobs):
+    with worker_of(candidate()) as worker:
+        _, process = worker.run(Job(jobs.drive_then_tell_process, NORMAL))
+        os.kill(process, signal.SIGKILL)
+        while psutil.Process(process).status() != psutil.STATUS_ZOMBIE:
+            time.sleep(0.01)
+        assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
+
+
+def test_a_worker_in_an_endless_loop_dies_with_its_parent(candidate):
+    script = (
+        "import worker_jobs; from drivegate.candidates.resolution import resolve_candidate; "
+        "from drivegate.candidates.python.loading import load_python_controller; "
+        "from drivegate.containment.worker import CandidateWorker; from drivegate.containment.messages import Job; "
+        f"candidate = resolve_candidate({candidate('while True: pass').specification!r}); "
+        "CandidateWorker(candidate, load_python_controller).run(Job(worker_jobs.drive, 7))"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    parent = subprocess.Popen([sys.executable, "-c", script], env=environment)
+    deadline = time.monotonic() + 30
+    children = []
+    while not children and time.monotonic() < deadline:
+        time.sleep(0.05)
+        children = psutil.Process(parent.pid).children()
+    time.sleep(0.5)
+    parent.kill()
+    parent.wait()
+    _, alive = psutil.wait_procs(children, timeout=10)
+    assert children != []
+    assert alive == [], "the worker outlived its parent"
+
+
+@pytest.mark.parametrize("workers", [1, 2, 3])
+def test_a_pool_gives_results_in_the_order_of_its_jobs(candidate, jobs, workers):
+    with WorkerPool(candidate(), load_python_controller, workers=workers, limits=QUICK) as pool:
+        assert list(pool.map(Job(jobs.sleep_by_turns, index) for index in range(9))) == list(range(9))
+
+
+def test_a_pool_goes_on_after_crashes_and_hangs(candidate, jobs):
+    fault = "os._exit(1)"
+    steps = [NORMAL, WITH_FAULT, NORMAL, WITH_FAULT, NORMAL]
+    with WorkerPool(candidate(fault), load_python_controller, workers=2, limits=QUICK) as pool:
+        outcomes = list(pool.map([Job(jobs.drive, number) for number in steps]))
+    assert outcomes[::2] == [3.0] * 3
+    assert [outcome.kind for outcome in outcomes[1::2]] == [FaultKind.CRASH] * 2
+
+
+def test_a_pool_tells_a_hang_after_a_second_try(candidate, jobs):
+    steps = [WITH_FAULT, NORMAL, NORMAL, NORMAL]
+    with WorkerPool(candidate("while True: pass"), load_python_controller, workers=2, limits=QUICK) as pool:
+        outcomes = list(pool.map([Job(jobs.drive, number) for number in steps]))
+    assert outcomes[0].kind is FaultKind.HANG
+    assert outcomes[1:] == [3.0] * 3
+
+
+def test_a_pool_tries_a_hang_again_with_nothing_beside_it(candidate, jobs, tmp_path):
+    mark = tmp_path / "tried"
+    once = f"while not os.path.exists({str(mark)!r}) or self.looping: self.looping = open({str(mark)!r}, 'w')"
+    steps = [WITH_FAULT, NORMAL, NORMAL, NORMAL]
+    hanging = candidate(once, reset="self.looping = None")
+    with WorkerPool(hanging, load_python_controller, workers=2, limits=QUICK) as pool:
+        (total, began, ended), *others = pool.map([Job(jobs.drive_slowly, number) for number in steps])
+    assert total == 7.0
+    assert [other[0] for other in others] == [3.0] * 3
+    beside = [(start, end) for _, start, end in others if start < ended and end > began]
+    assert beside == [], "other jobs ran while the suspected one was tried again"
+
+
+def test_a_pool_gives_a_fault_while_loading_to_all_jobs_without_repeating_it(candidate, jobs, tmp_path):
+    top = f"open({str(tmp_path / 'loads')!r}, 'a').write('x'); os._exit(1)"
+    with WorkerPool(candidate(top=top), load_python_controller, workers=2, limits=QUICK) as pool:
+        outcomes = list(pool.map([Job(jobs.drive, NORMAL)] * 20))
+    assert {(outcome.kind, outcome.phase) for outcome in outcomes} == {(FaultKind.CRASH, "loading")}
+    assert len(outcomes) == 20
+    assert len((tmp_path / "loads").read_text(encoding="utf-8")) <= 2
+
+
+def test_a_pool_may_be_left_early_and_used_again(candidate, jobs):
+    with WorkerPool(candidate("time.sleep(1000)"), load_python_controller, workers=2) as pool:
+        results = pool.map([Job(jobs.drive, number) for number in (NORMAL, WITH_FAULT, WITH_FAULT)])
+        assert next(results) == 3.0
+        results.close()
+        assert list(pool.map([Job(jobs.drive, NORMAL)] * 3)) == [3.0] * 3
+
+
+def test_a_pool_without_jobs_starts_nothing(candidate):
+    with WorkerPool(candidate(), load_python_controller, workers=2) as pool:
+        assert list(pool.map([])) == []

@@ -1,0 +1,120 @@
+"""The check of a candidate from end to end, in real worker processes."""
+
+import json
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.gate.engine import check_candidate
+from drivegate.gate.events import CheckFinished, CheckStarted, RunDone, Shrinking
+from drivegate.gate.shrinking import size_of
+from drivegate.results.result import CheckResult
+from drivegate.scenarios.fixed import fixed_scenarios
+from drivegate_models.errors import InputError
+
+
+def check(text: str, **options: object) -> CheckResult:
+    events = list(check_candidate(resolve_candidate(text), effort="quick", **options))  # type: ignore[arg-type]
+    assert isinstance(events[0], CheckStarted)
+    done = [event.done for event in events if isinstance(event, RunDone)]
+    assert done == sorted(done), f"progress goes back: {done}"
+    shrinking = [(event.done, event.planned) for event in events if isinstance(event, Shrinking)]
+    assert shrinking == [(index, len(shrinking) - 1) for index in range(len(shrinking))]
+    final = events[-1]
+    assert isinstance(final, CheckFinished)
+    return final.result
+
+
+def verdicts(result: CheckResult) -> dict[str, str]:
+    return {outcome.id: outcome.verdict for outcome in result.checks}
+
+
+def test_the_reference_passes_every_required_check() -> None:
+    result = check("reference")
+    assert (result.verdict, result.exit_code) == ("pass", 0), verdicts(result)
+    assert verdicts(result)["FLO-1"] == "not applicable", "the reference does not follow the flowchart"
+    assert "TIM-1" in result.timing["checks"], "a time depends on the machine and belongs to the times"
+    assert [run.name for run in result.fixed] == [scenario.name for scenario in fixed_scenarios()]
+
+
+def test_the_published_search_fails_and_shows_the_lock_up() -> None:
+    result = check("published")
+    found = verdicts(result)
+    assert (result.verdict, result.exit_code) == ("fail", 1)
+    assert found["CNV-1"] == found["CNV-2"] == found["CPW-1"] == "fail", found
+    assert found["ADV-1"] == "pass", found
+    convergence = next(outcome for outcome in result.checks if outcome.id == "CNV-1")
+    assert "lock-up" in convergence.message
+    assert convergence.counterexample is not None
+    assert convergence.counterexample["motor"]["inductance_h"] > 0.0, "the scenario is not fully resolved"
+    assert convergence.scenario is not None
+    assert convergence.found is not None
+    assert convergence.found.margin < 0.0, "a counterexample has to break its check"
+    assert convergence.found.size <= size_of(convergence.scenario), "a counterexample is the simpler scenario"
+    assert found["FLO-1"] == "pass", "the published search follows its own flowchart"
+
+
+def test_the_initial_angle_alone_converges_but_misses_the_optimum() -> None:
+    found = verdicts(check("initial"))
+    assert found["CNV-2"] == "fail", found
+    assert found["CNV-1"] == found["CNV-3"] == found["CPW-1"] == "pass", found
+
+
+def test_the_result_does_not_depend_on_the_number_of_workers() -> None:
+    documents = []
+    for workers in (1, 2):
+        document = check("initial", workers=workers, seed=5).document()
+        del document["timing"]
+        documents.append(json.dumps(document))
+    assert documents[0] == documents[1]
+
+
+def candidate(folder: Path, body: str) -> str:
+    source = f"""
+from drivegate import Command
+import math, random, time
+
+class Controller:
+    def reset(self, nameplate):
+        self.count = 0
+    def step(self, sense):
+{textwrap.indent(textwrap.dedent(body), " " * 8)}
+"""
+    (folder / "mine.py").write_text(source)
+    return f"{folder / 'mine.py'}:Controller"
+
+
+@pytest.mark.parametrize(
+    ("body", "verdict"),
+    [
+        ("raise ValueError('no <b>idea</b>')", "exception"),
+        ("return Command(math.nan, 0.0)", "invalid output"),
+        ("return 3", "invalid output"),
+        ("import os; os._exit(3)", "crash"),
+        ("return Command(random.random(), 0.0)", "non-deterministic"),
+    ],
+)
+def test_faults_of_a_python_candidate_become_verdicts(tmp_path: Path, body: str, verdict: str) -> None:
+    result = check(candidate(tmp_path, body), workers=2)
+    assert (result.verdict, result.exit_code) == (verdict, 1), result.faults
+    if verdict != "non-deterministic":
+        assert result.faults[0].sense is None or "speed" in result.faults[0].sense
+        assert set(verdicts(result).values()) <= {"inconclusive", "fail", "not applicable"}, verdicts(result)
+
+
+def test_commands_out_of_range_fail_their_checks_and_are_clamped(tmp_path: Path) -> None:
+    found = verdicts(check(candidate(tmp_path, "return Command(1e9, -0.02)"), workers=2))
+    assert found["ADV-2"] == found["CMD-1"] == "fail", found
+    assert found["PWR-1"] == "pass", "the plant suffered from a command out of range"
+
+
+def test_time_that_has_run_out_is_inconclusive() -> None:
+    result = check("reference", max_time=1e-9)
+    assert (result.verdict, result.exit_code) == ("inconclusive", 1)
+
+
+def test_an_unknown_effort_is_refused() -> None:
+    with pytest.raises(InputError, match="must be one of quick, default, nightly"):
+        list(check_candidate(resolve_candidate("initial"), effort="heroic"))

@@ -1,0 +1,108 @@
+"""Recordings: few points that keep what a run did, each scenario once, in the result document."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.worker import CandidateWorker
+from drivegate.gate.recording import (
+    COLUMNS,
+    MOST_POINTS,
+    RecordPlan,
+    recording_job,
+    recording_plans,
+    thinned,
+    with_recordings,
+)
+from drivegate.results.result import CheckOutcome, Recording
+from drivegate_cases.scenario.scenario import load_scenario
+from drivegate_models.loop.observation import TRACE_COLUMNS
+
+
+def outcome(check: str, scenario: dict[str, Any] | None, **changes: Any) -> CheckOutcome:
+    made = CheckOutcome(
+        id=check,
+        requirement="The requirement.",
+        source="P6",
+        subject="candidate",
+        level="required",
+        limit="the limit",
+        verdict="pass",
+        margin=0.5,
+        measured="measured",
+        runs=1,
+        message="as measured",
+        scenario=scenario,
+        counterexample=None,
+    )
+    return replace(made, **changes)
+
+
+def test_means_over_equal_stretches_are_kept() -> None:
+    trace = np.zeros((24_000, len(TRACE_COLUMNS)))
+    trace[:, 0] = np.arange(24_000) * 0.0005
+    trace[:, TRACE_COLUMNS.index("speed_rpm")] = np.linspace(1000.0, 2000.0, 24_000)
+    columns = thinned(trace)
+    assert set(columns) == set(COLUMNS) - {"half_supply_v"}, "a constant supply is not kept"
+    assert {len(values) for values in columns.values()} == {MOST_POINTS}
+    assert columns["speed_rpm"][0] == pytest.approx(1001.6, abs=0.1), "the mean of the first stretch"
+    assert columns["time_s"][-1] == pytest.approx(11.98)
+    assert columns["speed_rpm"] == sorted(columns["speed_rpm"])
+
+
+def test_a_short_trace_is_kept_as_it_is() -> None:
+    trace = np.arange(3.0 * len(TRACE_COLUMNS)).reshape(3, -1)
+    columns = thinned(trace)
+    assert columns["time_s"] == trace[:, 0].tolist()
+    assert "half_supply_v" in columns, "a supply that changes is kept"
+
+
+def test_checks_that_look_at_one_scenario_share_a_recording() -> None:
+    first, other = (load_scenario(name).to_mapping() for name in ("lock-up", "fig5-search"))
+    outcomes = (
+        outcome("CNV-1", first, counterexample=other),
+        outcome("CNV-2", first),
+        outcome("CMD-1", other),
+        outcome("TIM-1", None),
+        outcome("FLO-1", {"kind": "script", "rows": []}),
+    )
+    plans = recording_plans(outcomes)
+    assert [(plan.scenario["name"], plan.checks) for plan in plans] == [
+        ("fig5-search", ("CNV-1", "CMD-1")),
+        ("lock-up", ("CNV-2",)),
+    ]
+
+
+def test_a_run_is_recorded_with_the_stretch_that_was_judged() -> None:
+    scenario = load_scenario("lock-up").to_mapping()
+    plan = RecordPlan(scenario, ("CMD-1", "CNV-1"))
+    with CandidateWorker(resolve_candidate("published"), load_controller) as worker:
+        ended = worker.run(recording_job(plan))
+    assert not isinstance(ended, Fault)
+    assert ended.windows["CMD-1"] == (0.0, 20.0), "the whole run is judged"
+    start, end = ended.windows["CNV-1"]
+    assert 6.0 < start < end == 20.0, "only what follows on the time to converge is judged"
+    assert ended.columns["speed_rpm"][-1] == pytest.approx(1264.0, abs=1.0), "it locks up"
+    outcomes, traces = with_recordings(
+        (outcome("CNV-1", scenario), outcome("PWR-1", scenario)), [plan], [ended]
+    )
+    assert outcomes[0].recording == Recording(0, start, end)
+    assert outcomes[1].recording is None
+    assert traces == (ended.columns,)
+
+
+def test_a_fault_leaves_a_check_without_recording() -> None:
+    scenario = load_scenario("lock-up").to_mapping()
+    fault = Fault(FaultKind.EXCEPTION, "it raised", "step")
+    outcomes, traces = with_recordings(
+        (outcome("CNV-1", scenario),), [RecordPlan(scenario, ("CNV-1",))], [fault]
+    )
+    assert outcomes[0].recording is None
+    assert traces == ()

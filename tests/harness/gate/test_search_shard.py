@@ -1,0 +1,123 @@
+"""A shard of the search: every run is new and fair, the same seed gives the same runs, climbing can be left out."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.margin import Margin
+from drivegate.gate.shard import DrawnRuns, JudgedRun, ShardOutcome, content_key, run_drawn
+from drivegate.scenarios.drawn.families import FAMILY_GROUPS
+from drivegate.scenarios.fixed import fixed_scenarios
+from drivegate_cases.scenario.scenario import Scenario
+
+MOTOR = "paper-5-phase"
+
+
+class Loaded:
+    """A built-in candidate in this very process."""
+
+    progress = None
+
+    def __init__(self, name: str = "reference") -> None:
+        self.candidate: Candidate = resolve_candidate(name)
+
+    def controller(self) -> Controller:
+        return load_controller(self.candidate)
+
+
+def drawn(seed: int, examples: int, **options: Any) -> ShardOutcome:
+    return run_drawn(Loaded(), DrawnRuns(MOTOR, seed, examples, **options))  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def judged_by_speed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Put a margin that falls with the distance from 1000 rpm in the place of runs and checks."""
+    from drivegate.studies.check.check_all import shard as search_shard
+
+    def judged(scenario: Scenario) -> JudgedRun:
+        margin = abs(scenario.speed_rpm[-1][1] - 1003.0) / 1000.0
+        return JudgedRun(scenario.to_mapping(), (Margin("CNV-1", margin, "made up"),))
+
+    monkeypatch.setattr(search_shard, "recorded", lambda _loaded, scenario, _controller: scenario)
+    monkeypatch.setattr(search_shard, "judged", judged)
+
+
+def contents(outcome: ShardOutcome) -> list[str]:
+    return [content_key(run.scenario) for run in outcome.runs]
+
+
+@pytest.mark.usefixtures("judged_by_speed")
+@pytest.mark.parametrize("seed", range(len(FAMILY_GROUPS)))
+def test_no_run_is_made_twice_and_none_that_every_check_makes_anyway(seed: int) -> None:
+    keys = contents(drawn(seed, 30))
+    assert len(keys) == len(set(keys)), "a run was made twice"
+    # Two ways to draw the same scenario are two examples, but one run.
+    assert 25 <= len(keys) <= 30
+    fixed = {content_key(scenario.to_mapping()) for scenario in fixed_scenarios()}
+    assert not fixed & set(keys)
+
+
+@pytest.mark.usefixtures("judged_by_speed")
+def test_the_seed_alone_decides() -> None:
+    assert contents(drawn(4, 24)) == contents(drawn(4, 24))
+    assert contents(drawn(4, 24)) != contents(drawn(4 + len(FAMILY_GROUPS), 24))
+
+
+@pytest.mark.usefixtures("judged_by_speed")
+def test_climbing_comes_closer_to_the_least_margin_than_drawing_at_random() -> None:
+    def least(*, search: bool) -> float:
+        outcomes = [drawn(8 * number, 40, search=search) for number in range(8)]
+        return sum(min(run.margins[0].value for run in outcome.runs) for outcome in outcomes)
+
+    climbed, random = least(search=True), least(search=False)
+    assert climbed < 0.5 * random, f"the search comes to {climbed}, random scenarios to {random}"
+
+
+@pytest.mark.usefixtures("judged_by_speed")
+def test_what_no_angle_can_satisfy_is_counted_and_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    from drivegate.studies.check.check_all import shard as search_shard
+
+    def slow(scenario: Scenario) -> str | None:
+        return None if scenario.speed_rpm[0][1] > 1200.0 else "too slow"
+
+    monkeypatch.setattr(search_shard, "unfair_because", slow)
+    outcome = drawn(0, 20)
+    assert outcome.set_aside
+    assert {drawn.reason for drawn in outcome.set_aside} == {"too slow"}
+    assert all(drawn.scenario for drawn in outcome.set_aside), "a scenario that was set aside has no name"
+    assert all(run.scenario["speed_rpm"][0][1] > 1200.0 for run in outcome.runs)
+
+
+@pytest.mark.usefixtures("judged_by_speed")
+def test_a_shard_without_a_fair_scenario_is_empty(monkeypatch: pytest.MonkeyPatch) -> None:
+    from drivegate.studies.check.check_all import shard as search_shard
+
+    monkeypatch.setattr(search_shard, "unfair_because", lambda _scenario: "unfair")
+    outcome = drawn(0, 3)
+    assert not outcome.runs
+    assert outcome.set_aside
+
+
+@pytest.mark.usefixtures("judged_by_speed")
+def test_a_declared_speed_range_holds_for_every_shard() -> None:
+    loaded = Loaded()
+    declared = Declaration(speed_range_rpm=(800.0, 900.0))
+    loaded.candidate = replace(loaded.candidate, declaration=declared)
+    for seed in range(len(FAMILY_GROUPS)):
+        outcome = run_drawn(loaded, DrawnRuns(MOTOR, seed, 8))  # type: ignore[arg-type]
+        speeds = {speed for run in outcome.runs for _, speed in run.scenario["speed_rpm"]}
+        assert speeds
+        assert all(800.0 <= speed <= 900.0 for speed in speeds), f"shard {seed} runs at {sorted(speeds)}"
+
+
+def test_real_runs_carry_the_margins_of_the_checks() -> None:
+    outcome = drawn(0, 2)
+    assert len(outcome.runs) == 2
+    for run in outcome.runs:
+        assert {"PWR-1", "ADV-2", "CNV-1"} <= {margin.check for margin in run.margins}

@@ -1,0 +1,175 @@
+"""A counterexample becomes simpler, within its budget, for as long as the same check fails."""
+
+from typing import Any
+
+import pytest
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.catalogue import CHECKS
+from drivegate.gate.shrinking import ShrinkPlan, Shrunk, run_shrink, size_of
+from drivegate.runs.record import RunRecord
+from drivegate.runs.scenario import run_scenario
+from drivegate.scenarios.building import steady_scenario
+from drivegate.scenarios.changes import (
+    pulsed,
+    stepped,
+    with_drift,
+    with_dropout,
+    with_glitch,
+    with_imbalance,
+    with_load_shares,
+    with_mcs96,
+    with_scales,
+    with_speed,
+    with_supply,
+)
+from drivegate.scenarios.feasibility import is_fair
+from drivegate.scenarios.simplification import simplified
+from drivegate_cases.documents.document import parse_document
+from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.scenario.scenario import Scenario
+
+MOTOR = load_motor("paper-5-phase")
+
+
+class Loaded:
+    """A built-in candidate in this very process."""
+
+    progress = None
+
+    def __init__(self, name: str) -> None:
+        self.candidate: Candidate = resolve_candidate(name)
+
+    def controller(self) -> Controller:
+        return load_controller(self.candidate)
+
+
+def shrunk(name: str, scenario: Scenario, check: str, budget: int = 60) -> Shrunk | None:
+    return run_shrink(Loaded(name), ShrinkPlan(scenario.to_mapping(), check, budget))  # type: ignore[arg-type]
+
+
+def disturbed() -> Scenario:
+    """1430 rpm with nearly everything that a scenario can have."""
+    scenario = steady_scenario(MOTOR, 1430.0, power_share=0.95, constant_power=True)
+    scenario = with_load_shares(scenario, (0.0, 0.8), (9.5, 1.0), (12.3, 0.9))
+    scenario = with_supply(scenario, pulsed(1.0, 0.95, 11.0, 0.4))
+    scenario = with_scales(scenario, resistance=1.3, emf_constant=0.98, friction_added_n_m=0.2)
+    scenario = with_dropout(with_glitch(with_mcs96(scenario, 77), 13, 10.5), "currents", 9.0, 0.007)
+    scenario = with_drift(scenario, resistance=stepped(1.0, 1.2, 3.0, over_s=4.0))
+    return with_imbalance(scenario, stepped(0.0, 0.02, 8.0))
+
+
+def changing() -> Scenario:
+    scenario = steady_scenario(MOTOR, 1430.0, power_share=0.95, constant_power=True)
+    scenario = with_speed(scenario, stepped(1210.0, 1430.0, 9.5, over_s=0.7))
+    return with_supply(scenario, stepped(1.0, 0.96, 8.5))
+
+
+def test_a_failure_with_everything_in_it_becomes_a_plain_one() -> None:
+    start = disturbed()
+    found = shrunk("published", start, "ROB-3")
+    assert found is not None
+    scenario = parse_document(found.scenario, Scenario, "the result")
+    assert found.margin.check == "ROB-3"
+    assert not found.margin.met
+    assert found.runs <= 60
+    assert found.size < size_of(start.to_mapping()) / 3, f"{scenario.description} is hardly simpler"
+    failures = [scenario.imbalance, scenario.drift, *scenario.dropouts, *scenario.glitches]
+    assert sum(failure is not None for failure in failures) == 1, scenario.description
+    assert scenario.sensors.kind == "ideal", scenario.description
+    assert scenario.scales == type(scenario.scales)(), scenario.description
+
+
+def test_a_loaded_failure_stays_a_loaded_one() -> None:
+    """The reference's current varies by more than k2 of it without a load, which is no failure of a loaded run."""
+    scenario = steady_scenario(MOTOR, 700.0, power_share=0.5, constant_power=True)
+    light = scenario.replaced(load=scenario.load.model_copy(update={"power_w": 40.0}))
+    for fields in ({"load": light.load.model_copy(update={"power_w": 0.0})}, {"load": _off(light)}):
+        assert simplified(light, fields) is None
+    assert simplified(_unloaded(light), {"speed_rpm": ((0.0, 700.0),), "duration_s": 9.0}) is not None
+
+
+def _off(scenario: Scenario) -> Any:
+    return scenario.load.model_copy(update={"factor": ((0.0, 0.0),)})
+
+
+def _unloaded(scenario: Scenario) -> Scenario:
+    return scenario.replaced(load=_off(scenario))
+
+
+def test_the_missed_optimum_of_the_initial_angle_needs_one_speed_and_one_load() -> None:
+    found = shrunk("initial", changing(), "CNV-2")
+    assert found is not None
+    scenario = parse_document(found.scenario, Scenario, "the result")
+    (_, speed) = scenario.speed_rpm[0]
+    assert len(scenario.speed_rpm) == 1, scenario.description
+    assert speed % 100.0 == 0.0, scenario.description
+    assert scenario.load.kind == "constant_torque"
+    assert scenario.supply_v is None
+    assert scenario.duration_s < 10.0
+    assert f"{speed:g} rpm" in scenario.description, "the description is of another run"
+
+
+def test_the_result_fails_the_check_when_it_is_run_again() -> None:
+    found = shrunk("initial", changing(), "CNV-2", budget=12)
+    assert found is not None
+    scenario = parse_document(found.scenario, Scenario, "the result")
+    assert is_fair(scenario)
+    loaded = Loaded("initial")
+    record = RunRecord(scenario, run_scenario(scenario, loaded.controller()), loaded.candidate.declaration)
+    check = next(check for check in CHECKS if check.id == "CNV-2")
+    assert check.evaluate(record) == found.margin
+    assert not found.margin.met
+
+
+def test_shrinking_is_deterministic_and_more_runs_make_no_worse_result() -> None:
+    first, again = (shrunk("initial", changing(), "CNV-2", budget=9) for _ in range(2))
+    assert first == again
+    assert first is not None
+    more = shrunk("initial", changing(), "CNV-2", budget=18)
+    assert more is not None
+    assert more.size <= first.size
+
+
+@pytest.mark.parametrize("budget", [1, 2, 7])
+def test_the_budget_is_kept(budget: int) -> None:
+    found = shrunk("initial", changing(), "CNV-2", budget=budget)
+    assert found is not None
+    assert found.runs <= budget
+    assert not found.margin.met
+
+
+def test_a_check_that_does_not_fail_leaves_nothing_to_shrink() -> None:
+    assert shrunk("reference", changing(), "CNV-2") is None
+
+
+def test_what_cannot_be_simpler_stays_as_it_is() -> None:
+    plain = steady_scenario(MOTOR, 1500.0, power_share=1.0, constant_power=False)
+    simplest = shrunk("initial", plain, "CNV-2")
+    assert simplest is not None
+    again = shrunk("initial", parse_document(simplest.scenario, Scenario, "it"), "CNV-2")
+    assert again is not None
+    assert again.scenario == simplest.scenario
+
+
+def test_what_is_simpler_has_less_size() -> None:
+    plain = steady_scenario(MOTOR, 1500.0, power_share=1.0, constant_power=False)
+    ladder: list[Any] = [
+        plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0})),
+        plain,
+        with_load_shares(plain, (0.0, 1.0), (10.0, 0.5)),
+        with_scales(plain, resistance=1.5, inductance=1.1),
+        with_mcs96(with_scales(plain, resistance=1.5, inductance=1.1), 7),
+        disturbed(),
+    ]
+    sizes = [size_of(scenario.to_mapping()) for scenario in ladder]
+    assert sizes == sorted(set(sizes)), sizes
+
+
+def test_a_shorter_script_has_less_size() -> None:
+    script = {"kind": "script", "steps": [{"speed": 1.0, "power": 2.0}] * 3}
+    shorter = {"kind": "script", "steps": [{"speed": 1.0, "power": 2.0}] * 2}
+    assert size_of(shorter) < size_of(script)

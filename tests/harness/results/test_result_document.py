@@ -1,0 +1,112 @@
+"""The result document: its published schema, which is the one that results are read by."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from drivegate.candidates.fault import Fault
+from drivegate.output.result_file import as_json
+from drivegate.results.baseline import Comparison
+from drivegate.results.document import (
+    CheckSection,
+    ComparisonSection,
+    FaultSection,
+    FoundSection,
+    RecordingSection,
+    ResultDocument,
+    result_schema,
+)
+from drivegate.results.result import CheckOutcome, Found, Recording
+from drivegate_cases.documents.document import parse_document
+from drivegate_models.errors import InputError
+
+SCHEMA_FILE = Path(__file__).parents[3] / "docs" / "schemas" / "result.schema.json"
+
+
+@pytest.fixture
+def schema() -> dict[str, Any]:
+    return json.loads(SCHEMA_FILE.read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def document() -> dict[str, Any]:
+    return {
+        "schema": 2,
+        "kind": "check",
+        "candidate": {"name": "n", "kind": "builtin", "specification": "n", "hash": "h", "declaration": {}},
+        "verdict": "pass",
+        "exit_code": 0,
+        "seed": 0,
+        "effort": "quick",
+        "checks": [],
+        "faults": [],
+        "runs": 0,
+        "set_aside": 0,
+        "traces": [{"time_s": [0.0, 1.0]}],
+        "provenance": {},
+        "timing": {},
+    }
+
+
+def test_the_published_schema_is_that_of_the_code(schema: dict[str, Any]) -> None:
+    jsonschema.Draft202012Validator.check_schema(schema)
+    assert schema == result_schema(), (
+        "docs/schemas/result.schema.json is out of date; write it anew from drivegate.results.document.result_schema()"
+    )
+
+
+@pytest.mark.parametrize(
+    ("written", "read"),
+    [
+        (CheckOutcome, CheckSection),
+        (Found, FoundSection),
+        (Recording, RecordingSection),
+        (Comparison, ComparisonSection),
+    ],
+)
+def test_every_key_that_is_written_is_read(written: Any, read: Any) -> None:
+    assert {field.name for field in fields(written)} == set(read.model_fields)
+
+
+def test_every_key_of_a_fault_is_read() -> None:
+    written = {field.name for field in fields(Fault)} - {"time"} | {"time_s"}
+    assert written == set(FaultSection.model_fields)
+
+
+def test_schema_and_reader_agree(schema: dict[str, Any], document: dict[str, Any]) -> None:
+    jsonschema.Draft202012Validator(schema).validate(document)
+    assert parse_document(document, ResultDocument, "the result").verdict == "pass"
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("verdict", 3),
+        ("exit_code", 7),
+        ("checks", {}),
+        ("surplus", 1),
+        ("traces", [{"time_s": ["0"]}]),
+        ("schema", 99),
+    ],
+)
+def test_schema_and_reader_refuse_the_same(
+    schema: dict[str, Any], document: dict[str, Any], key: str, value: object
+) -> None:
+    document[key] = value
+    assert not jsonschema.Draft202012Validator(schema).is_valid(document)
+    with pytest.raises(InputError, match=key):
+        parse_document(document, ResultDocument, "the result")
+
+
+def test_lists_of_numbers_stand_on_one_line() -> None:
+    document = {"a": [1.5, -2e-07, None], "text": "[\n  1\n]", "b": [[0.0, 1.0], [2.0, 3.0]], "c": []}
+    text = as_json(document)
+    assert json.loads(text) == document
+    assert '"a": [1.5, -2e-07, null]' in text
+    assert "[0.0, 1.0],\n" in text

@@ -1,0 +1,122 @@
+"""A rate is told with a check of the run that was timed."""
+
+import os
+
+import numpy as np
+import pytest
+
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.runs.scenario import run_scenario
+from drivegate.studies.bench import loop_rates, point_rates, python_overhead, run_memory
+from drivegate.studies.bench.measurement import NotMeasured
+from drivegate.studies.bench.workbench import operating_scenario
+from drivegate_models.loop import observation
+
+
+@pytest.fixture(scope="module")
+def run():
+    return run_scenario(
+        operating_scenario(1500, "ideal", 1.0), load_controller(resolve_candidate("reference"))
+    )
+
+
+@pytest.mark.parametrize(
+    ("entry", "factor", "valid"),
+    [
+        (observation.RUN_SPEED_FINAL, 1.0, True),
+        (observation.RUN_SPEED_FINAL, 1.01, False),
+        (observation.RUN_EXCHANGE_ERROR, 1e9, False),
+    ],
+)
+def test_speed_and_energy_decide_whether_a_run_is_right(run, monkeypatch, entry, factor, valid):
+    changed = run.run.copy()
+    changed[entry] *= factor
+    monkeypatch.setitem(run.__dict__, "run", changed)
+    assert loop_rates.checked_run(operating_scenario(1500, "ideal", 1.0), run).valid is valid
+
+
+@pytest.mark.parametrize("candidate", loop_rates.CANDIDATES)
+def test_every_kind_of_candidate_is_measured(workbench, monkeypatch, candidate):
+    monkeypatch.setitem(loop_rates.SIMULATED, candidate, 1.0)
+    value = loop_rates.loop_rate(workbench, candidate, 1500, "mcs96")
+    assert value.checked.valid, value.checked.told
+    assert value.value >= value.median > 0.0
+
+
+def test_loops_are_measured_on_one_processor_which_they_give_back(workbench, monkeypatch):
+    allowed, seen = os.sched_getaffinity(0), []
+    monkeypatch.setitem(loop_rates.SIMULATED, "initial", 1.0)
+
+    def watched(*words):
+        seen.append(os.sched_getaffinity(0))
+        return run_scenario(*words)
+
+    monkeypatch.setattr(loop_rates, "run_scenario", watched)
+    loop_rates.loop_rate(workbench, "initial", 1500, "ideal")
+    assert {len(processors) for processors in seen} == {1}
+    assert os.sched_getaffinity(0) == allowed
+
+
+def test_the_overhead_of_python_is_told_beside_the_candidates_own_time(workbench, monkeypatch):
+    monkeypatch.setattr(python_overhead, "SIMULATED", 1.0)
+    value = python_overhead.python_overhead(workbench)
+    assert value.checked.valid, value.checked.told
+    assert 0.0 < value.value < 100.0
+    assert value.checked.told.endswith("commands those of its twin in numba")
+
+
+def test_an_overhead_against_a_loop_of_another_course_is_no_measure(workbench, monkeypatch):
+    monkeypatch.setattr(python_overhead, "SIMULATED", 3.0)
+    monkeypatch.setattr(python_overhead, "TWIN", "reference")
+    assert not python_overhead.python_overhead(workbench).checked.valid
+
+
+def test_a_kind_whose_compiler_is_missing_says_so(workbench, monkeypatch):
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(NotMeasured, match="no-such-compiler"):
+        loop_rates.loop_rate(workbench, "c", 1500, "ideal")
+    with pytest.raises(NotMeasured, match="no-such-compiler"):
+        workbench.yardstick()
+
+
+def test_a_yardstick_out_of_step_is_no_measure(workbench, monkeypatch):
+    monkeypatch.setattr(loop_rates, "YARDSTICK_SIMULATED", 2.0)
+    assert loop_rates.yardstick_ratio(workbench, "initial", 1500).checked.valid
+    monkeypatch.setattr(loop_rates, "LOCK_STEP_TOLERANCE", 0.0)
+    assert not loop_rates.yardstick_ratio(workbench, "initial", 1500).checked.valid
+
+
+@pytest.mark.parametrize("band", [0.25, 0.0])
+def test_steady_states_are_checked_by_their_power(workbench, monkeypatch, band):
+    assert point_rates.steady_rate(workbench, band).checked.valid
+    monkeypatch.setattr(point_rates, "CLOSING", -1.0)
+    assert not point_rates.steady_rate(workbench, band).checked.valid
+
+
+def test_the_oracle_is_checked_at_the_angle_that_it_found(workbench, monkeypatch):
+    assert point_rates.oracle_time(workbench, 1500.0, 9.8).checked.valid
+    found = point_rates.oracle_time(workbench, 1500.0, 9.8).checked.told
+    assert "9.8000 N·m" in found
+    from drivegate_models.half_bridge.steady import oracle
+
+    shifted = oracle.least_current_sum
+
+    def wrong(*words):
+        best = shifted(*words)
+        return best._replace(current_sum=best.current_sum * 1.001)
+
+    monkeypatch.setattr(oracle, "least_current_sum", wrong)
+    assert not point_rates.oracle_time(workbench, 1500.0, 9.8).checked.valid
+
+
+def test_memory_that_grows_is_wrong(workbench, monkeypatch):
+    assert run_memory.run_memory(workbench).checked.valid
+    real, kept = run_memory.run_scenario, []
+
+    def keeping(scenario, controller):
+        kept.append(np.zeros(int(1000 * scenario.duration_s)))
+        return real(scenario, controller)
+
+    monkeypatch.setattr(run_memory, "run_scenario", keeping)
+    assert not run_memory.run_memory(workbench).checked.valid

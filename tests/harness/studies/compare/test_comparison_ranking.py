@@ -1,0 +1,130 @@
+"""The ranking's one rule, on operating points made up for it."""
+
+import pytest
+
+from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.results.result import CheckOutcome
+from drivegate.studies.compare.differences import difference_rows
+from drivegate.studies.compare.engine import Compared, labelled
+from drivegate.studies.compare.ranking import ranking_rows, region_rows
+from drivegate_models.errors import InputError
+
+PLACES = ((700.0, 25.0), (700.0, 100.0), (1500.0, 100.0))
+
+
+def compared(label, *, failed=None, **others):
+    made = Compared(label, label, resolve_candidate("initial"), **others)
+    if failed is not None:
+        made.outcomes = tuple(check(f"CNV-{number}") for number in range(failed))
+    return made
+
+
+def check(identifier, *, verdict="fail", level="required"):
+    return CheckOutcome(identifier, "", "", "candidate", level, "", verdict, -1.0, "", 1, "", None, None)
+
+
+def points(label, watts, held=(True, True, True)):
+    return [
+        {
+            "candidate": label,
+            "speed_rpm": speed,
+            "load_percent": load,
+            "feasible": True,
+            "held": is_held,
+            "input_power_w": power,
+            "current_sum_a": power / 40.0,
+            "gap_power_w": 1.0,
+            "gap_current_percent": 2.0,
+            "ripple_percent": 10.0,
+            "converged_after_s": 1.0,
+        }
+        for (speed, load), power, is_held in zip(PLACES, watts, held, strict=True)
+    ]
+
+
+def places(rows):
+    return [(row["rank"], row["candidate"]) for row in rows]
+
+
+def test_fewer_failed_checks_come_before_watts():
+    rows = ranking_rows(
+        [compared("thrifty", failed=1), compared("correct", failed=0)],
+        points("thrifty", (100.0, 400.0, 400.0)) + points("correct", (200.0, 800.0, 800.0)),
+    )
+    assert places(rows) == [(1, "correct"), (2, "thrifty")]
+    assert rows[1]["power_above_first_w"] == pytest.approx(-300.0)
+    assert rows[1]["failed_checks"] == "CNV-0"
+
+
+def test_points_held_come_before_watts():
+    rows = ranking_rows(
+        [compared("loses"), compared("holds")],
+        points("loses", (1.0, 1.0, 1.0), (True, True, False)) + points("holds", (200.0, 800.0, 800.0)),
+    )
+    assert places(rows) == [(1, "holds"), (2, "loses")]
+    assert rows[1]["points_shared"] == 2
+    assert rows[1]["input_power_w"] == pytest.approx(1.0)
+    assert rows[1]["power_above_first_w"] == pytest.approx(-499.0), "only points that both hold are compared"
+
+
+def test_equals_are_told_apart_by_watts_and_share_a_place_within_a_thousandth():
+    rows = ranking_rows(
+        [compared("worse"), compared("best"), compared("nearly")],
+        points("worse", (103.0, 400.0, 800.0))
+        + points("best", (100.0, 400.0, 800.0))
+        + points("nearly", (100.9, 400.0, 800.0)),
+    )
+    assert places(rows) == [(1, "best"), (1, "nearly"), (3, "worse")]
+
+
+def test_faults_and_refusals_have_no_place():
+    fault = Fault(FaultKind.CRASH, "died", "step")
+    refused = Compared("refused", "refused", error=InputError("no such candidate"))
+    rows = ranking_rows(
+        [refused, compared("faulted", faults=[fault]), compared("fine")],
+        points("fine", (100.0, 400.0, 800.0)) + points("faulted", (1.0, 1.0, 1.0)),
+    )
+    assert places(rows) == [(1, "fine"), (None, "faulted"), (None, "refused")]
+    assert [row["status"] for row in rows] == ["compared", "faulted", "refused"]
+    assert rows[2]["input_power_w"] is None
+
+
+def test_only_who_holds_a_region_can_win_it():
+    rows = region_rows(
+        [compared("loses"), compared("holds")],
+        points("loses", (1.0, 1.0, 1.0), (True, False, True)) + points("holds", (200.0, 800.0, 800.0)),
+    )
+    of = {(row["region"], row["candidate"]): row for row in rows}
+    heavy = of["up to 800 rpm, half load and more", "loses"]
+    assert (heavy["points_held"], heavy["input_power_w"]) == (0, None)
+    assert of["up to 800 rpm, half load and more", "holds"]["power_above_best_w"] == 0.0
+    assert of["up to 800 rpm, below half load", "holds"]["power_above_best_w"] == pytest.approx(199.0)
+    assert len(of) == 6, "a region without operating points is left out"
+
+
+def test_equal_names_are_numbered():
+    assert [made.label for made in labelled("abc", ["x", "x", "y"])] == ["x", "x (2)", "y"]
+
+
+def test_pairs_are_matched_by_seed_and_lost_runs_are_counted():
+    def drawn(label, watts, lost=()):
+        return [
+            {
+                "candidate": label,
+                "group": "drawn",
+                "scenario": "any",
+                "seed": seed,
+                "held": seed not in lost,
+                "input_power_w": power,
+                "current_sum_a": power / 40.0,
+            }
+            for seed, power in enumerate(watts)
+        ]
+
+    runs = drawn("a", (100.0, 200.0, 300.0, 400.0)) + drawn("b", (110.0, 211.0, 312.0, 9.0), lost={3})
+    rows = difference_rows(["a", "b"], list(reversed(runs)), [])
+    power = next(row for row in rows if row["quantity"] == "input_power_w")
+    assert (power["pairs"], power["left_out"]) == (3, 1)
+    assert power["mean_difference"] == pytest.approx(-11.0)
+    assert power["verdict"] == "a is lower"

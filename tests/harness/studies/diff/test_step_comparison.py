@@ -1,0 +1,169 @@
+"""Two candidates step by step: the first difference, with what both were told and the plant's own state."""
+
+import math
+
+import numpy as np
+import pytest
+
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.runs.scenario import run_scenario
+from drivegate.studies.diff.diff import FIRST, SECOND, compared
+from drivegate.studies.diff.document import units_in_the_last_place
+from drivegate.studies.diff.jobs import Rule
+from drivegate.studies.diff.plant_playback import plant_at
+from drivegate.studies.diff.record import (
+    RecordingController,
+    commands_of,
+    recorded_rows,
+    row_count,
+    some_rows,
+)
+from drivegate_cases.scenario.scenario import load_scenario
+from drivegate_models.errors import InputError
+from drivegate_models.loop.observation import TRACE_COLUMNS
+from drivegate_models.loop.step_recording import BLOCK_ROWS
+
+SHORT = load_scenario("lock-up").replaced(duration_s=1.0)
+
+CONTROLLERS = """
+from drivegate import Command
+
+class Steady:
+    def reset(self, nameplate): self.steps = 0
+    def step(self, sense):
+        self.steps += 1
+        return self.answer(sense)
+    def answer(self, sense): return Command(5.0 + 1e-3 * sense.phase_currents[2], 0.0)
+
+class Later(Steady):
+    def answer(self, sense):
+        reference, angle, power = super().answer(sense)
+        return Command(reference + (1e-9 if self.steps > 1200 else 0.0), angle)
+
+class Fragile(Later):
+    def answer(self, sense):
+        if self.steps > 1203: raise ValueError("spent")
+        return super().answer(sense)
+
+class Raising(Steady):
+    def answer(self, sense):
+        if self.steps == 100: raise ValueError("no")
+        return super().answer(sense)
+
+class NotFinite(Steady):
+    def answer(self, sense): return Command(float("nan") if self.steps == 11 else 0.0, 0.0)
+
+class Zero(Steady):
+    def answer(self, sense): return Command(0.0, 0.0)
+
+class NegativeZero(Steady):
+    def answer(self, sense): return Command(0.0, -0.0, 1.0)
+"""
+
+
+@pytest.fixture
+def candidate(tmp_path):
+    file = tmp_path / "controllers.py"
+    file.write_text(CONTROLLERS, encoding="utf-8")
+    return lambda name: resolve_candidate(f"{file}:{name}")
+
+
+def compare(first, second, rule=None, before=2, after=1, scenario=SHORT):
+    return compared(first, second, scenario, rule or Rule(), before=before, after=after)
+
+
+def test_a_candidate_is_equal_to_itself(candidate):
+    ended = compare(candidate("Steady"), candidate("Steady"))
+    assert (ended.steps, ended.difference, ended.fault) == (SHORT.control_periods, None, None)
+
+
+def test_the_first_difference_comes_with_inputs_commands_and_plant(candidate):
+    ended = compare(candidate("Steady"), candidate("Later"))
+    found = ended.difference
+    assert ended.steps == found.step == 1200, "the 1201st answer is the first that differs"
+    assert found.begin == 1198
+    assert len(found.rows) == len(found.answers) == 4
+    first, here = commands_of(found.rows), found.step - found.begin
+    assert np.array_equal(first[:here, :2], found.answers[:here, :2])
+    assert found.answers[here, 0] - first[here, 0] == pytest.approx(1e-9, rel=1e-3)
+    assert found.sense.time == 0.6
+    # Ideal sensors show the plant as it is.
+    assert found.plant.speed == found.sense.speed
+    assert found.plant.phase_currents == found.sense.phase_currents
+
+
+def test_a_tolerance_and_an_ignored_field_let_differences_pass(candidate):
+    assert compare(candidate("Steady"), candidate("Later"), Rule(tolerance=1e-8)).difference is None
+    zeros = (candidate("Zero"), candidate("NegativeZero"))
+    assert compare(*zeros).difference.step == 0
+    assert compare(*zeros, Rule(0.0)).difference.step == 0, "one of them makes no estimate of power"
+    assert compare(*zeros, Rule(0.0, ("current_reference", "advance_angle"))).difference is None
+
+
+def test_a_candidate_that_fails_after_its_difference_still_shows_it(candidate):
+    found = compare(candidate("Steady"), candidate("Fragile"), after=10).difference
+    assert found.step == 1200
+    assert len(found.answers) == 3, "what comes after the difference is left out, the difference is not"
+    assert len(found.rows) == 13
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "step"), [("Raising", "exception", 99), ("NotFinite", "invalid output", 10)]
+)
+def test_a_fault_of_either_is_told(candidate, name, kind, step):
+    first = compare(candidate(name), candidate(name))
+    assert (first.faulted, first.fault.kind, first.fault.step, first.steps) == (FIRST, kind, step, step)
+    # Both answer alike before, except that NotFinite has an answer of its own.
+    second = compare(candidate("Zero" if name == "NotFinite" else "Steady"), candidate(name))
+    assert (second.faulted, second.fault.kind, second.fault.step) == (SECOND, kind, step)
+    assert second.fault.sense is not None
+
+
+def test_a_second_candidate_that_is_refused_is_told_before_the_long_run(candidate):
+    long = SHORT.replaced(duration_s=8000.0)
+    with pytest.raises(InputError, match="Missing"):
+        compare(candidate("Steady"), candidate("Missing"), scenario=long)
+
+
+def test_a_record_is_exact_and_the_plant_played_back_is_the_plant(tmp_path):
+    # Encoder and converter show the plant otherwise than it is.
+    scenario = SHORT.replaced(sensors="mcs96")
+    path = tmp_path / "steps"
+    inner = load_controller(resolve_candidate("reference"))
+    with path.open("wb") as file:
+        controller = RecordingController(inner, file, scenario.motor.phases)
+        run = run_scenario(scenario, controller, trace_every=1)
+        controller.finish()
+    phases = scenario.motor.phases
+    assert row_count(path, phases) == run.steps > BLOCK_ROWS
+    rows = np.concatenate(list(recorded_rows(path, phases)))
+    columns = {name: run.trace[:, index] for index, name in enumerate(TRACE_COLUMNS)}
+    assert np.array_equal(rows[:, 0], columns["time_s"])
+    assert np.array_equal(np.degrees(1.0) * commands_of(rows)[:, 1], columns["advance_deg"])
+    assert np.array_equal(some_rows(path, phases, 1500, 1503), rows[1500:1503])
+    for step in (0, 1, 1501):
+        plant = plant_at(path, scenario, step)
+        assert plant.speed * (30.0 / math.pi) == columns["speed_rpm"][step], "played back otherwise"
+        assert 0.0 <= plant.angle < 2.0 * math.pi
+    told = rows[1501]
+    assert plant.speed != told[2], "the encoder shows the speed otherwise than it is"
+    assert plant.phase_currents == pytest.approx(told[8:], abs=1.0)
+    turned = scenario.motor.pole_pairs * (math.pi / 30.0) * columns["speed_rpm"][:1501].sum() * 0.0005
+    assert math.remainder(plant.angle - turned, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "places"),
+    [
+        (1.0, 1.0, 0),
+        (0.0, -0.0, 0),
+        (1.0, math.nextafter(1.0, 2.0), 1),
+        (-5e-324, 5e-324, 2),
+        (-1.0, math.nextafter(-1.0, -2.0), 1),
+        (1.0, 2.0, 2**52),
+        (math.nan, 1.0, None),
+    ],
+)
+def test_units_in_the_last_place(one, other, places):
+    assert units_in_the_last_place(one, other) == units_in_the_last_place(other, one) == places

@@ -1,0 +1,120 @@
+"""What the self-test makes of catches, misses and accusations."""
+
+from dataclasses import replace
+
+import pytest
+
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.results.result import CheckOutcome, CheckResult
+from drivegate.studies.selftest.correct_designs import CorrectDesign, correct_designs
+from drivegate.studies.selftest.matrix import DesignRow, FaultRow, Matrix
+from drivegate.studies.selftest.run import judged_design
+from drivegate.studies.selftest.trial import Catch
+from drivegate_models.errors import HarnessFault
+
+CAUGHT = FaultRow(
+    name="slips",
+    sentence="Slips.",
+    check="CNV-2",
+    catches={0: Catch(3, "near", "far off", 10), 1: Catch(7, "farther", "far off", 8)},
+    failing=("CNV-1", "CNV-2"),
+    runs=9,
+)
+MISSED = FaultRow("hides", "Hides.", "ADV-1", {0: Catch(1, "x", "1°", 4), 1: None}, ("ADV-1", "CMD-1"), 40)
+ACQUITTED = DesignRow("reference", 0, "pass", {}, acquitted=True)
+ACCUSED = DesignRow("design:other", 0, "fail", {"CNV-1": "moves by 3°"}, acquitted=False)
+
+
+def matrix(*rows: FaultRow | DesignRow) -> Matrix:
+    faults = tuple(row for row in rows if isinstance(row, FaultRow))
+    designs = tuple(row for row in rows if isinstance(row, DesignRow))
+    return Matrix(("ADV-1", "CMD-1", "CNV-1", "CNV-2"), faults, designs)
+
+
+def test_all_caught_and_none_accused_passes() -> None:
+    whole = matrix(CAUGHT, ACQUITTED)
+    assert (whole.passed, whole.problems(), whole.document()["exit_code"]) == (True, [], 0)
+
+
+def test_a_miss_with_one_seed_is_a_miss() -> None:
+    whole = matrix(CAUGHT, MISSED)
+    assert not whole.passed
+    assert whole.problems() == [
+        "ADV-1 misses the fault 'hides' with seed 1 in 40 runs: it fails CMD-1 instead"
+    ]
+    document = whole.document()
+    assert document["exit_code"] == 1
+    assert document["faults"][1]["caught"] is False
+    assert document["faults"][1]["runs_to_first"] is None
+
+
+def test_a_failure_that_the_base_shares_is_told_as_such() -> None:
+    shared = replace(MISSED, failing=(), unconvincing=2)
+    assert matrix(shared).problems() == [
+        "ADV-1 misses the fault 'hides' with seed 1 in 40 runs: no other check fails, and ADV-1 only where the "
+        "controller without the fault fails it too"
+    ]
+
+
+def test_a_correct_design_accused_is_a_problem() -> None:
+    assert matrix(CAUGHT, ACQUITTED, ACCUSED).problems() == [
+        "the correct design 'design:other' is accused with seed 0: fail; CNV-1: moves by 3°"
+    ]
+
+
+def test_the_document_tells_the_slowest_catch() -> None:
+    fault = matrix(CAUGHT).document()["faults"][0]
+    assert fault["named_check"] == "CNV-2"
+    assert (fault["runs_to_first"], fault["size"], fault["also_failing"]) == (7, 8, ["CNV-1"])
+    assert [seed["seed"] for seed in fault["seeds"]] == [0, 1]
+
+
+def outcome(check: str, verdict: str, level: str = "required") -> CheckOutcome:
+    return CheckOutcome(
+        check, "", "", "candidate", level, "", verdict, -1.0, "", 1, f"{check} {verdict}", None, None
+    )
+
+
+def result(verdict: str, code: int, *checks: CheckOutcome) -> CheckResult:
+    return CheckResult(resolve_candidate("reference"), verdict, code, 4, "quick", checks, (), 1, 0, {}, {})
+
+
+@pytest.mark.parametrize(
+    ("design", "verdict", "acquitted"),
+    [
+        (CorrectDesign("reference"), "fail", False),
+        (CorrectDesign("reference", frozenset({"FLO-1"})), "pass", True),
+        (CorrectDesign("reference", frozenset({"CNV-1"})), "fail", False),
+    ],
+)
+def test_a_design_is_judged_by_the_checks_that_it_must_pass(
+    design: CorrectDesign, verdict: str, acquitted: bool
+) -> None:
+    checked = result("fail", 1, outcome("CNV-1", "fail"), outcome("FLO-1", "pass"))
+    row = judged_design(design, checked)
+    assert (row.verdict, row.acquitted, row.seed) == (verdict, acquitted, 4)
+    assert bool(row.accused_by) is not acquitted
+
+
+def test_a_check_that_does_not_come_to_a_pass_acquits_nobody() -> None:
+    design = CorrectDesign("reference", frozenset({"FLO-1"}))
+    row = judged_design(design, result("pass", 0, outcome("FLO-1", "not applicable")))
+    assert not row.acquitted
+
+
+def test_an_advisory_failure_does_not_accuse() -> None:
+    row = judged_design(CorrectDesign("reference"), result("pass", 0, outcome("RIP-2", "fail", "advisory")))
+    assert row.acquitted
+    assert (row.accused_by, row.advised_by) == ({}, ("RIP-2",))
+
+
+def test_a_plant_that_fails_says_nothing_of_a_design() -> None:
+    broken = replace(outcome("PWR-1", "fail"), subject="plant")
+    with pytest.raises(HarnessFault, match=r"the plant failed while 'reference' .* seed 4: PWR-1"):
+        judged_design(CorrectDesign("reference"), result("harness fault", 3, broken))
+
+
+def test_every_correct_design_is_a_candidate() -> None:
+    names = [resolve_candidate(design.candidate).name for design in correct_designs()]
+    assert names[0] == "reference"
+    assert len(set(names)) == len(names)

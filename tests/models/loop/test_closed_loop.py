@@ -1,0 +1,186 @@
+"""The closed loop: its account of energy, its loads, its convergence with the control period, and its limits."""
+
+import math
+import tracemalloc
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drivegate_models.contract.outer_loop.records import nameplate_record
+from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function, step_function
+from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
+from drivegate_models.loop import closed_loop, observation
+from drivegate_models.loop.closed_loop import FINISHED, ClosedLoopRun, run_closed_loop
+from drivegate_models.loop.schedule import Course, Schedule, steady
+from drivegate_models.machine import ledger
+from drivegate_models.machine.load import (
+    CONSTANT_POWER,
+    CONSTANT_TORQUE,
+    FAN,
+    LOCKED,
+    SLOWEST,
+    Load,
+    load_torque,
+)
+
+RPM = math.pi / 30.0
+
+
+def course(*points: tuple[float, float]) -> Course:
+    table = np.array(points, float)
+    return Course(np.ascontiguousarray(table[:, 0]), np.ascontiguousarray(table[:, 1]))
+
+
+def schedule(speed: float, factor: tuple[tuple[float, float], ...]) -> Schedule:
+    return Schedule(steady(speed), course(*factor), steady(48.0), steady(0.0), steady(1.0), steady(1.0))
+
+
+def simulate(
+    drive: Any,
+    load: Load,
+    *,
+    name: str = "reference",
+    speed: float = 1500.0 * RPM,
+    duration: float = 2.0,
+    period: float = 5e-4,
+    factor: tuple[tuple[float, float], ...] = ((0.0, 0.0), (0.2, 1.0)),
+    trace_every: int = 0,
+    initial_speed: float | None = None,
+) -> ClosedLoopRun:
+    state = np.zeros(1, CONTROLLER_STATE)
+    nameplate = Nameplate(
+        drive.phases,
+        drive.pole_pairs,
+        48.0,
+        500.0 * RPM,
+        1500.0,
+        drive.current_limit,
+        period,
+        drive.hysteresis_band,
+        drive.resistance,
+        drive.inductance,
+        drive.emf_constant,
+        drive.inertia,
+    )
+    reset_function()(state, nameplate_record(nameplate), SEARCHES[name])
+    return run_closed_loop(
+        drive,
+        load,
+        schedule(speed, factor),
+        step_address=step_function().address,
+        state_address=state.ctypes.data,
+        initial_speed=speed if initial_speed is None else initial_speed,
+        base_speed=500.0 * RPM,
+        control_period=period,
+        duration=duration,
+        windows=[(0.5 * duration, duration)],
+        trace_every=trace_every,
+    )
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.4])
+def test_the_energy_of_a_whole_run_is_accounted_for(motor: Any, friction: float) -> None:
+    drive = motor(friction=friction, viscous_friction=1e-3, core_loss_conductance=3e-3, inertia=0.05)
+    run = simulate(drive, Load(CONSTANT_TORQUE, 8.0, 1.0))
+    totals = run.totals
+    assert run.status == FINISHED
+    assert run.run[observation.RUN_EXCHANGE_ERROR] < 1e-12, "a control period does not close"
+    source = (
+        totals[ledger.UPPER] + totals[ledger.LOWER] + totals[ledger.CORE_SOURCE] + totals[ledger.SWITCHING]
+    )
+    assert run.run[observation.RUN_INPUT_ENERGY] == pytest.approx(source, rel=1e-12)
+    spent = (
+        drive.resistance * totals[ledger.SQUARE]
+        + run.run[observation.RUN_SHAFT_ENERGY]
+        + totals[ledger.CORE_SOURCE]
+        + totals[ledger.DEVICE]
+    )
+    # What is left in the windings at the end is below half L times the square of the peak in each phase.
+    left = 0.5 * drive.inductance * drive.phases * totals[ledger.PEAK] ** 2
+    assert 0.0 <= source - spent <= left, f"{source - spent} J are missing"
+
+
+def test_freezing_the_speed_within_a_period_vanishes_with_the_period(motor: Any) -> None:
+    drive = motor(inertia=0.05, core_loss_conductance=3e-3)
+    residuals, speeds = [], []
+    for period in (1e-4, 5e-5, 2.5e-5):
+        run = simulate(drive, Load(CONSTANT_TORQUE, 9.8, 1.0), name="initial", period=period, duration=1.0)
+        residuals.append(run.run[observation.RUN_KINETIC_RESIDUAL])
+        speeds.append(run.run[observation.RUN_SPEED_FINAL])
+    assert residuals[0] > 1.5 * residuals[1] > 2.0 * residuals[2], (
+        f"the residual does not vanish: {residuals}"
+    )
+    assert abs(speeds[2] - speeds[1]) < 0.02, f"the speeds do not converge: {speeds}"
+
+
+def test_mean_torque_carries_load_friction_and_core_drag(motor: Any) -> None:
+    drive = motor(friction=0.3, viscous_friction=2e-3, core_loss_conductance=3e-3, inertia=0.05)
+    run = simulate(drive, Load(CONSTANT_POWER, 1000.0, 1.0), name="initial", duration=4.0)
+    window = run.windows[0]
+    speed = window[observation.WINDOW_SPEED]
+    resisting = 1000.0 / speed + 0.3 + 2e-3 * speed
+    drag = window[observation.WINDOW_TORQUE] - resisting
+    assert 0.0 < drag < 0.05, f"{drag} N·m are not load or friction, more than the core can drag"
+
+
+def test_a_dynamometer_holds_the_speed(motor: Any) -> None:
+    run = simulate(motor(), Load(LOCKED, 0.0, 1.0), speed=900.0 * RPM, factor=((0.0, 1.0),))
+    assert run.run[observation.RUN_SPEED_FINAL] == 900.0 * RPM
+
+
+def test_load_and_friction_never_drive_the_shaft_backward(motor: Any) -> None:
+    drive = motor(friction=1.0, inertia=0.05)
+    run = simulate(
+        drive, Load(CONSTANT_TORQUE, 500.0, 1.0), speed=100.0 * RPM, factor=((0.0, 1.0),), trace_every=1
+    )
+    assert run.trace[:, 2].min() == 0.0, f"the shaft turns at {run.trace[:, 2].min()} rpm"
+
+
+def test_kinds_of_load() -> None:
+    assert load_torque(Load(CONSTANT_TORQUE, 7.0, 1.0), 0.5, 10.0) == 3.5
+    assert load_torque(Load(CONSTANT_POWER, 100.0, 1.0), 1.0, 20.0) == 5.0
+    assert load_torque(Load(CONSTANT_POWER, 100.0, 1.0), 1.0, 0.0) == 100.0 / SLOWEST
+    assert load_torque(Load(FAN, 8.0, 40.0), 1.0, 20.0) == pytest.approx(2.0)
+    assert load_torque(Load(LOCKED, 0.0, 1.0), 1.0, 20.0) == 0.0
+
+
+def test_the_same_run_twice_is_the_same_bit_for_bit(motor: Any) -> None:
+    first = simulate(motor(inertia=0.05), Load(CONSTANT_TORQUE, 9.0, 1.0))
+    second = simulate(motor(inertia=0.05), Load(CONSTANT_TORQUE, 9.0, 1.0))
+    other = simulate(motor(inertia=0.05), Load(CONSTANT_TORQUE, 9.0 + 1e-9, 1.0))
+    assert first.digest == second.digest
+    assert first.totals.tobytes() == second.totals.tobytes()
+    assert other.digest != first.digest, "the digest does not see a difference of 1e-9 N·m"
+
+
+def test_memory_does_not_grow_with_the_length_of_a_run(motor: Any) -> None:
+    peaks = []
+    for duration in (1.0, 1.0, 30.0):
+        tracemalloc.start()
+        simulate(motor(inertia=0.05), Load(CONSTANT_TORQUE, 5.0, 1.0), duration=duration)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[2] <= peaks[1] + 4096, f"{peaks[1]} bytes for 1 s, but {peaks[2]} bytes for 30 s"
+
+
+def test_the_trace_keeps_every_nth_period(motor: Any) -> None:
+    run = simulate(motor(inertia=0.05), Load(CONSTANT_TORQUE, 5.0, 1.0), duration=0.5, trace_every=7)
+    assert run.trace.shape == (math.ceil(1000 / 7), len(observation.TRACE_COLUMNS))
+    assert np.allclose(np.diff(run.trace[:, 0]), 7 * 5e-4)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 64, 128, 192])
+def test_constant_commands_that_differ_are_told_apart(steps):
+    def digest(value):
+        bits = int(np.float64(value).view(np.int64))
+        total = 0
+        for _ in range(steps):
+            total = closed_loop._digested(total, bits)
+        return total
+
+    values = [0.0, -0.0, 1.0, -1.0, 1.0 + 2**-52, 12.0, 0.5]
+    digests = [digest(value) for value in values]
+    assert len(set(digests)) == len(values), f"commands of {steps} equal steps share a digest: {digests}"
+    assert all(0 <= found < 2**63 for found in digests)

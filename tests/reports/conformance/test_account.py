@@ -1,0 +1,83 @@
+"""The account of a run in words: what it tells is what the signals show."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drivegate_reports.conformance.account import account
+from drivegate_reports.conformance.figures import recorded_run
+from drivegate_reports.conformance.judged_point import judged_point
+from drivegate_reports.conformance.signals import RunSignals, signals_of
+from drivegate_reports.page.style import house_style
+
+
+@pytest.fixture(scope="module")
+def locked(recorded: dict[str, Any]) -> RunSignals:
+    signals = signals_of(recorded, recorded["checks"][0])
+    assert signals is not None, "the recording is a good one"
+    return signals
+
+
+def test_a_lost_speed_is_told_as_it_happened(locked: RunSignals) -> None:
+    told = account(locked)
+    assert told[0] == "Run: 1500 rpm; constant torque of 9.8 N·m; 20 s."
+    order = (
+        "the angle passed 51.9°",
+        "torque fell below the load",
+        "left its band",
+        "reached its limit",
+        "rested at",
+    )
+    places = [next(place for place, text in enumerate(told) if part in text) for part in order]
+    assert places == sorted(places), f"the events are told out of order: {told}"
+    assert "236 rpm below the reference" in told[-2]
+    assert told[-1].endswith("at 51.9°, which is the feasible edge.")
+
+
+def test_times_are_those_of_the_signals(locked: RunSignals) -> None:
+    point = judged_point(locked)
+    assert point is not None
+    loaded = locked.time_s >= point.begins_s
+    passed = locked.time_s[loaded & (locked.advance_deg < point.edge_deg)][0]
+    told = next(text for text in account(locked) if "passed" in text)
+    assert float(told.split()[1]) == pytest.approx(passed, abs=0.1), (
+        "the trace passes the edge at another time"
+    )
+
+
+def test_a_held_speed_is_told_by_its_judged_stretch(recorded: dict[str, Any]) -> None:
+    document = copy.deepcopy(recorded)
+    trace = document["traces"][0]
+    count = len(trace["time_s"])
+    trace["speed_rpm"] = [1500.5] * count
+    trace["advance_deg"] = [53.0] * count
+    trace["current_sum_a"] = [41.0] * count
+    signals = signals_of(document, document["checks"][0])
+    assert signals is not None
+    told = account(signals)
+    assert "the speed was within 0.5 rpm of its reference, the angle rested at 53.0°" in told[1]
+    assert "Σ|i| lay between 41.00 A and 41.00 A" in told[1]
+
+
+def test_the_figure_shows_the_signals_in_their_units(locked: RunSignals) -> None:
+    with house_style():
+        figure = recorded_run.draw(locked)
+    speed, angle, current, torque = figure.axes
+    drawn = {panel.get_ylabel(): [line.get_ydata() for line in panel.lines] for panel in figure.axes}
+    assert list(drawn) == ["speed (rpm)", "angle (el. deg)", "current (A)", "torque (N·m)"]
+    np.testing.assert_array_equal(speed.lines[1].get_ydata(), locked.speed_rpm)
+    np.testing.assert_array_equal(angle.lines[0].get_ydata(), locked.advance_deg)
+    np.testing.assert_array_equal(current.lines[0].get_ydata(), locked.current_sum_a)
+    np.testing.assert_array_equal(torque.lines[0].get_ydata(), locked.torque_nm)
+    assert angle.lines[1].get_ydata()[0] == pytest.approx(51.9, abs=0.1), "the feasible edge"
+    assert torque.get_xlabel() == "time (s)"
+
+
+def test_words_for_the_figure_have_its_numbers(locked: RunSignals) -> None:
+    words = recorded_run.alternative(locked)
+    assert "ends at -236 rpm" in words.replace("−", "-")
+    assert "the current reference at 26.0 A" in words

@@ -1,0 +1,139 @@
+"""The view of a result document: bounded, printable text, and plain numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from drivegate_models.errors import InputError
+from drivegate_reports.conformance.report import page
+from drivegate_reports.conformance.rows import margin_bar
+from drivegate_reports.conformance.view import view_of
+from drivegate_reports.page.printable import LONGEST_BLOCK, LONGEST_TEXT, clean, plain_data
+
+Factory = Callable[..., dict[str, Any]]
+
+
+def test_counts_and_verdict_come_from_the_document(passing: dict[str, Any]) -> None:
+    view = view_of(passing)
+    assert (view.candidate, view.verdict, view.tone, view.exit_code) == ("golden section", "pass", "pass", 0)
+    assert (view.runs, view.set_aside, view.seed, view.effort) == (131, 4, 7, "default")
+    assert [row.id for row in view.checks] == ["PWR-1", "ADV-1", "CNV-1", "FLO-1"]
+
+
+def test_what_was_set_aside_is_listed_with_the_reason(make_document: Factory) -> None:
+    drawn = {"scenario": "550rpm <b>", "reason": "no advance angle gives the torque"}
+    document = make_document(set_aside=1, infeasible=[drawn])
+    assert view_of(document).infeasible == (("550rpm <b>", "no advance angle gives the torque"),)
+    text = page(document)
+    assert "<code>550rpm &lt;b&gt;</code>: no advance angle gives the torque" in text
+    assert "Scenarios set aside" not in page(make_document(set_aside=0, infeasible=[]))
+
+
+def test_a_failure_names_its_counterexample_and_what_to_do(failing: dict[str, Any]) -> None:
+    view = view_of(failing)
+    assert view.failing == ("CNV-1",), "an advisory failure does not fail the candidate"
+    row = view.checks[0]
+    assert row.tone == "fail"
+    assert row.file == "counterexamples/CNV-1.json"
+    assert row.worst.startswith("fig5-search: 12 s, 1500 rpm"), row.worst
+    assert "duration_s: 12.0" in row.scenario
+    assert view.checks[1].tone == "caution", "an advisory failure is no alarm"
+    assert view.checks[2].file == "", "a check that is met has no counterexample"
+    assert view.next_step == (
+        "drivegate replay counterexamples/CNV-1.json --candidate 'golden.py:Golden Section' --plot CNV-1.svg"
+    )
+
+
+def test_a_check_that_does_not_apply_has_no_margin(passing: dict[str, Any]) -> None:
+    row = view_of(passing).checks[-1]
+    assert (row.margin, row.bar, row.tone, row.worst, row.scenario) == ("–", None, "quiet", "", "")
+
+
+def test_the_message_does_not_repeat_what_was_measured(passing: dict[str, Any]) -> None:
+    row = view_of(passing).checks[0]
+    assert (row.measured, row.message) == ("speed error 3 rpm", "met in all 12 runs")
+
+
+@pytest.mark.parametrize(
+    ("margin", "start", "width"),
+    [(0.5, 50.0, 24.0), (-0.5, 26.0, 24.0), (9.0, 50.0, 48.0), (-300.0, 2.0, 48.0)],
+)
+def test_margin_bars_go_from_the_middle_and_are_clipped(margin: float, start: float, width: float) -> None:
+    bar = margin_bar(margin)
+    assert (bar.start, bar.width) == pytest.approx((start, width))
+
+
+def test_unprintable_characters_become_escapes() -> None:
+    assert clean("a\x00b\u202ec\ud800\nd") == "a\\x00b\\u202ec\\ud800\nd"
+
+
+def test_texts_are_bounded(make_document: Factory, make_check: Factory) -> None:
+    scenario = make_check("CNV-1")["scenario"] | {"description": "x" * 100_000}
+    fault = {
+        "kind": "crash",
+        "message": "m" * 9_000,
+        "phase": "step",
+        "error": "SIGSEGV",
+        "traceback": "t" * 90_000,
+        "step": None,
+        "time_s": None,
+        "sense": None,
+    }
+    checks = [make_check("CNV-1", scenario=scenario, message="y" * 9_000)]
+    view = view_of(make_document(checks=checks, faults=[fault] * 500))
+    assert len(view.checks[0].message) == LONGEST_TEXT
+    assert len(view.checks[0].scenario) == LONGEST_BLOCK
+    assert len(view.faults[0].traceback) == LONGEST_BLOCK
+    assert (len(view.faults), view.more_faults) == (20, 480)
+
+
+def test_plain_data_has_a_line_for_each_key() -> None:
+    assert plain_data({"a": 1, "b": {"c": [[0.0, 1.0]]}, "d": {}}) == "a: 1\nb:\n  c: [[0.0, 1.0]]\nd: {}"
+
+
+def test_a_scenario_that_cannot_be_told_in_short_is_named(
+    make_document: Factory, make_check: Factory
+) -> None:
+    view = view_of(make_document(checks=[make_check("CNV-1", scenario={"name": "odd"})]))
+    assert view.checks[0].worst == "odd"
+
+
+@pytest.mark.parametrize(
+    ("changes", "named"),
+    [({"schema": 3}, "schema 3"), ({"schema": None}, "schema None"), ({"kind": "other"}, "other")],
+)
+def test_a_document_of_another_kind_or_newer_schema_is_refused(
+    make_document: Factory, changes: dict[str, Any], named: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        view_of(make_document(**changes))
+    assert named in str(refused.value)
+
+
+def test_waivers_and_a_baseline_are_shown(make_document: Factory, make_check: Factory) -> None:
+    message = "Σ|i| 3 % too high; waived by Ada until 2030-12-31: known"
+    waived = make_check("CNV-2", verdict="waived", margin=-0.5, message=message)
+    entry = {"check": "CNV-1", "level": "required", "pairs": 9, "median_change": -0.2, "p_value": 0.01}
+    lost = entry | {"verdict": "fail", "message": "the margin <b>fell</b>"}
+    document = make_document(verdict="fail", exit_code=1, checks=[waived], baseline=[lost])
+    view = view_of(document)
+    assert (view.checks[0].tone, view.comparisons[0].tone) == ("caution", "fail")
+    assert view.meaning == "The margin of a required check has fallen against the baseline."
+    text = page(document)
+    assert "waived by Ada until 2030-12-31: known" in text
+    assert 'id="baseline"' in text
+    assert "the margin &lt;b&gt;fell&lt;/b&gt;" in text, "nothing in a result may act on the page"
+
+
+def test_numbers_that_depend_on_the_machine_are_shown_with_their_check(
+    make_document: Factory, make_check: Factory
+) -> None:
+    timed = make_check("TIM-1", level="advisory", margin=None, measured="", scenario=None)
+    timing = {"seconds": 1.0, "checks": {"TIM-1": {"margin": 0.5, "measured": "12 µs a step"}}}
+    view = view_of(make_document(checks=[timed], timing=timing))
+    assert (view.checks[0].margin, view.checks[0].measured) == ("+0.5", "12 µs a step")
+    assert "timing checks" not in dict(view.provenance)
+    assert not any("TIM-1" in name for name, _ in view.provenance)
