@@ -57,23 +57,7 @@ class Candidate:
 
 
 def existing_file(path: Path) -> Path:
-    """Find a file that a candidate is made of.
-
-    Parameters
-    ----------
-    path : Path
-        Where it should be.
-
-    Returns
-    -------
-    Path
-        The same, absolute and without links.
-
-    Raises
-    ------
-    InputError
-        When there is no such file.
-    """
+    """Find a file that a candidate is made of."""
     try:
         if path.is_file():
             return path.resolve()
@@ -84,25 +68,7 @@ def existing_file(path: Path) -> Path:
 
 
 def hash_of(sources: Sequence[Path], entry: str) -> str:
-    """Hash what a candidate is made of.
-
-    Parameters
-    ----------
-    sources : sequence of Path
-        Its files.
-    entry : str
-        What else tells it from another candidate of the same files.
-
-    Returns
-    -------
-    str
-        SHA-256 in hexadecimal, independent of where the files lie.
-
-    Raises
-    ------
-    InputError
-        When a file cannot be read.
-    """
+    """Hash what a candidate is made of."""
     digest = hashlib.sha256(entry.encode())
     for source in sources:
         try:

@@ -22,15 +22,4 @@ class Controller(Protocol):
         """What ended the last run, if the controller itself knows."""
 
     def reset(self, nameplate: Nameplate) -> None:
-        """Prepare for a run.
-
-        Parameters
-        ----------
-        nameplate : Nameplate
-            The drive's nominal data.
-
-        Raises
-        ------
-        CandidateFault
-            When the candidate does not reset.
-        """
+        """Prepare for a run."""

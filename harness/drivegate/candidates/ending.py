@@ -4,18 +4,7 @@ import signal
 
 
 def ending_in_words(status: int) -> tuple[str, str]:
-    """Tell how a process ended.
-
-    Parameters
-    ----------
-    status : int
-        Its exit status; negative for a signal.
-
-    Returns
-    -------
-    tuple of str
-        The predicate of a sentence about the process, and the name of the signal; empty if there was none.
-    """
+    """Tell how a process ended."""
     if status >= 0:
         return f"ended itself with exit status {status}", ""
     try:

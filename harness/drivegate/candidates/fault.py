@@ -72,13 +72,7 @@ class Fault:
 
 
 class CandidateFault(Exception):
-    """Raised in a worker process to end its job with a verdict on the candidate.
-
-    Parameters
-    ----------
-    fault : Fault
-        The verdict.
-    """
+    """Raised in a worker process to end its job with a verdict on the candidate."""
 
     def __init__(self, fault: Fault) -> None:
         super().__init__(fault)
@@ -86,20 +80,7 @@ class CandidateFault(Exception):
 
 
 def exception_fault(error: BaseException, phase: Phase) -> Fault:
-    """Describe an exception that a candidate's code raised.
-
-    Parameters
-    ----------
-    error : BaseException
-        The exception, `SystemExit` and `KeyboardInterrupt` included.
-    phase : {"loading", "reset", "step"}
-        What the candidate was doing.
-
-    Returns
-    -------
-    Fault
-        The verdict, made without trusting any of the exception's own methods.
-    """
+    """Describe an exception that a candidate's code raised."""
     name = type(error).__name__
     try:
         text, trace = str(error), _traceback_of(error)
@@ -110,24 +91,7 @@ def exception_fault(error: BaseException, phase: Phase) -> Fault:
 
 
 def refused_command(command: Any, *, finite: bool, step: int, sense: Sense) -> Fault:
-    """Describe a command at which a run ended without the controller having a fault to tell.
-
-    Parameters
-    ----------
-    command : record of COMMAND
-        The command.
-    finite : bool
-        Whether its numbers are; if so, compiled code has overwritten its size to end the run.
-    step : int
-        Number of steps completed before.
-    sense : Sense
-        What the controller had been told.
-
-    Returns
-    -------
-    Fault
-        The verdict.
-    """
+    """Describe a command at which a run ended without the controller having a fault to tell."""
     values = ", ".join(f"{name} = {command[name]}" for name in (command.dtype.names or ())[1:])
     message = _OVERWRITTEN_SIZE if finite else f"the command is not finite: {values}"
     return Fault(FaultKind.INVALID_OUTPUT, message, "step", step=step, time=sense.time, sense=sense._asdict())
@@ -137,16 +101,6 @@ def bounded_line(text: str) -> str:
     """Fit any text into one printable line.
 
     Memory addresses are left out, since they differ from run to run.
-
-    Parameters
-    ----------
-    text : str
-        Any text, of any length.
-
-    Returns
-    -------
-    str
-        At most `LONGEST_MESSAGE` characters, those that do not print as escapes.
     """
     line = _without_addresses(one_line(text[: LONGEST_MESSAGE + 1]))
     return line if len(line) <= LONGEST_MESSAGE else line[: LONGEST_MESSAGE - 1] + "…"
@@ -156,16 +110,6 @@ def bounded_text(text: str) -> str:
     """Fit any text into a bounded number of printable lines; the middle of a longer one is left out.
 
     Memory addresses are left out too, since they differ from run to run.
-
-    Parameters
-    ----------
-    text : str
-        Any text, of any length.
-
-    Returns
-    -------
-    str
-        At most `LONGEST_TRACEBACK` characters; all but line ends that do not print are written as escapes.
     """
     lines = _without_middle(text).replace("\t", "    ").split("\n")
     return _without_middle(_without_addresses("\n".join(map(one_line, lines))))

@@ -5,25 +5,7 @@ from drivegate.candidates.controller import Controller
 
 
 def load_controller(candidate: Candidate) -> Controller:
-    """Make a new instance of a candidate.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        The candidate.
-
-    Returns
-    -------
-    Controller
-        The instance, not yet reset.
-
-    Raises
-    ------
-    InputError
-        When the candidate cannot be used as it is.
-    CandidateFault
-        When the candidate's own code fails.
-    """
+    """Make a new instance of a candidate."""
     # Each kind brings libraries of its own, and a process needs those of one kind only.
     if candidate.kind == "builtin":
         from drivegate.candidates.builtin.loading import load_builtin_controller

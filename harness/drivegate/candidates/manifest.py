@@ -132,13 +132,7 @@ class Manifest(Document):
         return self
 
     def declaration(self) -> Declaration:
-        """What the candidate declares of itself, in SI units.
-
-        Returns
-        -------
-        Declaration
-            The declaration.
-        """
+        """What the candidate declares of itself, in SI units."""
         return Declaration(
             _profile(self.flowchart), self.estimates_power, self.speed_range_rpm, self.power_window_s
         )

@@ -17,27 +17,7 @@ from drivegate_models.errors import InputError
 
 
 def module_sources(name: str, folder: Path, specification: str) -> tuple[Path, ...]:
-    """Find the files that a module consists of.
-
-    Parameters
-    ----------
-    name : str
-        Dotted name of the module.
-    folder : Path
-        Folder that is searched before the import path.
-    specification : str
-        What named the module, for the message.
-
-    Returns
-    -------
-    tuple of Path
-        The module's file; for a package, every Python file inside; nothing for a module without a file.
-
-    Raises
-    ------
-    InputError
-        When there is no such module.
-    """
+    """Find the files that a module consists of."""
     if not all(part.isidentifier() for part in name.split(".")):
         raise InputError(
             f"the candidate '{one_line(specification)}' names the module '{one_line(name)}', which is no "

@@ -36,26 +36,7 @@ _WAYS = (
 
 
 def resolve_candidate(text: str) -> Candidate:
-    """Find the candidate that a string names.
-
-    Parameters
-    ----------
-    text : str
-        ``module:Class``, ``file.py:Class``, ``file.c``, ``file.so``, ``file.fmu``, ``exec:command``, the name of a
-        built-in candidate or of an installed entry point of the group ``drivegate.controllers``, ``faulty:`` and
-        the name of a faulty controller, ``design:`` and the name of a correct one of another design, or the path
-        of a manifest ``candidate.toml``.
-
-    Returns
-    -------
-    Candidate
-        The candidate, none of whose code has run.
-
-    Raises
-    ------
-    InputError
-        When there is no such candidate.
-    """
+    """Find the candidate that a string names."""
     specification = text.strip()
     if not specification:
         raise InputError(f"the candidate's name is empty, but must be {_WAYS}")

@@ -17,24 +17,12 @@ ReasonNotApplicable: TypeAlias = Callable[[Declaration], str | None]
 
 
 def always_applicable(_declaration: Declaration) -> str | None:
-    """Let a check apply to every candidate.
-
-    Returns
-    -------
-    None
-        No reason against it.
-    """
+    """Let a check apply to every candidate."""
     return None
 
 
 def judged_elsewhere(_record: RunRecord) -> Margin | None:
-    """Leave a check out of closed-loop runs: its margins come from jobs of their own.
-
-    Returns
-    -------
-    None
-        No margin.
-    """
+    """Leave a check out of closed-loop runs: its margins come from jobs of their own."""
     return None
 
 

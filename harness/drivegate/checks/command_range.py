@@ -15,19 +15,7 @@ LARGEST_ANGLE = math.pi / 2.0
 
 
 def angle_below_base(record: RunRecord) -> Margin | None:
-    """Judge the advance angle in steps whose own Sense shows less than base speed (paper, Fig. 3).
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin or None
-        1 when the angle is exactly zero throughout, minus the largest angle in degrees when not; None where
-        the speed was never below base speed.
-    """
+    """Judge the advance angle in steps whose own Sense shows less than base speed (paper, Fig. 3)."""
     run = record.run.run
     if run[observation.RUN_STEPS_BELOW_BASE] == 0.0:
         return None
@@ -40,18 +28,7 @@ def angle_below_base(record: RunRecord) -> Margin | None:
 
 
 def angle_range(record: RunRecord) -> Margin:
-    """Judge the range of the advance angle.
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin
-        Distance from the nearer end over 90°, before the plant's clamping.
-    """
+    """Judge the range of the advance angle."""
     lowest = float(record.run.run[observation.RUN_ANGLE_LOWEST])
     highest = float(record.run.run[observation.RUN_ANGLE_HIGHEST])
     value = normalised(min(lowest, LARGEST_ANGLE - highest), LARGEST_ANGLE)
@@ -59,18 +36,7 @@ def angle_range(record: RunRecord) -> Margin:
 
 
 def reference_range(record: RunRecord) -> Margin:
-    """Judge the range of the current reference.
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin
-        Distance from the nearer end over the limit, before the plant's clamping.
-    """
+    """Judge the range of the current reference."""
     limit = record.scenario.motor.current_limit_a
     lowest = float(record.run.run[observation.RUN_REFERENCE_LOWEST])
     highest = float(record.run.run[observation.RUN_REFERENCE_HIGHEST])

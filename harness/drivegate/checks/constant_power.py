@@ -22,36 +22,14 @@ HIGHEST_ADVISED_RPM = 2000.0
 
 
 def holds_constant_power(record: RunRecord) -> Margin | None:
-    """Judge whether rated power is held within k1 (paper, "Constant Power Operation", Fig. 3).
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin or None
-        Speed error by k1 in the worst window; None where none asks for rated power at 550 to 1500 rpm.
-    """
+    """Judge whether rated power is held within k1 (paper, "Constant Power Operation", Fig. 3)."""
     return _held(
         "CPW-1", record, [w for w in record.windows() if LOWEST_RPM <= w.dwell.speed_rpm <= HIGHEST_RPM]
     )
 
 
 def holds_constant_power_beyond(record: RunRecord) -> Margin | None:
-    """Judge whether rated power is held within k1 beyond three times base speed (paper, Fig. 10).
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin or None
-        Speed error by k1 in the worst window; None where none asks for rated power above 1500 and up to 2000 rpm.
-    """
+    """Judge whether rated power is held within k1 beyond three times base speed (paper, Fig. 10)."""
     return _held(
         "CPW-2",
         record,

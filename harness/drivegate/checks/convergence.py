@@ -31,18 +31,7 @@ ABOVE_BASE_SPEED = unless_speeds_from(500.0, math.inf)
 
 
 def described(window: Window) -> str:
-    """Tell where a window was observed.
-
-    Parameters
-    ----------
-    window : Window
-        The window.
-
-    Returns
-    -------
-    str
-        Its speed and mean torque, to follow a measured value.
-    """
+    """Tell where a window was observed."""
     torque = float(window.values[observation.WINDOW_TORQUE])
     return f" at {window.dwell.speed_rpm:.4g} rpm, {torque:.3g} N·m"
 
@@ -52,16 +41,6 @@ def unseen_share(window: Window) -> float:
 
     A speed that moves by one step of its measurement up or down takes the torque J·2Δω in the time of one mean.
     The step is the clock's over the time in which edges are counted.
-
-    Parameters
-    ----------
-    window : Window
-        The window.
-
-    Returns
-    -------
-    float
-        Added to k2 (1); 0 with ideal sensors.
     """
     sensors = window.scenario.sensors
     torque = float(window.values[observation.WINDOW_TORQUE])
@@ -73,21 +52,7 @@ def unseen_share(window: Window) -> float:
 
 
 def window_convergence(window: Window) -> tuple[float, str]:
-    """Judge whether the search has converged in a window (paper, Fig. 4).
-
-    Parameters
-    ----------
-    window : Window
-        The window.
-
-    Returns
-    -------
-    value : float
-        The least of three margins: speed error by k1, spread of the 100 ms means of the current sum by k2, and
-        movement of the angle by 1°.
-    measured : str
-        What that one was measured as.
-    """
+    """Judge whether the search has converged in a window (paper, Fig. 4)."""
     values = window.values
     mean = float(values[observation.WINDOW_CURRENT_SUM])
     spread = float(values[observation.WINDOW_MEAN_HIGHEST] - values[observation.WINDOW_MEAN_LOWEST])
@@ -104,21 +69,7 @@ def window_convergence(window: Window) -> tuple[float, str]:
 
 
 def worst_convergence(check: str, windows: Iterable[Window]) -> Margin | None:
-    """Judge whether the search has converged in every window.
-
-    Parameters
-    ----------
-    check : str
-        Identifier of the check.
-    windows : iterable of Window
-        The windows.
-
-    Returns
-    -------
-    Margin or None
-        Of the worst window; None where there is none. A window that no angle can satisfy is left out, and so is
-        one without load, where there is no power to search by.
-    """
+    """Judge whether the search has converged in every window."""
     margins = []
     for window in windows:
         if not window.is_loaded:
@@ -131,55 +82,21 @@ def worst_convergence(check: str, windows: Iterable[Window]) -> Margin | None:
 
 
 def converges(record: RunRecord) -> Margin | None:
-    """Judge whether the search has converged where nothing had changed before.
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin or None
-        Of the worst window before any change; None where there is none, or where the drive is not nominal.
-    """
+    """Judge whether the search has converged where nothing had changed before."""
     if record.circumstance is not Circumstance.NOMINAL:
         return None
     return worst_convergence("CNV-1", (window for window in record.windows() if not window.is_after_change))
 
 
 def converges_again(record: RunRecord) -> Margin | None:
-    """Judge whether the search has converged again after a change of load, speed reference or supply.
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin or None
-        Of the worst window after a change; None where there is none, or where the drive is not nominal.
-    """
+    """Judge whether the search has converged again after a change of load, speed reference or supply."""
     if record.circumstance is not Circumstance.NOMINAL:
         return None
     return worst_convergence("CNV-3", (window for window in record.windows() if window.is_after_change))
 
 
 def reaches_optimum(record: RunRecord) -> Margin | None:
-    """Judge the current sum of every converged window against the least one of the same plant (Figs. 5, 7).
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin or None
-        Of the worst window where the optimum is required, else of the worst one where it is advised; None where
-        nothing is loaded and steady, or where the drive is not nominal.
-    """
+    """Judge the current sum of every converged window against the least one of the same plant (Figs. 5, 7)."""
     if record.circumstance is not Circumstance.NOMINAL:
         return None
     margins = [_excess(record, window) for window in record.windows() if window.torque_asked > 0.0]

@@ -12,18 +12,7 @@ ROUNDING = 1e-12
 
 
 def peak_current(record: RunRecord) -> Margin:
-    """Judge the greatest phase current, overshoot through the diodes included.
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin
-        Distance from the limit plus the band, over that sum.
-    """
+    """Judge the greatest phase current, overshoot through the diodes included."""
     motor = record.scenario.motor
     # The band's edge itself is met to rounding.
     allowed = (motor.current_limit_a + motor.hysteresis_band_a) * (1.0 + ROUNDING)

@@ -9,18 +9,7 @@ from drivegate.checks.check import ReasonNotApplicable
 
 
 def unless_speeds_from(lowest: float, highest: float) -> ReasonNotApplicable:
-    """Let a check apply unless the candidate declares a range without any of the speeds it is judged at.
-
-    Parameters
-    ----------
-    lowest, highest : float
-        Speeds at which the check judges (rpm); without an end, `lowest` itself is none of them.
-
-    Returns
-    -------
-    callable
-        From a declaration to the reason why the check does not apply, or None.
-    """
+    """Let a check apply unless the candidate declares a range without any of the speeds it is judged at."""
     endless = highest == math.inf
     if endless:
         judged = f"the speeds above {lowest:g} rpm"

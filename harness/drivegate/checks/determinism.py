@@ -8,18 +8,7 @@ from drivegate.runs.record import RunRecord
 
 
 def repeats_itself(record: RunRecord) -> Margin | None:
-    """Judge whether further runs of the scenario gave the same commands, bit for bit.
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run; its repetitions were made after other scenarios and by a second instance.
-
-    Returns
-    -------
-    Margin or None
-        1 when every repetition is the same, -1 when not; None where the scenario ran once.
-    """
+    """Judge whether further runs of the scenario gave the same commands, bit for bit."""
     if not record.repeated_digests:
         return None
     different = sum(digest != record.run.digest for digest in record.repeated_digests)

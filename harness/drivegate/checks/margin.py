@@ -37,57 +37,17 @@ class Margin:
 
 
 def normalised(distance: float, limit: float) -> float:
-    """Give a distance from a limit as a share of it, without losing its sign.
-
-    Parameters
-    ----------
-    distance : float
-        Distance from the limit, negative beyond it.
-    limit : float
-        The limit, above 0, in the same unit.
-
-    Returns
-    -------
-    float
-        The share; negative whenever the distance is, however small. What is no number counts as infinitely far
-        beyond.
-    """
+    """Give a distance from a limit as a share of it, without losing its sign."""
     if math.isnan(distance):
         return -math.inf
     return distance / limit if distance >= 0.0 else min(distance / limit, -_LEAST)
 
 
 def at_most(measured: float, limit: float) -> float:
-    """Judge a quantity that may be as large as its limit.
-
-    Parameters
-    ----------
-    measured : float
-        The quantity.
-    limit : float
-        The limit, above 0, in the same unit.
-
-    Returns
-    -------
-    float
-        Value of a margin: negative exactly when the quantity is greater than the limit, or no number.
-    """
+    """Judge a quantity that may be as large as its limit."""
     return normalised(limit - measured, limit)
 
 
 def below(measured: float, limit: float) -> float:
-    """Judge a quantity that has to stay below its limit.
-
-    Parameters
-    ----------
-    measured : float
-        The quantity.
-    limit : float
-        The limit, above 0, in the same unit.
-
-    Returns
-    -------
-    float
-        Value of a margin: negative exactly when the quantity is not less than the limit.
-    """
+    """Judge a quantity that has to stay below its limit."""
     return at_most(measured, limit) if measured != limit else -_LEAST

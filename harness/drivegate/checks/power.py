@@ -22,16 +22,6 @@ def exchanged_power(record: RunRecord) -> Margin:
 
     In every control period the energy exchanged with the half-sources, V_half(j) |i_j| summed over the
     phases, less twice what flows back, is what the windings take: copper, shaft, devices, and storage.
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin
-        Of the worst control period; it tells too how much the run's net input power is below the exchanged one.
     """
     error = float(record.run.run[observation.RUN_EXCHANGE_ERROR])
     exchanged = float(record.run.totals[ledger.EXCHANGED])
@@ -42,19 +32,7 @@ def exchanged_power(record: RunRecord) -> Margin:
 
 
 def estimated_power(record: RunRecord) -> Margin | None:
-    """Judge a candidate's estimate of its input power.
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin or None
-        Of the worst step; None for a candidate that makes no estimate. Through a converter the estimate may be
-        off by one of its steps of current, times the lowest supply voltage of the run.
-    """
+    """Judge a candidate's estimate of its input power."""
     if record.run.run[observation.RUN_POWER_ESTIMATES] == 0.0:
         if record.declaration.estimates_power:
             return Margin("PWR-2", -1.0, "declared, but every estimate is NaN")

@@ -56,16 +56,6 @@ def ripple_at_converged_angle(record: RunRecord) -> Margin | None:
 
     The ripple is that of the periodic steady state with the ideal regulator (no band) at the candidate's mean
     angle and mean torque; its extremes are exact.
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin or None
-        None where the run is not at the published point, or the drive not nominal.
     """
     if record.circumstance is not Circumstance.NOMINAL:
         return None
@@ -73,37 +63,14 @@ def ripple_at_converged_angle(record: RunRecord) -> Margin | None:
 
 
 def ripple_at_constant_power(record: RunRecord) -> Margin | None:
-    """Judge the torque ripple at the angle that the candidate converged to under rated power (Fig. 6).
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin or None
-        As of `ripple_at_converged_angle`; None where no window asks for rated power at 550 to 1500 rpm.
-    """
+    """Judge the torque ripple at the angle that the candidate converged to under rated power (Fig. 6)."""
     if record.circumstance is not Circumstance.NOMINAL:
         return None
     return _ideal_ripple("RIP-2", record, [w for w in record.windows() if _is_constant_power(w)])
 
 
 def closed_loop_ripple(record: RunRecord) -> Margin | None:
-    """Judge the torque ripple of the closed loop, with hysteresis band and speed regulator.
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    Margin or None
-        Of the worst electrical period in the last second of a window under rated torque, else of the worst one
-        under less, where the limit only advises; None where nothing is loaded, or the drive is not nominal.
-    """
+    """Judge the torque ripple of the closed loop, with hysteresis band and speed regulator."""
     if record.circumstance is not Circumstance.NOMINAL:
         return None
     margins = [_closed_loop_margin(window) for window in record.windows() if window.torque_asked > 0.0]

@@ -20,18 +20,7 @@ _ROUNDING = 1e-9
 
 
 def is_claimed(scales: Scales) -> bool:
-    """Tell whether convergence is required of a plant with such parameters.
-
-    Parameters
-    ----------
-    scales : Scales
-        How the plant differs from the nominal motor.
-
-    Returns
-    -------
-    bool
-        Whether every parameter is within its range of `CLAIMED`.
-    """
+    """Tell whether convergence is required of a plant with such parameters."""
     values = scales.model_dump(include=set(CLAIMED))
     return all(
         lowest - _ROUNDING <= values[key] <= highest + _ROUNDING for key, (lowest, highest) in CLAIMED.items()
@@ -39,20 +28,7 @@ def is_claimed(scales: Scales) -> bool:
 
 
 def robust_convergence(check: str, judged: Circumstance) -> Evaluate:
-    """Make the function that judges convergence in runs of one circumstance.
-
-    Parameters
-    ----------
-    check : str
-        Identifier of the check.
-    judged : Circumstance
-        The circumstance.
-
-    Returns
-    -------
-    callable
-        From a run to the margin of its worst window, told with the requirement that this window comes under.
-    """
+    """Make the function that judges convergence in runs of one circumstance."""
 
     def evaluate(record: RunRecord) -> Margin | None:
         if record.circumstance is not judged:

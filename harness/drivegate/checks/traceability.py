@@ -36,64 +36,25 @@ SPECIAL: Final[Mapping[str, tuple[str, ...]]] = {
 
 
 def family_name(function_name: str) -> str:
-    """Name a family as people read it.
-
-    Parameters
-    ----------
-    function_name : str
-        Name of the function that draws it, such as ``load_step_scenarios``.
-
-    Returns
-    -------
-    str
-        Such as ``load step``.
-    """
+    """Name a family as people read it."""
     return function_name.removesuffix("_scenarios").replace("_", " ")
 
 
 def families_of(check: str) -> tuple[str, ...]:
-    """List the kinds of runs that exercise a check.
-
-    Parameters
-    ----------
-    check : str
-        Identifier of the check.
-
-    Returns
-    -------
-    tuple of str
-        ``fixed`` and names of drawn families, or the one kind of run that the check has for itself.
-    """
+    """List the kinds of runs that exercise a check."""
     special = tuple(kind for kind, checks in SPECIAL.items() if check in checks)
     drawn = tuple(family for family, checks in DRAWN.items() if check in (*EVERY_RUN, *checks))
     return special or (FIXED, *drawn)
 
 
 def facts_of(check: Check) -> tuple[Fact, ...]:
-    """List the facts that a check rests on.
-
-    Parameters
-    ----------
-    check : Check
-        The check.
-
-    Returns
-    -------
-    tuple of Fact
-        Those that its source names; none where it rests on the contract.
-    """
+    """List the facts that a check rests on."""
     named = check.source.split(", ")
     return tuple(fact for fact in facts() if fact.id in named)
 
 
 def traced_checks() -> list[dict[str, Any]]:
-    """Write down every check with what it rests on and what exercises it.
-
-    Returns
-    -------
-    list of dict
-        In the order of the catalogue.
-    """
+    """Write down every check with what it rests on and what exercises it."""
     keys = ("id", "requirement", "source", "subject", "level", "limit", "formula", "why", "scenarios")
     return [
         {key: getattr(check, key) for key in keys}
@@ -106,13 +67,7 @@ def traced_checks() -> list[dict[str, Any]]:
 
 
 def traced_facts() -> list[dict[str, Any]]:
-    """Write down every fact with what covers it.
-
-    Returns
-    -------
-    list of dict
-        In the order of their numbers; checks, properties (tests) and figures of each.
-    """
+    """Write down every fact with what covers it."""
     return [
         {"id": fact.id, "title": fact.title, "where": fact.source}
         | {"covered_by": fact.covered_by.model_dump(mode="json")}

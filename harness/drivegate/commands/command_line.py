@@ -44,18 +44,7 @@ class LazyGroup(click.Group):
     """A group that imports a command's module only to run it or to show its own help."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  (click's signature)
-        """List the commands.
-
-        Parameters
-        ----------
-        ctx : click.Context
-            The group's context.
-
-        Returns
-        -------
-        list of str
-            Names, in the order in which they are shown.
-        """
+        """List the commands."""
         return list(COMMANDS)
 
     def get_command(
@@ -63,20 +52,7 @@ class LazyGroup(click.Group):
         ctx: click.Context,  # noqa: ARG002  (click's signature)
         cmd_name: str,
     ) -> click.Command | None:
-        """Import a command.
-
-        Parameters
-        ----------
-        ctx : click.Context
-            The group's context.
-        cmd_name : str
-            The command's name.
-
-        Returns
-        -------
-        click.Command or None
-            The command; None where there is none of this name.
-        """
+        """Import a command."""
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = import_module(f"drivegate.commands.{cmd_name.replace('-', '_')}").command
@@ -85,25 +61,7 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command that the arguments begin with.
-
-        Parameters
-        ----------
-        ctx : click.Context
-            The group's context.
-        args : list of str
-            The command's name and its arguments.
-
-        Returns
-        -------
-        tuple
-            Name, command and remaining arguments.
-
-        Raises
-        ------
-        click.UsageError
-            When there is no such command.
-        """
+        """Find the command that the arguments begin with."""
         from drivegate_cases.documents.wording import nearest, one_line
 
         if args[0] not in COMMANDS and not args[0].startswith("-"):
@@ -119,15 +77,7 @@ class LazyGroup(click.Group):
         ctx: click.Context,  # noqa: ARG002  (click's signature)
         formatter: click.HelpFormatter,
     ) -> None:
-        """Write the commands into the help without importing them.
-
-        Parameters
-        ----------
-        ctx : click.Context
-            The group's context.
-        formatter : click.HelpFormatter
-            Receives the section.
-        """
+        """Write the commands into the help without importing them."""
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 
@@ -151,13 +101,7 @@ def command_line(context: click.Context) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run the command line and leave the process with its exit code.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        The arguments; by default those that the process was started with.
-    """
+    """Run the command line and leave the process with its exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
 
     def work() -> object:

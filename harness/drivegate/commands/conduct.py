@@ -73,48 +73,18 @@ class Failure:
     exit_code: int
 
     def document(self) -> dict[str, Any]:
-        """Write the failure as plain data.
-
-        Returns
-        -------
-        dict
-            The error document.
-        """
+        """Write the failure as plain data."""
         return {"schema": ERROR_SCHEMA, "error": {"message": self.message, "exit_code": int(self.exit_code)}}
 
 
 def wants_json(words: Sequence[str]) -> bool:
-    """Tell whether the arguments ask for JSON, even if they are wrong otherwise.
-
-    Parameters
-    ----------
-    words : sequence of str
-        The arguments.
-
-    Returns
-    -------
-    bool
-        Whether ``--json`` is among the options.
-    """
+    """Tell whether the arguments ask for JSON, even if they are wrong otherwise."""
     options = words[: words.index("--")] if "--" in words else words
     return "--json" in options
 
 
 def conducted(work: Callable[[], object], *, as_json: bool) -> int:
-    """Run a command to its end.
-
-    Parameters
-    ----------
-    work : callable
-        Returns the command's `Outcome`, or an exit code where everything is printed already.
-    as_json : bool
-        Whether standard output is to receive one JSON document and nothing else.
-
-    Returns
-    -------
-    int
-        The exit code.
-    """
+    """Run a command to its end."""
     for stream in (sys.stdout, sys.stderr):
         # A console that cannot show a character is no reason to fail.
         if hasattr(stream, "reconfigure"):
@@ -130,18 +100,7 @@ def conducted(work: Callable[[], object], *, as_json: bool) -> int:
 
 
 def failure_of(error: BaseException) -> Failure:
-    """Turn whatever ended a command into a sentence and an exit code.
-
-    Parameters
-    ----------
-    error : BaseException
-        What was raised.
-
-    Returns
-    -------
-    Failure
-        The sentence and the code.
-    """
+    """Turn whatever ended a command into a sentence and an exit code."""
     if isinstance(error, InputError):
         return Failure(_sentence(str(error)), ExitCode.REFUSED)
     if isinstance(error, click.ClickException):
@@ -162,15 +121,7 @@ def failure_of(error: BaseException) -> Failure:
 
 
 def complain(failure: Failure, error: BaseException | None = None) -> None:
-    """Tell a failure on standard error.
-
-    Parameters
-    ----------
-    failure : Failure
-        The failure.
-    error : BaseException, optional
-        What was raised, for its traceback when that is wanted.
-    """
+    """Tell a failure on standard error."""
     if error is not None and os.environ.get(DEBUG_VARIABLE) == "1":
         _write(sys.stderr, "".join(traceback.format_exception(error)))
     _write(sys.stderr, f"error: {failure.message}\n")

@@ -24,20 +24,7 @@ json_option = click.option(
 
 
 def bounded(lowest: float, highest: float = inf, *, above: bool = False) -> Callable[[str], float]:
-    """Make the type of an option that is a finite number within limits.
-
-    Parameters
-    ----------
-    lowest, highest : float
-        The limits.
-    above : bool
-        Whether the number must be above `lowest`, not at it.
-
-    Returns
-    -------
-    callable
-        Reads the number.
-    """
+    """Make the type of an option that is a finite number within limits."""
     lower = f"above {lowest:g}" if above else f"from {lowest:g}"
     upper = ("" if above else " upward") if highest == inf else f"{' and up' if above else ''} to {highest:g}"
 
@@ -54,18 +41,7 @@ def bounded(lowest: float, highest: float = inf, *, above: bool = False) -> Call
 
 
 def motor_options(function: _Function) -> _Function:
-    """Add the options that name a motor and set single values of it.
-
-    Parameters
-    ----------
-    function : callable
-        A command's function; receives `motor` and `settings`.
-
-    Returns
-    -------
-    callable
-        The function with the options.
-    """
+    """Add the options that name a motor and set single values of it."""
     function = click.option(
         "--set",
         "settings",
@@ -79,27 +55,7 @@ def motor_options(function: _Function) -> _Function:
 
 
 def chosen_motor(name: str | None, settings: tuple[str, ...], default: Callable[[], Motor]) -> Motor:
-    """Find the motor that the options ask for.
-
-    Parameters
-    ----------
-    name : str or None
-        Name or path, if given.
-    settings : tuple of str
-        Settings, each as ``KEY=VALUE``.
-    default : callable
-        Gives the motor when no other is named.
-
-    Returns
-    -------
-    Motor
-        The motor.
-
-    Raises
-    ------
-    InputError
-        When it does not exist or is not valid.
-    """
+    """Find the motor that the options ask for."""
     from drivegate_cases.motor.motor import load_motor
 
     motor = default() if name is None else load_motor(name)
@@ -107,27 +63,7 @@ def chosen_motor(name: str | None, settings: tuple[str, ...], default: Callable[
 
 
 def chosen_scenario(case: str, motor: str | None, settings: tuple[str, ...]) -> Scenario:
-    """Find the scenario that the options ask for, also the one in a counterexample.
-
-    Parameters
-    ----------
-    case : str
-        Name of a scenario that comes along, or path of a file of one.
-    motor : str or None
-        Name or path of another motor, if given.
-    settings : tuple of str
-        Settings of the motor, each as ``KEY=VALUE``.
-
-    Returns
-    -------
-    Scenario
-        The scenario.
-
-    Raises
-    ------
-    InputError
-        When it does not exist or is not valid.
-    """
+    """Find the scenario that the options ask for, also the one in a counterexample."""
     scenario = _loaded_scenario(case)
     if motor is None and not settings:
         return scenario

@@ -41,13 +41,7 @@ class Backend:
     scheduler: str | None = None
 
     def require(self) -> None:
-        """Refuse a backend that is not installed.
-
-        Raises
-        ------
-        InputError
-            When dask is wanted and missing.
-        """
+        """Refuse a backend that is not installed."""
         if self.name == "dask" and (find_spec("distributed") is None or find_spec("dask") is None):
             raise InputError(
                 "--backend dask needs the packages dask and distributed, which are not installed; "
@@ -62,29 +56,6 @@ def done_by(
 
     Local processes that die are replaced, and what they were doing is done again; on a cluster its scheduler sees to
     that. Only a few tasks wait at a time, whatever their number.
-
-    Parameters
-    ----------
-    backend : Backend
-        Where.
-    task : callable
-        A module's function, called with the package and an item.
-    package : bytes
-        What all tasks share.
-    items : sequence
-        One for each task; they can be told apart and pickled.
-
-    Yields
-    ------
-    tuple
-        Item and result, in any order.
-
-    Raises
-    ------
-    InputError
-        When a task raises it, or the cluster cannot be reached.
-    HarnessFault
-        When a task raises it, or processes die again and again.
     """
     from joblib import Parallel, cpu_count, delayed
 

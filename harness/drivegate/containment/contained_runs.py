@@ -27,27 +27,6 @@ def contained_runs(
     The candidate's process lives as long as the iteration, and no longer: what a candidate keeps for itself between
     runs depends on the payloads alone, never on how they are shared among processes. A built-in candidate, whose code
     is drivegate's own, needs none.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        The candidate.
-    target : callable
-        A module's function, called with the loaded candidate and a payload.
-    payloads : iterable
-        Anything that can be pickled.
-
-    Yields
-    ------
-    object or Fault
-        For each payload what the target returned, or the candidate's fault; a fault while loading holds for all.
-
-    Raises
-    ------
-    InputError
-        When the candidate is refused.
-    HarnessFault
-        When the harness itself fails.
     """
     if candidate.kind == "builtin":
         yield from _uncontained_runs(candidate, target, payloads)

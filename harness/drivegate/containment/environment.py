@@ -39,20 +39,7 @@ TEMPORARY_VARIABLES: Final = ("TMPDIR", "TMP", "TEMP")
 
 
 def worker_environment(inherited: Mapping[str, str], temporary: Path) -> dict[str, str]:
-    """Choose the environment of a candidate's process.
-
-    Parameters
-    ----------
-    inherited : mapping of str to str
-        The environment of the harness.
-    temporary : Path
-        Folder for the process's temporary files.
-
-    Returns
-    -------
-    dict of str to str
-        What is passed on; the hashing of text in Python is the same in every process, unless it was chosen.
-    """
+    """Choose the environment of a candidate's process."""
     further = {name.strip() for name in inherited.get(PASS_VARIABLE, "").split(",")}
     passed = {
         name: value

@@ -31,11 +31,6 @@ class UnreadableReply(Exception):
 class WorkerHandle:
     """One running worker process, with a keeper that lets nothing outlive it.
 
-    Parameters
-    ----------
-    setup : Setup
-        The candidate to load, and how.
-
     Attributes
     ----------
     progress : SharedProgress
@@ -69,29 +64,12 @@ class WorkerHandle:
         return [self._connection] if self._output_ended else [self._connection, self._output]
 
     def send(self, message: Setup | Job[Any]) -> None:
-        """Send a message; a process that has died meanwhile is noticed later.
-
-        Parameters
-        ----------
-        message : Setup or Job
-            The message.
-        """
+        """Send a message; a process that has died meanwhile is noticed later."""
         with suppress(BrokenPipeError, ConnectionResetError):
             self._connection.send(message)
 
     def receive(self) -> Reply | None:
-        """Take the next message, without waiting for one.
-
-        Returns
-        -------
-        Reply or None
-            None when there is none.
-
-        Raises
-        ------
-        UnreadableReply
-            When what came is no message.
-        """
+        """Take the next message, without waiting for one."""
         try:
             if not self._connection.poll():
                 return None
@@ -109,13 +87,7 @@ class WorkerHandle:
         return reply
 
     def has_ended(self) -> bool:
-        """Tell whether the process has died by itself; it is not reaped yet, so its id is still its own.
-
-        Returns
-        -------
-        bool
-            Whether it is dead.
-        """
+        """Tell whether the process has died by itself; it is not reaped yet, so its id is still its own."""
         if self._kept.keeper_has_ended():
             return True
         process = self._process()
@@ -132,13 +104,7 @@ class WorkerHandle:
         return self._measured
 
     def processor_seconds(self) -> float:
-        """Measure the processor time that the process has used.
-
-        Returns
-        -------
-        float
-            User and system time of all its threads (s).
-        """
+        """Measure the processor time that the process has used."""
         process = self._process()
         if process is None:
             return 0.0
@@ -163,24 +129,12 @@ class WorkerHandle:
         self._tail = b""
 
     def last_output(self) -> str:
-        """Give the end of what the process has printed.
-
-        Returns
-        -------
-        str
-            At most `LONGEST_TRACEBACK` characters.
-        """
+        """Give the end of what the process has printed."""
         self.drain_output()
         return self._tail.decode(errors="replace")
 
     def stack(self) -> str:
-        """Ask the process where it is, then give what it printed.
-
-        Returns
-        -------
-        str
-            The Python stack of its threads, when it could still tell.
-        """
+        """Ask the process where it is, then give what it printed."""
         self.forget_output()
         process = self._process()
         if process is None or self.has_ended():
@@ -196,13 +150,7 @@ class WorkerHandle:
         return self.last_output()
 
     def exit_status(self) -> int:
-        """End the process if it still lives, and tell how it ended.
-
-        Returns
-        -------
-        int
-            Its exit status; negative for a signal.
-        """
+        """End the process if it still lives, and tell how it ended."""
         self.end()
         return self._kept.exit_status()
 

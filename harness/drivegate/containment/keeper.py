@@ -28,15 +28,6 @@ def keep(temporary: str, connection: str, progress: str) -> None:
 
     In the keeper this does not return; in the worker it returns when its parent has hung up. The keeper tells
     on its standard output the worker's process id, and at the end its exit status, negative for a signal.
-
-    Parameters
-    ----------
-    temporary : str
-        Folder to remove.
-    connection : str
-        Descriptor of the worker's socket to the harness.
-    progress : str
-        Descriptor of the memory that the worker shares with the harness.
     """
     _adopt_orphans()
     keeper = os.getpid()

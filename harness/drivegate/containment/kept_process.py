@@ -20,19 +20,7 @@ _KEEPER_PATIENCE = 20.0
 
 
 class KeptProcess:
-    """One worker process, from its start to when nothing of it is left.
-
-    Parameters
-    ----------
-    folder : Path
-        Where it starts.
-    connection : int
-        Descriptor of its socket to the harness.
-    progress : int
-        Descriptor of the memory that it shares with the harness.
-    output : int
-        Descriptor that takes what it prints.
-    """
+    """One worker process, from its start to when nothing of it is left."""
 
     def __init__(self, folder: Path, connection: int, progress: int, output: int) -> None:
         self._owner = os.getpid()
@@ -67,23 +55,11 @@ class KeptProcess:
         return int(self._told.split()[0]) if b"\n" in self._told else None
 
     def keeper_has_ended(self) -> bool:
-        """Tell whether the keeper has ended by itself, which it does when it was killed.
-
-        Returns
-        -------
-        bool
-            Whether it has ended.
-        """
+        """Tell whether the keeper has ended by itself, which it does when it was killed."""
         return self._keeper.poll() is not None
 
     def exit_status(self) -> int:
-        """Tell how the worker ended, once `end` has been called.
-
-        Returns
-        -------
-        int
-            Its exit status; negative for a signal.
-        """
+        """Tell how the worker ended, once `end` has been called."""
         numbers = self._told.split()
         # A worker whose keeper was killed is killed by the system.
         return int(numbers[1]) if len(numbers) > 1 else -signal.SIGKILL

@@ -37,13 +37,7 @@ class LoadedCandidate:
     progress: SharedProgress
 
     def controller(self) -> Controller:
-        """Make a new instance, so that nothing of an earlier job is left in it.
-
-        Returns
-        -------
-        Controller
-            The instance, not yet reset.
-        """
+        """Make a new instance, so that nothing of an earlier job is left in it."""
         with self.progress.loading():
             return self.load(self.candidate)
 

@@ -14,11 +14,6 @@ def end_with_parent(parent: int) -> None:
     """Ask Linux to kill this process when its parent dies, also from within an endless loop.
 
     Elsewhere the process ends when it next waits for a message.
-
-    Parameters
-    ----------
-    parent : int
-        Process identifier of the parent; where it is another one's child already, the process ends at once.
     """
     if sys.platform.startswith("linux"):
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)

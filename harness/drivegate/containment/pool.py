@@ -14,19 +14,7 @@ from drivegate.containment.worker import LOOK_EVERY, CandidateWorker, is_hang, u
 
 
 class WorkerPool:
-    """Several workers for one candidate, watched by a single thread.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        The candidate.
-    load : callable
-        A module's function that makes an instance of the candidate inside a process.
-    workers : int
-        Number of processes at most; one is started only when there is a job for it.
-    limits : WorkerLimits, optional
-        What each process may use.
-    """
+    """Several workers for one candidate, watched by a single thread."""
 
     def __init__(
         self,
@@ -43,23 +31,6 @@ class WorkerPool:
 
         Leaving the iteration ends the jobs that are still under way. A fault while loading holds for every
         job that has not been started by then.
-
-        Parameters
-        ----------
-        jobs : iterable of Job
-            The jobs.
-
-        Yields
-        ------
-        object or Fault
-            For each job in its order, what its target returned or the candidate's fault.
-
-        Raises
-        ------
-        InputError
-            When the candidate is refused, or a target raised it.
-        HarnessFault
-            When the harness's own code in a process failed.
         """
         schedule = _Schedule(self._workers, jobs)
         try:

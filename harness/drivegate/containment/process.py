@@ -37,17 +37,7 @@ STACK_SIGNAL = signal.SIGUSR1
 
 
 def main(connection: int, progress: int, parent: int) -> None:
-    """Serve the parent process.
-
-    Parameters
-    ----------
-    connection : int
-        Descriptor of the socket to the parent.
-    progress : int
-        Descriptor of the shared memory.
-    parent : int
-        Process id of the parent.
-    """
+    """Serve the parent process."""
     end_with_parent(parent)
     # A check leaves nothing beside the candidate's sources.
     sys.dont_write_bytecode = True

@@ -48,11 +48,6 @@ _ACTIVITIES: Final = frozenset(int(activity) for activity in Activity)
 class SharedProgress:
     """The shared memory, seen from either side.
 
-    Parameters
-    ----------
-    descriptor : int
-        File that backs the memory; this object closes it.
-
     Attributes
     ----------
     steps : array of int64, shape (1,)
@@ -75,13 +70,7 @@ class SharedProgress:
 
     @classmethod
     def create(cls) -> Self:
-        """Make new shared memory, which no other process finds by a name.
-
-        Returns
-        -------
-        SharedProgress
-            The memory, zeroed; its descriptor can be passed to a child process.
-        """
+        """Make new shared memory, which no other process finds by a name."""
         with tempfile.TemporaryFile(prefix="drivegate") as file:
             file.truncate(_LAYOUT.itemsize)
             return cls(os.dup(file.fileno()))
@@ -102,25 +91,13 @@ class SharedProgress:
         return int(self._changes[0]), int(self.steps[0])
 
     def enter(self, activity: Activity) -> None:
-        """Tell what the worker does from now on.
-
-        Parameters
-        ----------
-        activity : Activity
-            The new activity.
-        """
+        """Tell what the worker does from now on."""
         self._activity[0] = activity
         self._changes[0] += 1
 
     @contextmanager
     def loading(self) -> Iterator[None]:
-        """Mark the making of an instance of the candidate; a failure leaves the mark.
-
-        Yields
-        ------
-        None
-            While it lasts.
-        """
+        """Mark the making of an instance of the candidate; a failure leaves the mark."""
         self.enter(Activity.LOADING)
         yield
         self.enter(Activity.PREPARING)
@@ -130,11 +107,6 @@ class SharedProgress:
         """Mark one closed-loop run, from before the controller's reset to after its last step.
 
         Only what happens inside is the candidate's; a stall outside is the harness's own.
-
-        Yields
-        ------
-        None
-            While the run lasts.
         """
         self.steps[0] = 0
         self.sense["struct_size"] = 0
@@ -145,13 +117,7 @@ class SharedProgress:
             self.enter(Activity.PREPARING)
 
     def last_sense(self) -> Sense | None:
-        """What the controller was told last.
-
-        Returns
-        -------
-        Sense or None
-            None when the run has not come to its first step, or does not use the shared record.
-        """
+        """What the controller was told last."""
         record = self.sense[0]
         if record["struct_size"] != SENSE.itemsize:
             return None

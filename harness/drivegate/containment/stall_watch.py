@@ -31,17 +31,7 @@ class WorkerLimits:
 
 
 class StallWatch:
-    """Follows one activity of a worker from its start.
-
-    Parameters
-    ----------
-    limits : WorkerLimits
-        What the worker may use.
-    processor : float
-        Processor time that the worker has used so far (s).
-    now : float
-        Time of any steady clock (s).
-    """
+    """Follows one activity of a worker from its start."""
 
     def __init__(self, limits: WorkerLimits, processor: float, now: float) -> None:
         self._limits = limits
@@ -51,24 +41,7 @@ class StallWatch:
         self._moved = now
 
     def stalled(self, state: tuple[int, int], activity: Activity, processor: float, now: float) -> str | None:
-        """Look at the worker once.
-
-        Parameters
-        ----------
-        state : tuple of int
-            The number of changes of activity, and of steps begun.
-        activity : Activity
-            What the worker is doing.
-        processor : float
-            Processor time that it has used so far (s).
-        now : float
-            Time of the same clock as before (s).
-
-        Returns
-        -------
-        str or None
-            What it has exceeded, in words; None when it may go on.
-        """
+        """Look at the worker once."""
         limits = self._limits
         if now - self._began > limits.job_seconds:
             return f"the job did not end within {limits.job_seconds:g} s"

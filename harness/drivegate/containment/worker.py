@@ -45,15 +45,6 @@ class CandidateWorker:
     """Does jobs with one candidate, one after another, in a process that is replaced after a crash or a hang.
 
     On Linux the process dies with the thread that started it.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        The candidate.
-    load : callable
-        A module's function that makes an instance of the candidate inside the process.
-    limits : WorkerLimits, optional
-        What the process may use.
     """
 
     def __init__(
@@ -66,25 +57,7 @@ class CandidateWorker:
         self._job: Job[Any] | None = None
 
     def run(self, job: Job[ResultT]) -> ResultT | Fault:
-        """Do one job and wait for its end; one that hangs is tried once more.
-
-        Parameters
-        ----------
-        job : Job
-            The job.
-
-        Returns
-        -------
-        object or Fault
-            What the job's target returned, or the candidate's fault.
-
-        Raises
-        ------
-        InputError
-            When the candidate is refused, or the target raised it.
-        HarnessFault
-            When the harness's own code in the process failed.
-        """
+        """Do one job and wait for its end; one that hangs is tried once more."""
         ending = self._awaited(job)
         if is_hang(ending):
             ending = self._awaited(job)
@@ -98,13 +71,7 @@ class CandidateWorker:
         return ending
 
     def start(self, job: Job[Any]) -> None:
-        """Begin a job; `poll` tells its end.
-
-        Parameters
-        ----------
-        job : Job
-            The job.
-        """
+        """Begin a job; `poll` tells its end."""
         self._job = job
         if self._handle is not None and (job.afresh or self._handle.has_ended()):
             self.kill()
@@ -124,20 +91,7 @@ class CandidateWorker:
         return self._handle.waitables if self._handle is not None else []
 
     def poll(self) -> Finished | Faulted | None:
-        """Look after the job that was started.
-
-        Returns
-        -------
-        Finished, Faulted or None
-            How it ended; None while it goes on.
-
-        Raises
-        ------
-        InputError
-            When the candidate is refused, or the target raised it.
-        HarnessFault
-            When the harness's own code in the process failed.
-        """
+        """Look after the job that was started."""
         handle = self._handle
         if handle is None or self._job is None:
             raise HarnessFault("a worker without a job was asked for its end")
@@ -265,32 +219,10 @@ class CandidateWorker:
 
 
 def is_hang(ending: Finished | Faulted) -> bool:
-    """Tell whether a job ended with a hang, which is tried once more.
-
-    Parameters
-    ----------
-    ending : Finished or Faulted
-        How the job ended.
-
-    Returns
-    -------
-    bool
-        Whether it hung.
-    """
+    """Tell whether a job ended with a hang, which is tried once more."""
     return isinstance(ending, Faulted) and ending.fault.kind is FaultKind.HANG
 
 
 def unwrapped(ending: Finished | Faulted) -> Any:
-    """Give what a job came to.
-
-    Parameters
-    ----------
-    ending : Finished or Faulted
-        How the job ended.
-
-    Returns
-    -------
-    object or Fault
-        The target's result, or the fault.
-    """
+    """Give what a job came to."""
     return ending.fault if isinstance(ending, Faulted) else ending.result

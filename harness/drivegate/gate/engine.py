@@ -78,43 +78,7 @@ def check_candidate(
     waivers: Sequence[Waiver] = (),
     fail_on: str = "required",
 ) -> Iterator[Event]:
-    """Check a candidate, and tell what is done as events.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        The candidate.
-    effort : {"default", "quick", "nightly"}
-        Number of scenarios drawn.
-    seed : int
-        Seed of the search, 0 or more.
-    workers : int, optional
-        Number of worker processes; by default as many as there are processors. The result does not depend on it.
-    max_time : float, optional
-        Time after which no more work is begun (s); what is left makes the checks inconclusive.
-    search : bool
-        Whether the search climbs toward small margins; if not, scenarios are drawn at random throughout.
-    corpus : sequence of Counterexample
-        Counterexamples whose scenarios are run after the fixed ones.
-    baseline : Baseline, optional
-        An earlier result that margins are compared with.
-    waivers : sequence of Waiver
-        Failures that are accepted; those for other candidates are left alone.
-    fail_on : {"required", "advisory"}
-        Whether advisory checks count like required ones.
-
-    Yields
-    ------
-    Event
-        The last one holds the result.
-
-    Raises
-    ------
-    InputError
-        When an option is out of range or the candidate is refused.
-    HarnessFault
-        When the harness itself fails.
-    """
+    """Check a candidate, and tell what is done as events."""
     if effort not in EXAMPLES:
         raise InputError(f"the effort is '{effort}', but must be one of {', '.join(EXAMPLES)}")
     if seed < 0:

@@ -74,28 +74,7 @@ def planned_work(
     corpus: Sequence[Counterexample] = (),
     baseline: Baseline | None = None,
 ) -> list[Work]:
-    """Plan the runs of a check.
-
-    Parameters
-    ----------
-    effort : {"default", "quick", "nightly"}
-        Number of scenarios drawn.
-    seed : int
-        Seed of the search.
-    declaration : Declaration
-        What the candidate declares of itself.
-    search : bool
-        Whether the search climbs toward small margins.
-    corpus : sequence of Counterexample
-        Counterexamples whose scenarios are run again.
-    baseline : Baseline, optional
-        An earlier result whose scenarios are run again, unless they are among the fixed ones.
-
-    Returns
-    -------
-    list of Work
-        In the order in which results are put together.
-    """
+    """Plan the runs of a check."""
     fixed = fixed_scenarios(declaration.speed_range_rpm)
     examples = EXAMPLES[effort]
     shards = [
@@ -123,20 +102,7 @@ def _stored(stored: Counterexample) -> Work:
 
 
 def run_stored_script(loaded: LoadedCandidate, script: Script) -> ShardOutcome:
-    """Run a script of the corpus; this is what the worker process does.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    script : Script
-        The script.
-
-    Returns
-    -------
-    ShardOutcome
-        Its margin; nothing where the candidate does not declare the profile `flowchart`.
-    """
+    """Run a script of the corpus; this is what the worker process does."""
     margin = script_margin(loaded, script)
     return ShardOutcome(() if margin is None else (JudgedRun(script.to_mapping(), (margin,)),))
 

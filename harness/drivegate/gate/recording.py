@@ -69,35 +69,13 @@ class Recorded:
 
 
 def shown_scenario(outcome: CheckOutcome) -> dict[str, Any] | None:
-    """Choose the run that a report shows for a check.
-
-    Parameters
-    ----------
-    outcome : CheckOutcome
-        The outcome.
-
-    Returns
-    -------
-    dict or None
-        The counterexample, or the worst scenario; None where there is neither, or it is a script.
-    """
+    """Choose the run that a report shows for a check."""
     scenario = outcome.scenario if outcome.counterexample is None else outcome.counterexample
     return None if scenario is None or scenario.get("kind") == "script" else scenario
 
 
 def recording_plans(outcomes: Iterable[CheckOutcome]) -> list[RecordPlan]:
-    """Plan which runs are recorded: each scenario once, whatever number of checks look at it.
-
-    Parameters
-    ----------
-    outcomes : iterable of CheckOutcome
-        Every check's outcome.
-
-    Returns
-    -------
-    list of RecordPlan
-        In the order of the outcomes.
-    """
+    """Plan which runs are recorded: each scenario once, whatever number of checks look at it."""
     plans: list[RecordPlan] = []
     for outcome in outcomes:
         scenario = shown_scenario(outcome)
@@ -112,36 +90,12 @@ def recording_plans(outcomes: Iterable[CheckOutcome]) -> list[RecordPlan]:
 
 
 def recording_job(plan: RecordPlan) -> Job[Recorded]:
-    """Plan the work of a recording.
-
-    Parameters
-    ----------
-    plan : RecordPlan
-        The run.
-
-    Returns
-    -------
-    Job
-        The job.
-    """
+    """Plan the work of a recording."""
     return Job(run_recorded, plan)
 
 
 def run_recorded(loaded: LoadedCandidate, plan: RecordPlan) -> Recorded:
-    """Run a scenario again and keep its signals; this is what the worker process does.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    plan : RecordPlan
-        The run.
-
-    Returns
-    -------
-    Recorded
-        Its signals, and where each check was judged.
-    """
+    """Run a scenario again and keep its signals; this is what the worker process does."""
     from drivegate.checks.catalogue import CHECKS
 
     scenario = parse_document(plan.scenario, Scenario, "the recorded scenario")
@@ -155,19 +109,7 @@ def run_recorded(loaded: LoadedCandidate, plan: RecordPlan) -> Recorded:
 
 
 def thinned(trace: NDArray[np.float64]) -> dict[str, list[float]]:
-    """Take the means of a trace over equal stretches.
-
-    Parameters
-    ----------
-    trace : ndarray, shape (n, len(TRACE_COLUMNS))
-        The trace.
-
-    Returns
-    -------
-    dict
-        At most `MOST_POINTS` numbers a column; the time is that of a stretch's middle. The half-supply is left out
-        where it is constant.
-    """
+    """Take the means of a trace over equal stretches."""
     rows = trace.shape[0]
     length = max(-(-rows // MOST_POINTS), 1)
     begins = np.arange(0, rows, length)
@@ -185,24 +127,7 @@ def thinned(trace: NDArray[np.float64]) -> dict[str, list[float]]:
 def with_recordings(
     outcomes: Iterable[CheckOutcome], plans: Iterable[RecordPlan], endings: Iterable[Recorded | Fault]
 ) -> tuple[tuple[CheckOutcome, ...], tuple[dict[str, list[float]], ...]]:
-    """Put what was recorded into a result.
-
-    Parameters
-    ----------
-    outcomes : iterable of CheckOutcome
-        Every check's outcome.
-    plans : iterable of RecordPlan
-        What was to be recorded.
-    endings : iterable of Recorded or Fault
-        What came of each plan.
-
-    Returns
-    -------
-    outcomes : tuple of CheckOutcome
-        Each with the place of its recording.
-    traces : tuple of dict
-        The recorded signals.
-    """
+    """Put what was recorded into a result."""
     traces: list[dict[str, list[float]]] = []
     places: dict[str, Recording] = {}
     for _, ending in zip(plans, endings, strict=False):

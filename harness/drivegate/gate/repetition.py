@@ -21,54 +21,17 @@ DIFFERENT: Final = Margin(REPEATED, -1.0, "the repetition in another process dif
 
 
 def repetition_job(scenario: Scenario) -> Job[int]:
-    """Plan to run a scenario in a process that has done nothing before.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    Job
-        The job; its result is the digest of the commands.
-    """
+    """Plan to run a scenario in a process that has done nothing before."""
     return Job(run_repetition, scenario, afresh=True)
 
 
 def run_repetition(loaded: LoadedCandidate, scenario: Scenario) -> int:
-    """Run a scenario; this is what the worker process does.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    int
-        The digest of the commands.
-    """
+    """Run a scenario; this is what the worker process does."""
     return recorded(loaded, scenario, loaded.controller()).run.digest
 
 
 def repeated_elsewhere(pool: WorkerPool, runs: Sequence[JudgedRun]) -> Iterator[JudgedRun | Fault]:
-    """Repeat those runs in other processes whose repetitions have been the same so far.
-
-    Parameters
-    ----------
-    pool : WorkerPool
-        Workers without a job.
-    runs : sequence of JudgedRun
-        The runs.
-
-    Yields
-    ------
-    JudgedRun or Fault
-        Every run in its order, its margin corrected where the repetition differs; a fault beside its run.
-    """
+    """Repeat those runs in other processes whose repetitions have been the same so far."""
     repeated = [run for run in runs if _repeats_itself(run)]
     digests = pool.map([repetition_job(_scenario_of(run)) for run in repeated])
     for run in runs:

@@ -126,18 +126,7 @@ class ShardOutcome:
 
 
 def judged(record: RunRecord) -> JudgedRun:
-    """Apply every check to a run.
-
-    Parameters
-    ----------
-    record : RunRecord
-        The run.
-
-    Returns
-    -------
-    JudgedRun
-        Scenario and margins.
-    """
+    """Apply every check to a run."""
     margins = (check.evaluate(record) for check in CHECKS)
     return JudgedRun(
         record.scenario.to_mapping(),
@@ -147,37 +136,13 @@ def judged(record: RunRecord) -> JudgedRun:
 
 
 def content_key(scenario: Mapping[str, Any]) -> str:
-    """Write what a scenario does, so that equal runs give the same text, whatever they are called.
-
-    Parameters
-    ----------
-    scenario : mapping
-        A scenario as plain data.
-
-    Returns
-    -------
-    str
-        The text.
-    """
+    """Write what a scenario does, so that equal runs give the same text, whatever they are called."""
     content = {key: value for key, value in scenario.items() if key not in ("name", "description")}
     return json.dumps(content, sort_keys=True)
 
 
 def run_fixed(loaded: LoadedCandidate, plan: FixedRuns) -> ShardOutcome:
-    """Run scenarios as they are.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    plan : FixedRuns
-        The scenarios.
-
-    Returns
-    -------
-    ShardOutcome
-        Their margins.
-    """
+    """Run scenarios as they are."""
     controller = loaded.controller()
     records = [recorded(loaded, scenario, controller) for scenario in plan.scenarios]
     if plan.repeat:
@@ -236,20 +201,7 @@ class _Collector:
 
 
 def run_drawn(loaded: LoadedCandidate, plan: DrawnRuns) -> ShardOutcome:
-    """Draw scenarios, and climb toward the smallest margin.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    plan : DrawnRuns
-        Motor, seed and effort.
-
-    Returns
-    -------
-    ShardOutcome
-        Margins of every distinct scenario drawn.
-    """
+    """Draw scenarios, and climb toward the smallest margin."""
     collector = _Collector(loaded, plan.examples // 2 if plan.search else plan.examples)
     drawn = drawn_scenarios(
         load_motor(plan.motor), loaded.candidate.declaration.speed_range_rpm, group=plan.seed

@@ -64,26 +64,7 @@ class Shrunk:
 
 
 def run_shrink(loaded: LoadedCandidate, plan: ShrinkPlan) -> Shrunk | None:
-    """Make a scenario simpler for as long as it breaks the same check; the same plan gives the same answer.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    plan : ShrinkPlan
-        Scenario, check and budget.
-
-    Returns
-    -------
-    Shrunk or None
-        The simplest failure found, a valid and feasible scenario; None where the check does not fail again, and
-        for a script, which is made shorter where it is found.
-
-    Raises
-    ------
-    InputError
-        When the scenario is not valid.
-    """
+    """Make a scenario simpler for as long as it breaks the same check; the same plan gives the same answer."""
     if plan.scenario.get("kind") == "script":
         return None
     scenario = parse_document(plan.scenario, Scenario, "the scenario")

@@ -38,47 +38,16 @@ class Failure:
     run: JudgedRun
 
     def shrinks(self) -> bool:
-        """Tell whether it is worth while to look for a simpler one.
-
-        Returns
-        -------
-        bool
-            Not for a candidate that is not deterministic, which breaks any scenario, nor for a script, which is
-            made shorter where it is found.
-        """
+        """Tell whether it is worth while to look for a simpler one."""
         return self.check != REPEATED and self.run.scenario.get("kind") != "script"
 
     def job(self, effort: str) -> Job[Shrunk | None]:
-        """Plan the search for a simpler one.
-
-        Parameters
-        ----------
-        effort : {"default", "quick", "nightly"}
-            Number of runs that may be spent.
-
-        Returns
-        -------
-        Job
-            The job.
-        """
+        """Plan the search for a simpler one."""
         return Job(run_shrink, ShrinkPlan(self.run.scenario, self.check, BUDGET[effort]))
 
 
 def simplest_failures(outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun]) -> list[Failure]:
-    """Choose for every failed check of the candidate the simplest scenario that breaks it.
-
-    Parameters
-    ----------
-    outcomes : iterable of CheckOutcome
-        Every check's outcome.
-    runs : sequence of JudgedRun
-        The runs.
-
-    Returns
-    -------
-    list of Failure
-        In the order of the outcomes; of scenarios that are equally simple, the first.
-    """
+    """Choose for every failed check of the candidate the simplest scenario that breaks it."""
     failures = []
     for outcome in outcomes:
         if outcome.counterexample is not None and outcome.subject == "candidate":
@@ -93,22 +62,7 @@ def with_simplest(
     failures: Iterable[Failure],
     shrunk: Mapping[str, Shrunk | Fault | None],
 ) -> CheckOutcome:
-    """Put the simplest counterexample that was found into an outcome.
-
-    Parameters
-    ----------
-    outcome : CheckOutcome
-        The outcome of a check.
-    failures : iterable of Failure
-        The simplest runs that break checks.
-    shrunk : mapping
-        By check, what became of the search for a simpler one.
-
-    Returns
-    -------
-    CheckOutcome
-        The outcome; unchanged where the check does not fail.
-    """
+    """Put the simplest counterexample that was found into an outcome."""
     failure = next((failure for failure in failures if failure.check == outcome.id), None)
     if failure is None:
         return outcome

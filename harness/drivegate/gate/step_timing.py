@@ -44,20 +44,7 @@ class TimedSteps:
 
 
 def time_steps(loaded: LoadedCandidate, plan: TimedSteps) -> ShardOutcome:
-    """Record a run, then time the candidate's steps on what it was told there.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    plan : TimedSteps
-        The run.
-
-    Returns
-    -------
-    ShardOutcome
-        One run with the margin of TIM-1, which differs from time to time and from machine to machine.
-    """
+    """Record a run, then time the candidate's steps on what it was told there."""
     controller = loaded.controller()
     scenario = plan.scenario
     period = scenario.control_period_s
@@ -78,41 +65,13 @@ def time_steps(loaded: LoadedCandidate, plan: TimedSteps) -> ShardOutcome:
 
 
 def way_of_running(kind: str, controller: Controller) -> str:
-    """Tell how a candidate's step runs, without which its time says little.
-
-    Parameters
-    ----------
-    kind : str
-        The candidate's kind.
-    controller : Controller
-        Its instance.
-
-    Returns
-    -------
-    str
-        A few words.
-    """
+    """Tell how a candidate's step runs, without which its time says little."""
     by_itself = "Python" if isinstance(controller, PythonController) else "native"
     return _OTHER_WAYS.get(kind, by_itself)
 
 
 def timing_margin(way: str, step_time: float, control_period: float) -> Margin:
-    """Judge the time of a step.
-
-    Parameters
-    ----------
-    way : str
-        How it runs.
-    step_time : float
-        Time that a step takes (s).
-    control_period : float
-        Control period (s).
-
-    Returns
-    -------
-    Margin
-        The margin of TIM-1.
-    """
+    """Judge the time of a step."""
     share = step_time / control_period
     told = f"{1e6 * step_time:.3g} µs a step ({way}), {100.0 * share:.3g} % of the control period"
     return Margin(CHECK, below(step_time, LARGEST_SHARE * control_period), told)

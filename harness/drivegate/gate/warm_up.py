@@ -31,13 +31,7 @@ _LIMITS = WorkerLimits(start_processor_seconds=3600.0, idle_seconds=600.0)
 
 
 def missing_marker() -> Path | None:
-    """Tell whether the kernels are still to be compiled.
-
-    Returns
-    -------
-    Path or None
-        The file that `compile_kernels` writes; None when it is there, or where nothing can be kept anyway.
-    """
+    """Tell whether the kernels are still to be compiled."""
     folder = choose_cache_folder()
     if folder is None:
         return None
@@ -50,16 +44,6 @@ def compile_kernels(marker: Path) -> None:
 
     The oracle is compiled beside all else. What both need comes early in the one and late in the other, which finds it
     compiled by then: the phase in the oracle, the whole steady state in what is beside it.
-
-    Parameters
-    ----------
-    marker : Path
-        The file to write.
-
-    Raises
-    ------
-    HarnessFault
-        When a kernel fails.
     """
     candidate = resolve_candidate(next(iter(BUILTIN_CANDIDATES)))
     with WorkerPool(candidate, _load_nothing, workers=2, limits=_LIMITS) as pool:

@@ -29,18 +29,7 @@ STYLES: Final = {
 
 
 def console_for(stream: TextIO) -> Console:
-    """Make a console that takes text as it is: no markup, no emoji, no highlighting.
-
-    Parameters
-    ----------
-    stream : file
-        Where it writes.
-
-    Returns
-    -------
-    Console
-        The console.
-    """
+    """Make a console that takes text as it is: no markup, no emoji, no highlighting."""
     told = stream.isatty() or "COLUMNS" in os.environ
     # Only tables are wrapped: a path or a command on more than one line could not be copied.
     return Console(
@@ -54,56 +43,17 @@ def console_for(stream: TextIO) -> Console:
 
 
 def plain(text: object, style: str = "") -> Text:
-    """Make any text harmless and keep it on one line.
-
-    Parameters
-    ----------
-    text : object
-        Anything; what does not print is written as an escape.
-    style : str
-        Style of the whole.
-
-    Returns
-    -------
-    Text
-        The text.
-    """
+    """Make any text harmless and keep it on one line."""
     return Text(one_line(str(text)), style=style)
 
 
 def verdict_text(verdict: str) -> Text:
-    """Write a verdict in its style.
-
-    Parameters
-    ----------
-    verdict : str
-        The verdict.
-
-    Returns
-    -------
-    Text
-        The text.
-    """
+    """Write a verdict in its style."""
     return plain(verdict, STYLES.get(verdict, "bold red"))
 
 
 def table(*columns: str, right: tuple[str, ...] = (), title: str | None = None) -> Table:
-    """Make an empty table in the style of all of them.
-
-    Parameters
-    ----------
-    *columns : str
-        Headings.
-    right : tuple of str
-        Those of columns with numbers, which are aligned to the right.
-    title : str, optional
-        Title above.
-
-    Returns
-    -------
-    Table
-        The table.
-    """
+    """Make an empty table in the style of all of them."""
     made = Table(
         box=SIMPLE, title=None if title is None else plain(title), title_justify="left", pad_edge=False
     )
@@ -113,18 +63,5 @@ def table(*columns: str, right: tuple[str, ...] = (), title: str | None = None) 
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """Write a number for a table.
-
-    Parameters
-    ----------
-    value : float or None
-        The number.
-    digits : int
-        Digits after the point.
-
-    Returns
-    -------
-    str
-        The number, or a dash where there is none.
-    """
+    """Write a number for a table."""
     return "–" if value is None or value != value else f"{value:.{digits}f}"

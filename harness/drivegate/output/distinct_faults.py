@@ -6,18 +6,7 @@ from typing import Any
 
 
 def distinct_faults(faults: list[dict[str, Any]]) -> list[tuple[dict[str, Any], int]]:
-    """Group faults by what happened.
-
-    Parameters
-    ----------
-    faults : list of dict
-        As the result document has them.
-
-    Returns
-    -------
-    list of tuple
-        The first fault of each kind, phase and message, and how many there are of it.
-    """
+    """Group faults by what happened."""
     groups: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for fault in faults:
         groups.setdefault((fault["kind"], fault["phase"], fault["message"]), []).append(fault)
@@ -25,16 +14,5 @@ def distinct_faults(faults: list[dict[str, Any]]) -> list[tuple[dict[str, Any], 
 
 
 def in_runs(count: int) -> str:
-    """Tell how often a fault happened, where it was more than once.
-
-    Parameters
-    ----------
-    count : int
-        Number of faults.
-
-    Returns
-    -------
-    str
-        Begins with a space, or is empty.
-    """
+    """Tell how often a fault happened, where it was more than once."""
     return f" in {count} runs" if count > 1 else ""

@@ -16,25 +16,13 @@ JUNIT_FILE: Final = "junit.xml"
 
 
 class JUnitFile:
-    """Writes JUnit XML.
-
-    Parameters
-    ----------
-    folder : Path
-        An existing folder.
-    """
+    """Writes JUnit XML."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
     def __call__(self, event: Event) -> None:
-        """Write when the check has ended.
-
-        Parameters
-        ----------
-        event : Event
-            Any event.
-        """
+        """Write when the check has ended."""
         if isinstance(event, CheckFinished):
             (self._folder / JUNIT_FILE).write_bytes(junit_xml(event.result.document()))
 
@@ -45,16 +33,6 @@ def junit_xml(result: dict[str, Any]) -> bytes:
     An advisory check that fails is told in the output of its case, which passes unless advisory checks count; so does
     one that is waived. A
     comparison with a baseline has cases of its own.
-
-    Parameters
-    ----------
-    result : dict
-        A result document.
-
-    Returns
-    -------
-    bytes
-        The XML in UTF-8.
     """
     name = one_line(result["candidate"]["name"])
     suite = ElementTree.Element("testsuite", name=f"drivegate {name}")

@@ -18,59 +18,25 @@ _SPECIAL = re.compile(r"([\\`*_\[\]<>|~#&@])")
 
 
 class MarkdownFile:
-    """Writes the summary.
-
-    Parameters
-    ----------
-    folder : Path
-        An existing folder.
-    """
+    """Writes the summary."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
     def __call__(self, event: Event) -> None:
-        """Write when the check has ended.
-
-        Parameters
-        ----------
-        event : Event
-            Any event.
-        """
+        """Write when the check has ended."""
         if isinstance(event, CheckFinished):
             text = markdown(event.result.document())
             (self._folder / SUMMARY_FILE).write_text(text, encoding="utf-8")
 
 
 def escaped(text: object) -> str:
-    """Write any text so that Markdown shows it as it is, on one line.
-
-    Parameters
-    ----------
-    text : object
-        Anything.
-
-    Returns
-    -------
-    str
-        The text, with a backslash before every character that Markdown or HTML would act on.
-    """
+    """Write any text so that Markdown shows it as it is, on one line."""
     return _SPECIAL.sub(r"\\\1", one_line(str(text)))
 
 
 def markdown(result: dict[str, Any]) -> str:
-    """Make the summary of a result document.
-
-    Parameters
-    ----------
-    result : dict
-        A result document.
-
-    Returns
-    -------
-    str
-        Markdown.
-    """
+    """Make the summary of a result document."""
     candidate = result["candidate"]
     lines = [
         f"# {escaped(candidate['name'])}: {escaped(result['verdict'])}",

@@ -19,18 +19,7 @@ SECONDS_BETWEEN_LINES = 2.0
 
 @contextmanager
 def progress_on(stream: TextIO | None) -> Iterator[Handler]:
-    """Show progress as long as the context lasts.
-
-    Parameters
-    ----------
-    stream : file or None
-        Where to; None for nowhere.
-
-    Yields
-    ------
-    callable
-        The handler.
-    """
+    """Show progress as long as the context lasts."""
     if stream is None:
         yield lambda _: None
     elif stream.isatty():

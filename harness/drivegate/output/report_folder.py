@@ -22,22 +22,12 @@ class ReportFolder:
 
     Files that others have put into an earlier report's folder are kept.
 
-    Parameters
-    ----------
-    place : Path
-        Where the folder is to be; one that is there already must be empty or an earlier report's.
-
     Attributes
     ----------
     place : Path
         The same, absolute.
     staging : Path
         The folder to write into, while the context lasts.
-
-    Raises
-    ------
-    InputError
-        When the place cannot be used.
     """
 
     def __init__(self, place: Path) -> None:
@@ -79,13 +69,7 @@ class ReportFolder:
             self._discard()
 
     def commit(self) -> None:
-        """Put the folder into its place.
-
-        Raises
-        ------
-        InputError
-            When it cannot be put there.
-        """
+        """Put the folder into its place."""
         own = sorted(
             path.relative_to(self.staging).as_posix() for path in self.staging.rglob("*") if not path.is_dir()
         )

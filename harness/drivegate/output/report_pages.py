@@ -14,11 +14,6 @@ from drivegate.output.report_writers import WriteReport, report_points
 class ReportPages:
     """Has every installed report written.
 
-    Parameters
-    ----------
-    folder : Path
-        An existing folder.
-
     Attributes
     ----------
     pages : list of Path
@@ -36,13 +31,7 @@ class ReportPages:
         self.error: Exception | None = None
 
     def __call__(self, event: Event) -> None:
-        """Write when the check has ended.
-
-        Parameters
-        ----------
-        event : Event
-            Any event.
-        """
+        """Write when the check has ended."""
         if not isinstance(event, CheckFinished):
             return
         for point in report_points().values():

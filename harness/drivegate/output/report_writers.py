@@ -23,31 +23,14 @@ Reproduce: TypeAlias = Callable[[Path], dict[str, Any]]
 
 
 def report_points() -> dict[str, EntryPoint]:
-    """Find the reports that installed packages offer.
-
-    Returns
-    -------
-    dict
-        Entry points by name, in the order of the names; none of them is loaded.
-    """
+    """Find the reports that installed packages offer."""
     return {
         point.name: point for point in sorted(entry_points(group=REPORT_GROUP), key=lambda point: point.name)
     }
 
 
 def reproduction_writer() -> Reproduce:
-    """Load what reproduces the publication.
-
-    Returns
-    -------
-    callable
-        From a folder to the document.
-
-    Raises
-    ------
-    InputError
-        When no installed package offers it.
-    """
+    """Load what reproduces the publication."""
     for point in entry_points(group=REPRODUCTION_GROUP, name=PUBLICATION):
         reproduce: Reproduce = point.load()
         return reproduce

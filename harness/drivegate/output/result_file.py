@@ -17,18 +17,7 @@ _NUMBERS: Final = re.compile(r"\[\n\s+(?:[-+.\deE]+|null)(?:,\n\s+(?:[-+.\deE]+|
 
 
 def as_json(document: dict[str, Any]) -> str:
-    """Write a document as the text of a file; a list of numbers stands on one line.
-
-    Parameters
-    ----------
-    document : dict
-        Plain data, all numbers finite.
-
-    Returns
-    -------
-    str
-        Indented JSON with a line end.
-    """
+    """Write a document as the text of a file; a list of numbers stands on one line."""
     text = json.dumps(document, indent=2, ensure_ascii=True, allow_nan=False)
     # Within a string a line end would be an escape.
     return (
@@ -38,50 +27,26 @@ def as_json(document: dict[str, Any]) -> str:
 
 
 class ResultFile:
-    """Writes the result document.
-
-    Parameters
-    ----------
-    folder : Path
-        An existing folder.
-    """
+    """Writes the result document."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
     def __call__(self, event: Event) -> None:
-        """Write when the check has ended.
-
-        Parameters
-        ----------
-        event : Event
-            Any event.
-        """
+        """Write when the check has ended."""
         if isinstance(event, CheckFinished):
             text = as_json(event.result.document())
             (self._folder / RESULT_FILE).write_text(text, encoding="utf-8")
 
 
 class CounterexampleFiles:
-    """Writes every counterexample into a file of its own.
-
-    Parameters
-    ----------
-    folder : Path
-        An existing folder.
-    """
+    """Writes every counterexample into a file of its own."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
     def __call__(self, event: Event) -> None:
-        """Write when the check has ended.
-
-        Parameters
-        ----------
-        event : Event
-            Any event.
-        """
+        """Write when the check has ended."""
         if not isinstance(event, CheckFinished):
             return
         for document in counterexamples(event.result.document()):
@@ -91,34 +56,12 @@ class CounterexampleFiles:
 
 
 def counterexample_name(check: str) -> str:
-    """Name the file of a counterexample, in the folder of the report.
-
-    Parameters
-    ----------
-    check : str
-        Identifier of the check.
-
-    Returns
-    -------
-    str
-        A relative path with forward slashes.
-    """
+    """Name the file of a counterexample, in the folder of the report."""
     return f"{COUNTEREXAMPLES}/{check}.json"
 
 
 def counterexamples(result: dict[str, Any]) -> list[dict[str, Any]]:
-    """Make a document of every counterexample in a result.
-
-    Parameters
-    ----------
-    result : dict
-        A result document.
-
-    Returns
-    -------
-    list of dict
-        For each check that failed, the fully resolved scenario with what it is about.
-    """
+    """Make a document of every counterexample in a result."""
     # Typed documents take a while to import, and most checks end without a counterexample.
     from drivegate.results.counterexample import KIND, Counterexample
     from drivegate_cases.documents.document import parse_document

@@ -36,23 +36,7 @@ OWN_FORMATS: Final[Mapping[str, WriteReport]] = {"junit": _write_junit, "markdow
 
 
 def report_formats(names: Sequence[str]) -> dict[str, Callable[[], WriteReport]]:
-    """Find reports by their names.
-
-    Parameters
-    ----------
-    names : sequence of str
-        The names; of none, all that there are.
-
-    Returns
-    -------
-    dict
-        By name, what loads the report's function; nothing is loaded yet.
-
-    Raises
-    ------
-    InputError
-        When there is no such report.
-    """
+    """Find reports by their names."""
     known: dict[str, Callable[[], WriteReport]] = {name: _same(write) for name, write in OWN_FORMATS.items()}
     known |= {name: point.load for name, point in report_points().items()}
     for name in names:
@@ -69,23 +53,7 @@ def _same(write: WriteReport) -> Callable[[], WriteReport]:
 
 
 def read_result(path: Path) -> dict[str, Any]:
-    """Read the result of a check.
-
-    Parameters
-    ----------
-    path : Path
-        The file ``result.json`` of one candidate.
-
-    Returns
-    -------
-    dict
-        The result document, checked key by key.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong with the file in one sentence.
-    """
+    """Read the result of a check."""
     mapping = read_mapping(path)
     if mapping.get("kind") == "checks":
         raise InputError(
@@ -99,27 +67,7 @@ def read_result(path: Path) -> dict[str, Any]:
 def write_reports(
     result: dict[str, Any], folder: Path, formats: Mapping[str, Callable[[], WriteReport]]
 ) -> tuple[Path, ...]:
-    """Write a result, its counterexamples and reports into a folder.
-
-    Parameters
-    ----------
-    result : dict
-        The result document.
-    folder : Path
-        An existing folder.
-    formats : mapping
-        By name, what loads each report's function.
-
-    Returns
-    -------
-    tuple of Path
-        The reports, relative to the folder.
-
-    Raises
-    ------
-    HarnessFault
-        When a report fails.
-    """
+    """Write a result, its counterexamples and reports into a folder."""
     (folder / RESULT_FILE).write_text(as_json(result), encoding="utf-8")
     for document in counterexamples(result):
         path = folder / counterexample_name(document["check"])

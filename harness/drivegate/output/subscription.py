@@ -14,25 +14,7 @@ Handler: TypeAlias = Callable[[Event], None]
 
 
 def publish(events: Iterable[Event], handlers: Sequence[Handler]) -> CheckResult:
-    """Hand every event to every handler, in their order.
-
-    Parameters
-    ----------
-    events : iterable of Event
-        The events of one check.
-    handlers : sequence of callable
-        The handlers.
-
-    Returns
-    -------
-    CheckResult
-        The result that the check ended with.
-
-    Raises
-    ------
-    HarnessFault
-        When the check ended without a result.
-    """
+    """Hand every event to every handler, in their order."""
     result: CheckResult | None = None
     for event in events:
         for handler in handlers:

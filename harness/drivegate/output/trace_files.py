@@ -27,18 +27,7 @@ _MOST_POINTS: Final = 20_000
 
 
 def check_targets(csv: Path | None, parquet: Path | None, plot: Path | None) -> None:
-    """Refuse what could not be written after the run.
-
-    Parameters
-    ----------
-    csv, parquet, plot : Path or None
-        The files that are wanted.
-
-    Raises
-    ------
-    InputError
-        When one of them cannot be written.
-    """
+    """Refuse what could not be written after the run."""
     targets = [target for target in (csv, parquet, plot) if target is not None]
     for target in targets:
         check_writable(target)
@@ -57,18 +46,7 @@ def check_targets(csv: Path | None, parquet: Path | None, plot: Path | None) -> 
 
 
 def check_writable(path: Path) -> None:
-    """Refuse a file that cannot be written where it is wanted.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        When its folder does not exist or is not writable, or it is a folder itself.
-    """
+    """Refuse a file that cannot be written where it is wanted."""
     try:
         target = path.resolve()
         if target.is_dir():
@@ -90,15 +68,7 @@ def check_writable(path: Path) -> None:
 
 
 def write_trace(frame: pandas.DataFrame, csv: Path | None, parquet: Path | None) -> None:
-    """Write a trace as the files that are wanted.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        The trace.
-    csv, parquet : Path or None
-        The files.
-    """
+    """Write a trace as the files that are wanted."""
     if csv is not None:
         write_atomically(csv, frame.to_csv(index=False, lineterminator="\n"))
     if parquet is not None:
@@ -110,19 +80,7 @@ def write_trace(frame: pandas.DataFrame, csv: Path | None, parquet: Path | None)
 def write_plot(
     frame: pandas.DataFrame, plot: Path, title: str, *, shaded: tuple[float, float] | None = None
 ) -> None:
-    """Draw a trace: speed, angle, currents and torque over time.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        The trace.
-    plot : Path
-        A file whose name ends in ``.png`` or ``.svg``.
-    title : str
-        Title of the figure.
-    shaded : tuple of float, optional
-        Start and end of a stretch that is set off (s).
-    """
+    """Draw a trace: speed, angle, currents and torque over time."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

@@ -82,23 +82,7 @@ class Comparison:
 
 
 def read_baseline(path: Path) -> Baseline:
-    """Read an earlier result.
-
-    Parameters
-    ----------
-    path : Path
-        The file ``result.json`` of one candidate's report.
-
-    Returns
-    -------
-    Baseline
-        Its fixed scenarios and their margins.
-
-    Raises
-    ------
-    InputError
-        When the file is no such result, or one without fixed scenarios.
-    """
+    """Read an earlier result."""
     mapping = read_mapping(path)
     if mapping.get("kind") == "checks":
         raise InputError(
@@ -114,36 +98,12 @@ def read_baseline(path: Path) -> Baseline:
 
 
 def scenario_key(scenario: Mapping[str, Any]) -> str:
-    """Write a scenario so that equal ones give the same text.
-
-    Parameters
-    ----------
-    scenario : mapping
-        A scenario as plain data.
-
-    Returns
-    -------
-    str
-        The text.
-    """
+    """Write a scenario so that equal ones give the same text."""
     return json.dumps(scenario, sort_keys=True)
 
 
 def compared(baseline: Baseline, runs: Iterable[JudgedRun]) -> tuple[Comparison, ...]:
-    """Compare the margins of every check of the candidate with the earlier ones.
-
-    Parameters
-    ----------
-    baseline : Baseline
-        The earlier result.
-    runs : iterable of JudgedRun
-        The runs of this check, those of the baseline's scenarios among them.
-
-    Returns
-    -------
-    tuple of Comparison
-        In the order of the catalogue; checks that had no margin in the earlier result are left out.
-    """
+    """Compare the margins of every check of the candidate with the earlier ones."""
     now: dict[str, dict[str, float]] = {}
     for run in runs:
         margins = {margin.check: margin.value for margin in run.margins}
@@ -184,18 +144,7 @@ def _comparison(check: Check, changes: Sequence[float]) -> Comparison:
 
 
 def loss_by_chance(changes: Sequence[float]) -> float:
-    """Test whether paired values have fallen, with Wilcoxon's signed ranks.
-
-    Parameters
-    ----------
-    changes : sequence of float
-        New value less old one of each pair, not all zero.
-
-    Returns
-    -------
-    float
-        One-sided p-value; exact for few pairs, also where changes are equal.
-    """
+    """Test whether paired values have fallen, with Wilcoxon's signed ranks."""
     from scipy.stats import PermutationMethod, wilcoxon
 
     changed = [change for change in changes if change != 0.0]

@@ -13,23 +13,7 @@ if TYPE_CHECKING:
 
 
 def read_corpus(folder: Path) -> tuple[Counterexample, ...]:
-    """Read every counterexample of a folder.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder; its files ``*.json`` are counterexamples, and anything else in it is left alone.
-
-    Returns
-    -------
-    tuple of Counterexample
-        In the order of their files' names.
-
-    Raises
-    ------
-    InputError
-        When the folder or one of the files cannot be read.
-    """
+    """Read every counterexample of a folder."""
     from drivegate.results.counterexample import read_counterexample
 
     try:

@@ -21,23 +21,7 @@ Line = Annotated[str, Field(max_length=2000)]
 
 
 def resolved_scenario(value: Any) -> Any:
-    """Read a scenario that stands in another document in full: nothing in it is looked up by name.
-
-    Parameters
-    ----------
-    value : object
-        A table, as a parser gives it, or the scenario itself.
-
-    Returns
-    -------
-    object
-        The scenario.
-
-    Raises
-    ------
-    ValueError
-        With everything that is wrong with it in one sentence.
-    """
+    """Read a scenario that stands in another document in full: nothing in it is looked up by name."""
     return _resolved(value, Scenario, "the scenario")
 
 
@@ -100,45 +84,14 @@ class Counterexample(Document):
 
 
 def read_counterexample(path: str | Path) -> Counterexample:
-    """Read the file of a counterexample.
-
-    Parameters
-    ----------
-    path : str or Path
-        A JSON or TOML file, of this schema or the one before.
-
-    Returns
-    -------
-    Counterexample
-        The counterexample, valid throughout.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong with the file in one sentence.
-    """
+    """Read the file of a counterexample."""
     mapping = read_mapping(path)
     require_kind(mapping, KIND, path)
     return parse_document(mapping, Counterexample, str(path), folder=Path(path).parent)
 
 
 def require_kind(mapping: Mapping[str, Any], kind: str, path: str | Path) -> None:
-    """Refuse a document of another kind before its keys are looked at.
-
-    Parameters
-    ----------
-    mapping : mapping
-        The document.
-    kind : str
-        What it has to say of itself.
-    path : str or Path
-        Where it was read, for the message.
-
-    Raises
-    ------
-    InputError
-        When it is another kind of document.
-    """
+    """Refuse a document of another kind before its keys are looked at."""
     if mapping.get("kind") == kind:
         return
     told = f"is of kind {shown(mapping['kind'])}" if "kind" in mapping else "does not tell its kind"

@@ -148,13 +148,7 @@ class ResultDocument(Document):
 
 
 def result_schema() -> dict[str, Any]:
-    """Make the JSON Schema of the result document.
-
-    Returns
-    -------
-    dict
-        The schema, of draft 2020-12.
-    """
+    """Make the JSON Schema of the result document."""
     schema = ResultDocument.model_json_schema(by_alias=True)
     properties = schema["properties"]
     properties["schema"] = {"const": RESULT_SCHEMA, "description": "number of the document's schema"}

@@ -18,14 +18,7 @@ _PACKAGES = ("numba", "numpy", "scipy", "hypothesis")
 
 
 def provenance() -> dict[str, Any]:
-    """Tell the versions of what computes a result.
-
-    Returns
-    -------
-    dict
-        Versions by name, the commit that drivegate's own sources are at, with ``+changes`` where they differ from
-        it, None where they are no working copy, and the processor's architecture.
-    """
+    """Tell the versions of what computes a result."""
     return {
         "drivegate": __version__,
         "commit": _commit(),
@@ -37,13 +30,7 @@ def provenance() -> dict[str, Any]:
 
 @cache
 def machine() -> dict[str, Any]:
-    """Tell what kind of machine this is, as far as its speed goes.
-
-    Returns
-    -------
-    dict
-        Operating system, processor and number of processors.
-    """
+    """Tell what kind of machine this is, as far as its speed goes."""
     model = platform.processor()
     with suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()

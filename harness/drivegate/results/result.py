@@ -193,13 +193,7 @@ class CheckResult:
     traces: tuple[dict[str, list[float]], ...] = ()
 
     def document(self) -> dict[str, Any]:
-        """Write the result as plain data.
-
-        Returns
-        -------
-        dict
-            The result document; its provenance holds the hash of everything but `timing` and tracebacks.
-        """
+        """Write the result as plain data."""
         candidate = self.candidate
         content: dict[str, Any] = {
             "schema": RESULT_SCHEMA,
@@ -248,18 +242,7 @@ def _finite_table(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def finite(value: Any) -> Any:
-    """Replace numbers that JSON cannot write by null, and tuples by lists.
-
-    Parameters
-    ----------
-    value : object
-        Plain data.
-
-    Returns
-    -------
-    object
-        The same with every NaN and infinity as None.
-    """
+    """Replace numbers that JSON cannot write by null, and tuples by lists."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):

@@ -21,20 +21,7 @@ _DIGITS: Final = 6
 
 
 def considered(check: str, runs: Iterable[JudgedRun]) -> list[tuple[Margin, JudgedRun]]:
-    """Choose the runs that decide on a check.
-
-    Parameters
-    ----------
-    check : str
-        Identifier of the check.
-    runs : iterable of JudgedRun
-        The runs.
-
-    Returns
-    -------
-    list of tuple
-        Margin and run: those where the check is binding; where there are none, those where it only advises.
-    """
+    """Choose the runs that decide on a check."""
     judged = [(margin, run) for run in runs for margin in run.margins if margin.check == check]
     return [item for item in judged if not item[0].advisory] or judged
 
@@ -42,38 +29,12 @@ def considered(check: str, runs: Iterable[JudgedRun]) -> list[tuple[Margin, Judg
 def check_outcomes(
     runs: Sequence[JudgedRun], declaration: Declaration, *, complete: bool
 ) -> tuple[CheckOutcome, ...]:
-    """Judge every check over all runs.
-
-    Parameters
-    ----------
-    runs : sequence of JudgedRun
-        The runs.
-    declaration : Declaration
-        What the candidate declares of itself.
-    complete : bool
-        Whether all planned runs were made; if not, a check that has not failed is inconclusive.
-
-    Returns
-    -------
-    tuple of CheckOutcome
-        In the order of the catalogue; the worst scenario of a failure is its counterexample too.
-    """
+    """Judge every check over all runs."""
     return tuple(_outcome(check, runs, declaration, complete) for check in CHECKS)
 
 
 def machine_dependent(runs: Sequence[JudgedRun]) -> dict[str, dict[str, Any]]:
-    """Give the numbers of the checks that depend on the machine.
-
-    Parameters
-    ----------
-    runs : sequence of JudgedRun
-        The runs.
-
-    Returns
-    -------
-    dict
-        Least margin and what it was measured as, by check.
-    """
+    """Give the numbers of the checks that depend on the machine."""
     numbers = {}
     for check in CHECKS:
         items = considered(check.id, runs) if check.volatile else []
@@ -160,27 +121,7 @@ def candidate_verdict(
     *,
     fail_on: str = "required",
 ) -> tuple[str, int]:
-    """Judge the candidate.
-
-    Parameters
-    ----------
-    outcomes : sequence of CheckOutcome
-        Every check's outcome.
-    faults : sequence of Fault
-        The candidate's faults, which no waiver covers.
-    baseline : sequence of Comparison
-        How margins have changed.
-    fail_on : {"required", "advisory"}
-        Whether advisory checks count like required ones.
-
-    Returns
-    -------
-    verdict : str
-        The first fault's kind, ``fail``, ``waiver expired``, ``unexpectedly passes``, ``inconclusive``,
-        ``waived`` or ``pass``.
-    exit_code : int
-        3 when a plant check failed, 1 when the candidate does not pass, 0 when it does.
-    """
+    """Judge the candidate."""
     levels = ("required",) if fail_on == "required" else ("required", "advisory")
     required = [outcome for outcome in outcomes if outcome.level in levels]
     found = {outcome.verdict for outcome in required}

@@ -49,28 +49,11 @@ class Waiver(Section):
     margin: float = Field(lt=0.0, description="margin below which it no longer holds, below 0")
 
     def expired(self, today: date) -> bool:
-        """Tell whether the waiver's last day is over.
-
-        Parameters
-        ----------
-        today : date
-            The present day.
-
-        Returns
-        -------
-        bool
-            Whether it no longer holds.
-        """
+        """Tell whether the waiver's last day is over."""
         return today > self.expires
 
     def told(self) -> dict[str, Any]:
-        """Write what a result tells of the waiver.
-
-        Returns
-        -------
-        dict
-            Reason, owner, last day and margin.
-        """
+        """Write what a result tells of the waiver."""
         return self.model_dump(mode="json", include={"reason", "owner", "expires", "margin"})
 
 
@@ -81,25 +64,7 @@ class WaiverFile(Document):
 
 
 def read_waivers(path: Path, candidates: Collection[str]) -> tuple[Waiver, ...]:
-    """Read a file of waivers for the candidates of a call.
-
-    Parameters
-    ----------
-    path : Path
-        A TOML or JSON file.
-    candidates : collection of str
-        The candidates' names.
-
-    Returns
-    -------
-    tuple of Waiver
-        In the order of the file.
-
-    Raises
-    ------
-    InputError
-        When the file is not valid, or a waiver in it matches nothing or another one.
-    """
+    """Read a file of waivers for the candidates of a call."""
     waivers = read_document(path, WaiverFile).waiver
     problems = [
         f"waiver {number} {problem}"
@@ -132,24 +97,7 @@ def _problems(waiver: Waiver, earlier: Iterable[Waiver], candidates: Collection[
 def under_waivers(
     outcomes: Iterable[CheckOutcome], candidate: str, waivers: Iterable[Waiver], today: date
 ) -> tuple[CheckOutcome, ...]:
-    """Apply the waivers to a candidate's outcomes.
-
-    Parameters
-    ----------
-    outcomes : iterable of CheckOutcome
-        Every check's outcome.
-    candidate : str
-        The candidate's name.
-    waivers : iterable of Waiver
-        The waivers, also those for other candidates.
-    today : date
-        The present day.
-
-    Returns
-    -------
-    tuple of CheckOutcome
-        The same, waived where a waiver holds, and with the waiver where there is one.
-    """
+    """Apply the waivers to a candidate's outcomes."""
     own = {waiver.check: waiver for waiver in waivers if waiver.candidate == candidate}
     return tuple(
         _waived(outcome, own[outcome.id], today) if outcome.id in own else outcome for outcome in outcomes
@@ -179,18 +127,7 @@ def _holds(waiver: Waiver, margin: float | None) -> bool:
 
 
 def present_day() -> date:
-    """Tell which day it is, in UTC.
-
-    Returns
-    -------
-    date
-        Today, or the day that the variable `DAY_VARIABLE` names.
-
-    Raises
-    ------
-    InputError
-        When the variable is set to what is no number of seconds.
-    """
+    """Tell which day it is, in UTC."""
     text = os.environ.get(DAY_VARIABLE)
     if text is None:
         return datetime.now(UTC).date()

@@ -6,37 +6,13 @@ from typing import Any
 
 
 def printed_margin(document: dict[str, Any], check: dict[str, Any]) -> str:
-    """Write the margin of a check for people, also of one that depends on the machine.
-
-    Parameters
-    ----------
-    document : dict
-        A result document.
-    check : dict
-        One of its checks.
-
-    Returns
-    -------
-    str
-        The margin with its sign, or a dash where there is none.
-    """
+    """Write the margin of a check for people, also of one that depends on the machine."""
     timed = document["timing"].get("checks", {}).get(check["id"], {})
     margin = timed.get("margin") if check["margin"] is None else check["margin"]
     return "–" if margin is None else f"{margin:+.3g}"
 
 
 def runs_in_short(result: dict[str, Any]) -> str:
-    """Tell how many runs a result rests on.
-
-    Parameters
-    ----------
-    result : dict
-        A result document.
-
-    Returns
-    -------
-    str
-        Runs, those of the corpus among them, and what was set aside.
-    """
+    """Tell how many runs a result rests on."""
     corpus = f", {result['corpus_runs']} of them from the corpus" if result["corpus_runs"] else ""
     return f"{result['runs']} runs{corpus}, {result['set_aside']} set aside as infeasible"

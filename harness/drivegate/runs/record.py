@@ -83,14 +83,7 @@ class Window:
         )
 
     def is_feasible(self) -> bool:
-        """Tell whether some advance angle lets the plant give what the load asks for.
-
-        Returns
-        -------
-        bool
-            Whether the oracle finds a robustly feasible angle; True for a locked shaft and where nothing is asked.
-            Unequal halves of the supply count as both the weaker one.
-        """
+        """Tell whether some advance angle lets the plant give what the load asks for."""
         if isinstance(self.scenario.load, LockedLoad) or self.torque_asked <= 0.0:
             return True
         drive = self.scenario.motor.drive(self.scales)
@@ -131,14 +124,7 @@ class RunRecord:
         return circumstance(self.scenario)
 
     def windows(self) -> Iterator[Window]:
-        """Go through the stretches in which the search is judged.
-
-        Yields
-        ------
-        Window
-            Conditions and observations; those at or below base speed, where there is nothing to search for, and
-            those at speeds that the candidate is not made for are left out.
-        """
+        """Go through the stretches in which the search is judged."""
         lowest, highest = self.declaration.speed_range_rpm or (0.0, math.inf)
         by_end = {dwell.end: dwell for dwell in dwells(self.scenario)}
         for (_, end), values in zip(observed_windows(self.scenario), self.run.windows, strict=True):
@@ -150,31 +136,7 @@ class RunRecord:
 def recorded(
     loaded: LoadedCandidate, scenario: Scenario, controller: Controller, *, trace_every: int = 0
 ) -> RunRecord:
-    """Run a candidate through a scenario for the checks, observed as its declaration asks.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    scenario : Scenario
-        The scenario.
-    controller : Controller
-        An instance of the candidate.
-    trace_every : int
-        Keep every how many-th control period; 0 keeps none.
-
-    Returns
-    -------
-    RunRecord
-        What the checks see of it.
-
-    Raises
-    ------
-    CandidateFault
-        When the candidate ends the run.
-    HarnessFault
-        When the plant does.
-    """
+    """Run a candidate through a scenario for the checks, observed as its declaration asks."""
     declaration = loaded.candidate.declaration
     run = run_scenario(
         scenario,
@@ -187,18 +149,5 @@ def recorded(
 
 
 def rated_torque(scenario: Scenario, speed: float) -> float:
-    """Give the torque of the motor's rated power at a speed.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario, whose motor has the rated power.
-    speed : float
-        Shaft speed (rad/s), above 0.
-
-    Returns
-    -------
-    float
-        Torque (N m).
-    """
+    """Give the torque of the motor's rated power at a speed."""
     return scenario.motor.rated_power_w / speed

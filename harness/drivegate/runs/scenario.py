@@ -43,18 +43,7 @@ _SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sens
 
 
 def observed_windows(scenario: Scenario) -> list[tuple[float, float]]:
-    """Find the stretches in which convergence is judged: from `SETTLING_TIME` into each long dwell to its end.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    list of tuple of float
-        Start and end of each stretch (s).
-    """
+    """Find the stretches in which convergence is judged: from `SETTLING_TIME` into each long dwell to its end."""
     return [
         (dwell.start + SETTLING_TIME, dwell.end)
         for dwell in dwells(scenario)
@@ -63,18 +52,7 @@ def observed_windows(scenario: Scenario) -> list[tuple[float, float]]:
 
 
 def plant_load(scenario: Scenario) -> load.Load:
-    """Give a scenario's load as the plant takes it.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    Load
-        Kind and size in SI units.
-    """
+    """Give a scenario's load as the plant takes it."""
     given = scenario.load
     if isinstance(given, LockedLoad):
         return load.Load(load.LOCKED)
@@ -94,18 +72,7 @@ def plant_load(scenario: Scenario) -> load.Load:
 
 
 def plant_schedule(scenario: Scenario) -> Schedule:
-    """Give what happens in a scenario as the plant takes it.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    Schedule
-        In SI units.
-    """
+    """Give what happens in a scenario as the plant takes it."""
     load_unit = _PERCENT if isinstance(scenario.load, VehicleLoad) else 1.0
     return Schedule(
         speed=_course(scenario.speed_rpm, RADIANS_PER_RPM),
@@ -123,18 +90,7 @@ def _course(profile: Profile, unit: float = 1.0) -> Course:
 
 
 def plant_sensors(scenario: Scenario) -> sensors.Sensors:
-    """Make the sensors of a scenario, as at its start.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    Sensors
-        New ones, for one run.
-    """
+    """Make the sensors of a scenario, as at its start."""
     dropouts = np.array(
         [(_SIGNALS[lost.signal], lost.start_s, lost.end_s) for lost in scenario.dropouts], np.float64
     ).reshape(-1, 3)
@@ -170,33 +126,7 @@ def run_scenario(
     power_window: float = 0.0,
     trace_every: int = 0,
 ) -> closed_loop.ClosedLoopRun:
-    """Reset a controller and run it through a scenario.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-    controller : Controller
-        The candidate's instance.
-    progress : SharedProgress, optional
-        Memory in which a parent process follows the run.
-    power_window : float
-        Time over which the candidate declares its estimate of the input power to be a mean (s).
-    trace_every : int
-        Keep every n-th control period in the trace; 0 keeps none.
-
-    Returns
-    -------
-    ClosedLoopRun
-        What was observed; its windows are those of `observed_windows`.
-
-    Raises
-    ------
-    CandidateFault
-        When the candidate raises or answers with what is no command.
-    HarnessFault
-        When the plant itself fails.
-    """
+    """Reset a controller and run it through a scenario."""
     nameplate = scenario.nameplate()
     drive = scenario.motor.drive(scenario.scales)
     with progress.run() if progress is not None else nullcontext():
@@ -240,18 +170,7 @@ def _raise_ending(run: closed_loop.ClosedLoopRun, controller: Controller) -> Non
 
 
 def last_sense(run: closed_loop.ClosedLoopRun) -> Sense:
-    """Give the last Sense of a run.
-
-    Parameters
-    ----------
-    run : ClosedLoopRun
-        The run.
-
-    Returns
-    -------
-    Sense
-        What the controller was told last.
-    """
+    """Give the last Sense of a run."""
     record = run.last_sense[0]
     scalars = {name: float(record[name]) for name in Sense._fields if name != "phase_currents"}
     return Sense(phase_currents=tuple(run.last_currents.tolist()), **scalars)

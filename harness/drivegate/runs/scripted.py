@@ -24,29 +24,7 @@ def prepared_steps(
     signals: NDArray[np.float64],
     progress: SharedProgress | None = None,
 ) -> ScriptedSteps:
-    """Reset a controller and make ready to step it.
-
-    Parameters
-    ----------
-    controller : Controller
-        The candidate's instance.
-    nameplate : Nameplate
-        The drive's nominal data.
-    signals : ndarray, shape (n, len(scripted_steps.SIGNALS))
-        What it is told, one row for each step, in SI units.
-    progress : SharedProgress, optional
-        Memory in which a parent process follows the run.
-
-    Returns
-    -------
-    ScriptedSteps
-        Before its first step.
-
-    Raises
-    ------
-    CandidateFault
-        When the candidate does not reset.
-    """
+    """Reset a controller and make ready to step it."""
     controller.reset(nameplate)
     return ScriptedSteps(
         signals,
@@ -61,24 +39,7 @@ def prepared_steps(
 
 
 def advance(steps: ScriptedSteps, controller: Controller, begin: int = 0, end: int | None = None) -> None:
-    """Make steps, which have to follow on those made before.
-
-    Parameters
-    ----------
-    steps : ScriptedSteps
-        The run.
-    controller : Controller
-        The candidate's instance.
-    begin : int
-        First step.
-    end : int, optional
-        Step to stop before; by default all are made.
-
-    Raises
-    ------
-    CandidateFault
-        When the candidate raises or answers with what is no command.
-    """
+    """Make steps, which have to follow on those made before."""
     status, step = steps.advance(begin, end)
     if status == scripted_steps.COMPLETED:
         return
@@ -95,23 +56,7 @@ def scripted_angles(
     signals: NDArray[np.float64],
     progress: SharedProgress | None = None,
 ) -> NDArray[np.float64]:
-    """Reset a controller, step it through given signals and collect its advance angles.
-
-    Parameters
-    ----------
-    controller, nameplate, signals, progress
-        As in `prepared_steps`.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Advance angle of every step (rad), as the controller asked for it.
-
-    Raises
-    ------
-    CandidateFault
-        When the candidate raises or answers with what is no command.
-    """
+    """Reset a controller, step it through given signals and collect its advance angles."""
     with progress.run() if progress is not None else nullcontext():
         steps = prepared_steps(controller, nameplate, signals, progress)
         advance(steps, controller)

@@ -17,24 +17,7 @@ DWELL_S = 10.0
 
 
 def steady_scenario(motor: Motor, speed_rpm: float, *, power_share: float, constant_power: bool) -> Scenario:
-    """Make a run at one speed under one load.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_rpm : float
-        Speed reference (rpm), above 0.
-    power_share : float
-        Load over the motor's rated power, at that speed (1).
-    constant_power : bool
-        Whether the load's power or its torque is constant.
-
-    Returns
-    -------
-    Scenario
-        The run.
-    """
+    """Make a run at one speed under one load."""
     power = tidy(motor.rated_power_w * power_share)
     factor = ((0.0, 0.0), (LOAD_RAMP_S, 1.0))
     load: ConstantPowerLoad | ConstantTorqueLoad
@@ -56,24 +39,7 @@ def steady_scenario(motor: Motor, speed_rpm: float, *, power_share: float, const
 
 
 def base_speed_scenario(motor: Motor, start_rpm: float, top_rpm: float, fall_rpm_per_s: float) -> Scenario:
-    """Make an unloaded run from below base speed to above it, and back no faster than the shaft coasts.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    start_rpm : float
-        Speed at the start, below base speed (rpm).
-    top_rpm : float
-        Speed above base speed (rpm).
-    fall_rpm_per_s : float
-        Rate at which the reference comes down to 10 rpm below base speed (rpm/s).
-
-    Returns
-    -------
-    Scenario
-        The run.
-    """
+    """Make an unloaded run from below base speed to above it, and back no faster than the shaft coasts."""
     end_rpm = motor.base_speed_rpm - 10.0
     rise_until = tidy(math.ceil(2.0 + (top_rpm - start_rpm) / 100.0) * 0.1)
     fall_from = tidy(rise_until + 0.5)
@@ -98,26 +64,7 @@ def base_speed_scenario(motor: Motor, start_rpm: float, top_rpm: float, fall_rpm
 def vehicle_scenario(
     motor: Motor, speed_rpm: float, *, mass_kg: float, gear_ratio: float, grade_percent: Profile
 ) -> Scenario:
-    """Make a run of a light vehicle at a steady speed.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_rpm : float
-        Speed reference and speed at the start (rpm).
-    mass_kg : float
-        Mass of the vehicle (kg).
-    gear_ratio : float
-        Turns of the shaft for one of the wheels (1).
-    grade_percent : tuple of (float, float)
-        Grade of the road over time (s, %).
-
-    Returns
-    -------
-    Scenario
-        The run; wheels, rolling resistance and drag are those of a light three-wheeler.
-    """
+    """Make a run of a light vehicle at a steady speed."""
     load = VehicleLoad(
         kind="vehicle",
         mass_kg=mass_kg,
@@ -140,16 +87,5 @@ def vehicle_scenario(
 
 
 def tidy(value: float) -> float:
-    """Take off what binary fractions add to sums of decimal ones.
-
-    Parameters
-    ----------
-    value : float
-        A number of few decimals.
-
-    Returns
-    -------
-    float
-        The number as people would write it.
-    """
+    """Take off what binary fractions add to sums of decimal ones."""
     return round(value, 9)

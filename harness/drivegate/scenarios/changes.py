@@ -17,61 +17,18 @@ CHANGE_S = 10.0
 
 
 def stepped(before: float, after: float, at_s: float, *, over_s: float = 0.0) -> Profile:
-    """Make a profile that changes once.
-
-    Parameters
-    ----------
-    before, after : float
-        Values on either side.
-    at_s : float
-        Time of the change, above 0 (s).
-    over_s : float
-        Time that the change takes (s); 0 for a step.
-
-    Returns
-    -------
-    tuple of (float, float)
-        The profile.
-    """
+    """Make a profile that changes once."""
     return ((0.0, before), (at_s, before), (tidy(at_s + over_s), after))
 
 
 def pulsed(before: float, during: float, at_s: float, lasts_s: float) -> Profile:
-    """Make a profile that changes and comes back.
-
-    Parameters
-    ----------
-    before, during : float
-        Value outside of the pulse and in it.
-    at_s : float
-        Time of the pulse, above 0 (s).
-    lasts_s : float
-        Length of the pulse (s).
-
-    Returns
-    -------
-    tuple of (float, float)
-        The profile.
-    """
+    """Make a profile that changes and comes back."""
     back = tidy(at_s + lasts_s)
     return ((0.0, before), (at_s, before), (at_s, during), (back, during), (back, before))
 
 
 def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scenario:
-    """Step a switched load.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        A steady run under a load that a factor switches.
-    *changes : tuple of (float, float)
-        Time (s) and share of the load from then on (1); the first is the share that the run begins with.
-
-    Returns
-    -------
-    Scenario
-        The run, long enough for a steady stretch after the last change.
-    """
+    """Step a switched load."""
     load = scenario.load
     assert not isinstance(load, (LockedLoad, VehicleLoad)), "only a switched load has shares"
     (_, share), *later = changes
@@ -83,155 +40,47 @@ def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scena
 
 
 def with_speed(scenario: Scenario, profile: Profile) -> Scenario:
-    """Change the speed reference during a run.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        A run under a load.
-    profile : tuple of (float, float)
-        Speed reference over time (s, rpm).
-
-    Returns
-    -------
-    Scenario
-        The run, long enough for a steady stretch after the last change.
-    """
+    """Change the speed reference during a run."""
     return _with_change(scenario, profile[-1][0], speed_rpm=profile, initial_speed_rpm=profile[0][1])
 
 
 def with_supply(scenario: Scenario, profile: Profile) -> Scenario:
-    """Change the voltage of the supply during a run.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The run.
-    profile : tuple of (float, float)
-        Voltage over the motor's own, over time (s, 1).
-
-    Returns
-    -------
-    Scenario
-        The run, long enough for a steady stretch after the last change.
-    """
+    """Change the voltage of the supply during a run."""
     nominal = scenario.motor.supply_voltage_v
     volts = tuple((time, tidy(share * nominal)) for time, share in profile)
     return _with_change(scenario, profile[-1][0], supply_v=volts)
 
 
 def with_scales(scenario: Scenario, **factors: float) -> Scenario:
-    """Let the plant differ from the nominal motor.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The run.
-    **factors : float
-        Values of `drivegate_cases.motor.scales.Scales`.
-
-    Returns
-    -------
-    Scenario
-        The run on that plant.
-    """
+    """Let the plant differ from the nominal motor."""
     return titled(scenario.replaced(scales=factors))
 
 
 def with_mcs96(scenario: Scenario, seed: int) -> Scenario:
-    """Put the sensors of the published implementation between plant and controller.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The run.
-    seed : int
-        Seed of gains, offsets and noise.
-
-    Returns
-    -------
-    Scenario
-        The run through these sensors.
-    """
+    """Put the sensors of the published implementation between plant and controller."""
     return titled(scenario.replaced(sensors="mcs96", seed=seed))
 
 
 def with_dropout(scenario: Scenario, signal: str, at_s: float, lasts_s: float) -> Scenario:
-    """Lose a sensor's signal for a moment.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The run.
-    signal : {"speed", "currents", "supply"}
-        What is lost.
-    at_s, lasts_s : float
-        When, and for how long (s).
-
-    Returns
-    -------
-    Scenario
-        The run, long enough for a steady stretch afterwards.
-    """
+    """Lose a sensor's signal for a moment."""
     lost = Dropout.model_validate({"signal": signal, "start_s": at_s, "duration_s": lasts_s})
     return _with_change(scenario, lost.end_s, dropouts=(*scenario.dropouts, lost))
 
 
 def with_glitch(scenario: Scenario, counts: int, at_s: float) -> Scenario:
-    """Let the encoder's counter see false edges.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        A run through sensors with an encoder.
-    counts : int
-        Number of false edges, not 0.
-    at_s : float
-        When (s).
-
-    Returns
-    -------
-    Scenario
-        The run, long enough for a steady stretch afterwards.
-    """
+    """Let the encoder's counter see false edges."""
     return _with_change(scenario, at_s, glitches=(*scenario.glitches, Glitch(time_s=at_s, counts=counts)))
 
 
 def with_imbalance(scenario: Scenario, profile: Profile) -> Scenario:
-    """Let the halves of the supply differ.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The run.
-    profile : tuple of (float, float)
-        Share by which the upper half is above, and the lower half below, their mean (s, 1).
-
-    Returns
-    -------
-    Scenario
-        The run, long enough for a steady stretch after the last change.
-    """
+    """Let the halves of the supply differ."""
     return _with_change(scenario, profile[-1][0], imbalance=profile)
 
 
 def with_drift(
     scenario: Scenario, *, resistance: Profile | None = None, emf_constant: Profile | None = None
 ) -> Scenario:
-    """Let parameters drift during a run.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The run.
-    resistance, emf_constant : tuple of (float, float), optional
-        Factors over time (s, 1), at least one of them.
-
-    Returns
-    -------
-    Scenario
-        The run, long enough for a steady stretch after the last change.
-    """
+    """Let parameters drift during a run."""
     drift = Drift(resistance=resistance, emf_constant=emf_constant)
     last = max(profile[-1][0] for profile in (resistance, emf_constant) if profile is not None)
     return _with_change(scenario, last, drift=drift)

@@ -60,18 +60,7 @@ class Course:
 
     @classmethod
     def of(cls, profile: Profile) -> Course:
-        """Read a profile.
-
-        Parameters
-        ----------
-        profile : tuple of (float, float)
-            Times (s) and values.
-
-        Returns
-        -------
-        Course
-            The same values over time.
-        """
+        """Read a profile."""
         changes = [
             Change(start, end, after)
             for (start, before), (end, after) in pairwise(profile)
@@ -80,13 +69,7 @@ class Course:
         return cls(profile[0][1], tuple(changes))
 
     def profile(self) -> Profile:
-        """Write the course as a profile.
-
-        Returns
-        -------
-        tuple of (float, float)
-            Times (s) and values, no point more than it takes.
-        """
+        """Write the course as a profile."""
         points = [(0.0, self.first)]
         for change in self.changes:
             for point in ((change.start, points[-1][1]), (change.end, change.value)):
@@ -95,24 +78,11 @@ class Course:
         return tuple(points)
 
     def values(self) -> tuple[float, ...]:
-        """Give the values that it goes through.
-
-        Returns
-        -------
-        tuple of float
-            The first one, and the one after each change.
-        """
+        """Give the values that it goes through."""
         return self.first, *(change.value for change in self.changes)
 
     def steadier(self) -> Iterator[Course]:
-        """Leave changes out.
-
-        Yields
-        ------
-        Course
-            At first without any change, at each of its values from the last to the first; then with one change
-            less, either never made or made at once with the one before.
-        """
+        """Leave changes out."""
         for value in dict.fromkeys(reversed(self.values())):
             yield Course(value, ())
         for index, change in enumerate(self.changes):
@@ -129,54 +99,19 @@ class Course:
         value: Callable[[float], float] = lambda value: value,
         time: Callable[[float], float] = lambda time: time,
     ) -> Course:
-        """Change all values or all times.
-
-        Parameters
-        ----------
-        value, time : callable
-            From the old to the new one.
-
-        Returns
-        -------
-        Course
-            The new course.
-        """
+        """Change all values or all times."""
         changes = (
             Change(time(change.start), time(change.end), value(change.value)) for change in self.changes
         )
         return Course(value(self.first), tuple(changes))
 
     def until(self, end: float) -> Course:
-        """Leave out what begins at a time or later, or is not over by then.
-
-        Parameters
-        ----------
-        end : float
-            The time (s).
-
-        Returns
-        -------
-        Course
-            What is left.
-        """
+        """Leave out what begins at a time or later, or is not over by then."""
         return Course(self.first, tuple(c for c in self.changes if c.start < end and c.end <= end))
 
 
 def course_of(scenario: Scenario, quantity: Quantity) -> Course:
-    """Read one of a scenario's profiles.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-    quantity : str
-        Which profile; of the load, shares or grades.
-
-    Returns
-    -------
-    Course
-        Its values over time.
-    """
+    """Read one of a scenario's profiles."""
     profiles: dict[Quantity, Profile] = {
         "speed": scenario.speed_rpm,
         "load": scenario.load_profile,
@@ -189,22 +124,7 @@ def course_of(scenario: Scenario, quantity: Quantity) -> Course:
 
 
 def fields_of(scenario: Scenario, quantity: Quantity, course: Course) -> dict[str, Any]:
-    """Write one of a scenario's profiles.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-    quantity : str
-        Which profile.
-    course : Course
-        Its new values over time.
-
-    Returns
-    -------
-    dict
-        The scenario's fields that change, for `Scenario.replaced`.
-    """
+    """Write one of a scenario's profiles."""
     profile = course.profile()
     match quantity:
         case "speed":

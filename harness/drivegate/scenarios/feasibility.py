@@ -50,16 +50,6 @@ def is_feasible(scenario: Scenario) -> bool:
 
     Every corner of the profiles counts, however short the time spent there; a rising speed reference asks for
     the torque that accelerates too. Unequal halves of the supply count as both the weaker one.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    bool
-        Whether the oracle finds a robustly feasible angle at each operating point under load.
     """
     if isinstance(scenario.load, LockedLoad):
         return True
@@ -67,18 +57,7 @@ def is_feasible(scenario: Scenario) -> bool:
 
 
 def coasts(scenario: Scenario) -> bool:
-    """Tell whether the speed reference never falls faster than the shaft does by itself.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    bool
-        Whether load, friction and core loss together slow the shaft at least that fast.
-    """
+    """Tell whether the speed reference never falls faster than the shaft does by itself."""
     if isinstance(scenario.load, LockedLoad):
         return True
     inertia = scenario.nameplate().inertia
@@ -95,18 +74,7 @@ def coasts(scenario: Scenario) -> bool:
 
 
 def is_fast_while_loaded(scenario: Scenario) -> bool:
-    """Tell whether the speed reference stays at or above base speed wherever there is a load.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    bool
-        Whether no load is asked for below base speed.
-    """
+    """Tell whether the speed reference stays at or above base speed wherever there is a load."""
     if isinstance(scenario.load, LockedLoad):
         return True
     base = scenario.motor.base_speed_rpm
@@ -115,18 +83,7 @@ def is_fast_while_loaded(scenario: Scenario) -> bool:
 
 
 def withstands_steps(scenario: Scenario) -> bool:
-    """Tell whether no step of the load takes the shaft below base speed before a controller can answer.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    bool
-        Whether the speed that each step costs within `REACTION_S` leaves the shaft above base speed.
-    """
+    """Tell whether no step of the load takes the shaft below base speed before a controller can answer."""
     inertia = scenario.nameplate().inertia
     base = scenario.motor.base_speed_rpm * RADIANS_PER_RPM
     for stretch in _stretches(scenario):
@@ -139,34 +96,12 @@ def withstands_steps(scenario: Scenario) -> bool:
 
 
 def is_fair(scenario: Scenario) -> bool:
-    """Tell whether a candidate may be judged on a scenario.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    bool
-        Whether nothing speaks against it.
-    """
+    """Tell whether a candidate may be judged on a scenario."""
     return unfair_because(scenario) is None
 
 
 def unfair_because(scenario: Scenario) -> str | None:
-    """Tell why a candidate may not be judged on a scenario.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    str or None
-        The rule of this module that it breaks; None where it keeps to all of them.
-    """
+    """Tell why a candidate may not be judged on a scenario."""
     if scenario.initial_speed_rpm != scenario.speed_rpm[0][1]:
         return "it does not start at its speed reference"
     if not is_fast_while_loaded(scenario):

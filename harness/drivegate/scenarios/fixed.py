@@ -26,25 +26,7 @@ REFERENCE_MOTOR = "paper-5-phase"
 
 
 def fixed_scenarios(speed_range_rpm: SpeedRange | None = None) -> tuple[Scenario, ...]:
-    """List the scenarios that every check runs first.
-
-    Parameters
-    ----------
-    speed_range_rpm : tuple of float, optional
-        Lowest and highest speed that the candidate is made for (rpm); all by default.
-
-    Returns
-    -------
-    tuple of Scenario
-        The lock-up, the published trajectory, constant power over the required speed range and beyond, half
-        load, base speed in both directions, steps of load, speed and supply, other plants, other sensors,
-        faults and a vehicle: those within the speed range, and at least one.
-
-    Raises
-    ------
-    InputError
-        When the speed range has no speed at which a candidate is checked under load.
-    """
+    """List the scenarios that every check runs first."""
     motor = load_motor(REFERENCE_MOTOR)
     every = (
         load_scenario("lock-up"),

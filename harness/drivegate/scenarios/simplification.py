@@ -43,18 +43,6 @@ def simplified(scenario: Scenario, fields: Fields) -> Scenario | None:
     """Apply a change, if it gives a valid and simpler scenario that is still loaded where it was.
 
     An unloaded drive has hardly any current, so that shares of it say little: a failure there would be another one.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-    fields : dict
-        Fields that change.
-
-    Returns
-    -------
-    Scenario or None
-        The simpler scenario.
     """
     try:
         simpler = scenario.replaced(**fields)

@@ -14,19 +14,7 @@ _LOAD_KINDS: Final = {"locked": 0, "constant_torque": 0, "constant_power": 1, "f
 
 
 def size_of(scenario: Mapping[str, Any]) -> int:
-    """Measure how complicated a scenario is.
-
-    Parameters
-    ----------
-    scenario : mapping
-        A scenario as plain data, or a script, whose ``kind`` is ``script``.
-
-    Returns
-    -------
-    int
-        The more, the less simple: failures first, then parameters and sensors that are not nominal, points of
-        profiles, the kind of load, digits of numbers and seconds; of a script the number of its values.
-    """
+    """Measure how complicated a scenario is."""
     if scenario.get("kind") == "script":
         return _leaves(scenario)
     failures = len(scenario.get("dropouts", ())) + len(scenario.get("glitches", ()))

@@ -17,25 +17,7 @@ HIGHEST_LOADED = 3.0
 
 
 def loaded_range(motor: Motor, declared_rpm: SpeedRange | None) -> SpeedRange:
-    """Give the speeds of loaded runs.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    declared_rpm : tuple of float or None
-        Lowest and highest speed that a candidate is made for (rpm); None for all.
-
-    Returns
-    -------
-    tuple of float
-        Lowest and highest speed of loaded runs (rpm).
-
-    Raises
-    ------
-    InputError
-        When a candidate is made for none of them.
-    """
+    """Give the speeds of loaded runs."""
     lowest = round(LOWEST_LOADED * motor.base_speed_rpm, 6)
     highest = round(HIGHEST_LOADED * motor.base_speed_rpm, 6)
     if declared_rpm is None:

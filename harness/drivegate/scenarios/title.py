@@ -27,18 +27,7 @@ class _Trait(NamedTuple):
 
 
 def titled(scenario: Scenario) -> Scenario:
-    """Name and describe a scenario by its content.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    Scenario
-        The same run under its new name; two different runs may share one.
-    """
+    """Name and describe a scenario by its content."""
     traits = [
         _speed(scenario),
         *_load(scenario),

@@ -42,13 +42,7 @@ _JUDGED: Final = pytest.StashKey[dict[_Wanted, Judged]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the options, which win over the arguments of the decorator.
-
-    Parameters
-    ----------
-    parser : pytest.Parser
-        The parser of pytest's command line.
-    """
+    """Add the options, which win over the arguments of the decorator."""
     group = parser.getgroup("drivegate", "conformance of a drive's controller")
     group.addoption(
         "--drivegate-candidate", metavar="CANDIDATE", help="candidate, as `drivegate check` has it"
@@ -64,13 +58,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Register the decorator's marker.
-
-    Parameters
-    ----------
-    config : pytest.Config
-        The configuration.
-    """
+    """Register the decorator's marker."""
     config.addinivalue_line(
         "markers", f"{MARKER}: one item for each of drivegate's checks; set by its decorator"
     )
@@ -78,13 +66,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Make one item for the candidate and one for each check.
-
-    Parameters
-    ----------
-    metafunc : pytest.Metafunc
-        A test function.
-    """
+    """Make one item for the candidate and one for each check."""
     marker = metafunc.definition.get_closest_marker(MARKER)
     if marker is None:
         return
@@ -104,18 +86,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 @pytest.fixture
 def conformance(request: pytest.FixtureRequest) -> Conformance:
-    """Give one check of the candidate; see `drivegate.conformance_tests`.
-
-    Parameters
-    ----------
-    request : pytest.FixtureRequest
-        The item.
-
-    Returns
-    -------
-    Conformance
-        The check, already made.
-    """
+    """Give one check of the candidate; see `drivegate.conformance_tests`."""
     marker = request.node.get_closest_marker(MARKER)
     if marker is None:
         pytest.fail(

@@ -29,13 +29,7 @@ CACHE_VARIABLE = "DRIVEGATE_CACHE"
 
 
 def cache_key() -> str:
-    """Return a key of the kernel sources, of their folder, and of everything that compiles them.
-
-    Returns
-    -------
-    str
-        Sixteen hexadecimal digits.
-    """
+    """Return a key of the kernel sources, of their folder, and of everything that compiles them."""
     sources = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256(str(sources).encode())
     for source in sorted(sources.rglob("*.py")):
@@ -75,13 +69,7 @@ def _candidate_folders() -> list[Path]:
 
 
 def choose_cache_folder() -> Path | None:
-    """Return the first writable folder for compiled kernels, or None where nothing can be written.
-
-    Returns
-    -------
-    Path or None
-        A folder that exists and is named after `cache_key`.
-    """
+    """Return the first writable folder for compiled kernels, or None where nothing can be written."""
     key = cache_key()
     for folder in _candidate_folders():
         if _is_writable(folder / key):
@@ -148,18 +136,7 @@ def _compiled(function: _Function, **options: Any) -> _Function:
 
 
 def kernel(function: _Function) -> _Function:
-    """Compile `function` in nopython mode, cached; a product and a sum may be rounded at once, nothing is reordered.
-
-    Parameters
-    ----------
-    function
-        A function of floats, integers, arrays and named tuples.
-
-    Returns
-    -------
-    callable
-        The compiled function, with the signature of the original.
-    """
+    """Compile `function` in nopython mode, cached; a product and a sum may be rounded at once, nothing is reordered."""
     return _compiled(function, fastmath=_FUSED)
 
 
@@ -168,33 +145,12 @@ def unallocating(function: _Function) -> _Function:
 
     Counting costs more than the arithmetic where a function of many arrays is called in a loop. A function
     that does make an array is refused by the compiler.
-
-    Parameters
-    ----------
-    function
-        A function of floats, integers, arrays and named tuples.
-
-    Returns
-    -------
-    callable
-        The compiled function, with the signature of the original.
     """
     return _compiled(function, fastmath=_FUSED, _nrt=False)
 
 
 def inlined(function: _Function) -> _Function:
-    """Compile a function like `unallocating`, and copy it into its callers.
-
-    Parameters
-    ----------
-    function
-        A small function of floats.
-
-    Returns
-    -------
-    callable
-        The compiled function.
-    """
+    """Compile a function like `unallocating`, and copy it into its callers."""
     return _compiled(function, fastmath=_FUSED, forceinline=True, _nrt=False)
 
 
@@ -202,15 +158,5 @@ def unfused(function: _Function) -> _Function:
     """Compile a controller's function like `inlined`, every operation rounded by itself.
 
     So the same algorithm in Python, here and in C (without contraction) gives the same commands, bit for bit.
-
-    Parameters
-    ----------
-    function
-        A function of floats and records.
-
-    Returns
-    -------
-    callable
-        The compiled function.
     """
     return _compiled(function, forceinline=True, _nrt=False)

@@ -15,21 +15,6 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
     """Write a whole file: beside its place first, flushed to the disk, then renamed onto it.
 
     A symbolic link is followed, so that the file it points to is replaced and the link stays.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file to create or to replace; its folder has to exist.
-    content : str or bytes
-        The whole content; text is written as UTF-8 with its line ends unchanged.
-
-    Raises
-    ------
-    InputError
-        When the path cannot be written because its folder is missing, it is itself a folder, or permission
-        is refused.
-    OSError
-        For any other failure of the file system, such as a full disk.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:

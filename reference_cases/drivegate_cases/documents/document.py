@@ -51,111 +51,32 @@ class Document(Section):
 
     @classmethod
     def from_previous(cls, mapping: dict[str, Any]) -> dict[str, Any]:
-        """Translate the previous schema's keys into the current one's.
-
-        Parameters
-        ----------
-        mapping : dict
-            The keys and values, without the schema number, as the previous schema had them.
-
-        Returns
-        -------
-        dict
-            The same in the current schema.
-        """
+        """Translate the previous schema's keys into the current one's."""
         return mapping
 
     def to_mapping(self) -> dict[str, Any]:
-        """Write the document as plain data.
-
-        Returns
-        -------
-        dict
-            Strings, numbers, lists and tables only, schema number first; keys without a value are left out.
-        """
+        """Write the document as plain data."""
         return self.model_dump(mode="json", by_alias=True, exclude_none=True)
 
     def to_json(self) -> str:
-        """Write the document as JSON; equal documents give the same characters.
-
-        Returns
-        -------
-        str
-            An indented JSON object with a line end.
-        """
+        """Write the document as JSON; equal documents give the same characters."""
         return json.dumps(self.to_mapping(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
     def replaced(self, **changes: Any) -> Self:
-        """Make a document that differs in a few keys, checked like any other.
-
-        Parameters
-        ----------
-        **changes : object
-            New values by field name.
-
-        Returns
-        -------
-        Document
-            A new document of the same kind.
-
-        Raises
-        ------
-        InputError
-            When the changed document is not valid.
-        """
+        """Make a document that differs in a few keys, checked like any other."""
         values = {field.alias or name: getattr(self, name) for name, field in type(self).model_fields.items()}
         return _validated({**values, **_frozen(changes)}, type(self), type(self).__name__.lower(), None)
 
 
 def read_document(path: str | Path, model: type[DocumentT]) -> DocumentT:
-    """Read a TOML or JSON file as a document of a given kind.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file; the suffix ``.toml`` or ``.json`` says how it is written.
-    model : type of Document
-        The kind of document.
-
-    Returns
-    -------
-    Document
-        The document, valid throughout.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong with the file in one sentence.
-    """
+    """Read a TOML or JSON file as a document of a given kind."""
     return parse_document(read_mapping(path), model, str(path), folder=Path(path).parent)
 
 
 def parse_document(
     mapping: Mapping[str, Any], model: type[DocumentT], where: str, *, folder: Path | None = None
 ) -> DocumentT:
-    """Check plain data as a document of a given kind.
-
-    Parameters
-    ----------
-    mapping : mapping
-        Keys and values as a TOML or JSON parser gives them, the schema number among them.
-    model : type of Document
-        The kind of document.
-    where : str
-        What the data comes from, for the message.
-    folder : Path, optional
-        The folder that files named inside the document are relative to; the working folder by default.
-
-    Returns
-    -------
-    Document
-        The document, valid throughout.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong with the data in one sentence.
-    """
+    """Check plain data as a document of a given kind."""
     if not isinstance(mapping, Mapping):
         raise InputError(
             f"{one_line(where)} holds {shown(mapping)}, but must hold a table of keys and values"

@@ -9,25 +9,7 @@ from drivegate_models.errors import InputError
 
 
 def parse_overrides(pairs: Sequence[str], known: Collection[str]) -> dict[str, Any]:
-    """Read pairs of key and value.
-
-    Parameters
-    ----------
-    pairs : sequence of str
-        Each as ``KEY=VALUE``; of several for one key the last one counts.
-    known : collection of str
-        The keys that may be set.
-
-    Returns
-    -------
-    dict
-        Values by key: numbers, lists and so on where the text is one, otherwise the text itself.
-
-    Raises
-    ------
-    InputError
-        When a pair has no equals sign or no value, or its key is not known.
-    """
+    """Read pairs of key and value."""
     values: dict[str, Any] = {}
     for pair in pairs:
         key, equals, text = (part.strip() for part in pair.partition("="))

@@ -10,18 +10,7 @@ from drivegate_models.errors import InputError
 
 
 def packaged_names(folder: str) -> tuple[str, ...]:
-    """List what a folder of the package holds.
-
-    Parameters
-    ----------
-    folder : str
-        Such as ``motors``.
-
-    Returns
-    -------
-    tuple of str
-        The bare names, sorted.
-    """
+    """List what a folder of the package holds."""
     entries = (files("drivegate_cases") / folder).iterdir()
     return tuple(
         sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml"))
@@ -31,31 +20,7 @@ def packaged_names(folder: str) -> tuple[str, ...]:
 def load_named(
     name_or_path: str | Path, model: type[DocumentT], folder: str, noun: str, *, beside: Path | None = None
 ) -> DocumentT:
-    """Load a document of the package by its name, or any other by its path.
-
-    Parameters
-    ----------
-    name_or_path : str or Path
-        A bare name, or a path: whatever holds a separator or ends in ``.toml`` or ``.json``.
-    model : type of Document
-        The kind of document.
-    folder : str
-        The package's folder of such documents.
-    noun : str
-        What such a document is called in a message, such as ``motor``.
-    beside : Path, optional
-        The folder that a relative path starts from; the working folder by default.
-
-    Returns
-    -------
-    Document
-        The document, valid throughout.
-
-    Raises
-    ------
-    InputError
-        When no such document exists, or it is not valid.
-    """
+    """Load a document of the package by its name, or any other by its path."""
     if _is_path(name_or_path):
         path = Path(name_or_path)
         return read_document(path if beside is None else beside / path, model)

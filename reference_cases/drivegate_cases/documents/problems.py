@@ -17,20 +17,7 @@ _LONGEST_LIST = 8
 
 
 def described(error: ValidationError, model: type[BaseModel]) -> str:
-    """Tell every error of a document, joined by semicolons.
-
-    Parameters
-    ----------
-    error : ValidationError
-        What pydantic found.
-    model : type of BaseModel
-        The kind of document that was expected.
-
-    Returns
-    -------
-    str
-        One line; each part names a key and says what would be right.
-    """
+    """Tell every error of a document, joined by semicolons."""
     parts = [_described_one(details, model) for details in error.errors(include_url=False)]
     told = list(dict.fromkeys(parts))
     if len(told) > _LONGEST_LIST:
@@ -45,18 +32,7 @@ def _described_one(details: ErrorDetails, model: type[BaseModel]) -> str:
 
 
 def key_name(path: Location) -> str:
-    """Write the place of a value in a document.
-
-    Parameters
-    ----------
-    path : sequence of str or int
-        Keys of tables and indices of lists, from the top.
-
-    Returns
-    -------
-    str
-        Such as ``load.factor[2][1]``, with indices counted from 0.
-    """
+    """Write the place of a value in a document."""
     text = ""
     for step in path:
         if isinstance(step, int):
@@ -140,13 +116,7 @@ _REQUIREMENTS = {
 
 
 def _walk(model: type[BaseModel], location: Location) -> Iterator[tuple[int | str, Any]]:
-    """Follow an error's location, leaving out the steps that only pick a member of a union.
-
-    Yields
-    ------
-    tuple
-        Each step that a reader of the document sees, and the type of the values beside it.
-    """
+    """Follow an error's location, leaving out the steps that only pick a member of a union."""
     annotation: Any = model
     for step in location:
         members = [member for member in _members(annotation) if _is_model(member)]

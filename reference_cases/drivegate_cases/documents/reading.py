@@ -14,23 +14,7 @@ SUFFIXES = (".toml", ".json")
 
 
 def read_mapping(path: str | Path) -> dict[str, Any]:
-    """Read a TOML or JSON file; the suffix of its name says which.
-
-    Parameters
-    ----------
-    path : str or Path
-        A regular file of at most 16 MB, in UTF-8, whose name ends in ``.toml`` or ``.json``.
-
-    Returns
-    -------
-    dict
-        The document's top-level table.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read or is not a well-formed document.
-    """
+    """Read a TOML or JSON file; the suffix of its name says which."""
     where = shown_path(path)
     text = _decoded(_bytes_of(path, where), where)
     suffix = Path(path).suffix.lower()

@@ -9,56 +9,19 @@ _LONGEST_VALUE = 60
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Find the known name that resembles a given one most.
-
-    Parameters
-    ----------
-    name : str
-        The name that is not known.
-    known : iterable of str
-        The names that are.
-
-    Returns
-    -------
-    str or None
-        The most similar name, however little it resembles; None only when nothing is known.
-    """
+    """Find the known name that resembles a given one most."""
     by_lower_case = {candidate.lower(): candidate for candidate in known}
     closest = difflib.get_close_matches(name.lower(), sorted(by_lower_case), n=1, cutoff=0.0)
     return by_lower_case[closest[0]] if closest else None
 
 
 def counted(count: int, noun: str) -> str:
-    """Give a number with its noun.
-
-    Parameters
-    ----------
-    count : int
-        How many.
-    noun : str
-        What of, in the singular; its plural ends in s.
-
-    Returns
-    -------
-    str
-        Such as ``1 run`` or ``2 runs``.
-    """
+    """Give a number with its noun."""
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def one_line(text: str) -> str:
-    """Make any text printable on one line.
-
-    Parameters
-    ----------
-    text : str
-        Any text, also with line breaks, control characters or unpaired surrogates.
-
-    Returns
-    -------
-    str
-        The text with every unprintable character written as an escape.
-    """
+    """Make any text printable on one line."""
     return "".join(
         character if character.isprintable() else character.encode("unicode_escape").decode("ascii")
         for character in text
@@ -66,18 +29,7 @@ def one_line(text: str) -> str:
 
 
 def shown(value: object) -> str:
-    """Write a value of a document the way the document would, shortened where it is long.
-
-    Parameters
-    ----------
-    value : object
-        What a TOML or JSON document may hold.
-
-    Returns
-    -------
-    str
-        One line.
-    """
+    """Write a value of a document the way the document would, shortened where it is long."""
     if isinstance(value, dict):
         return "a table"
     if isinstance(value, int) and not isinstance(value, bool) and value.bit_length() > 128:
@@ -87,16 +39,5 @@ def shown(value: object) -> str:
 
 
 def shown_path(path: str | Path) -> str:
-    """Write the name of a file so that it fits into one line.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file's name as the user gave it.
-
-    Returns
-    -------
-    str
-        One line; an empty name is written as two quotes.
-    """
+    """Write the name of a file so that it fits into one line."""
     return one_line(str(path)) or "''"

@@ -13,24 +13,7 @@ _LEAST_STEP_DEG = 1e-6
 
 
 def check_emf_table(table: EmfTable) -> EmfTable:
-    """Check that a table describes half a cycle of an odd, half-wave symmetric shape of peak 1.
-
-    Parameters
-    ----------
-    table : tuple of (float, float)
-        Electrical degrees from 0 to 180, strictly increasing by a least step, and the EMF there as a share of
-        its peak; the second half cycle is the first one's negative. An empty table stands for none.
-
-    Returns
-    -------
-    tuple of (float, float)
-        The table itself.
-
-    Raises
-    ------
-    ValueError
-        With the rule that the table breaks.
-    """
+    """Check that a table describes half a cycle of an odd, half-wave symmetric shape of peak 1."""
     if not table:
         return table
     angles = [angle for angle, _ in table]

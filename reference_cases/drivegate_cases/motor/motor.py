@@ -137,23 +137,7 @@ class Motor(Document):
         return hash(tuple(getattr(self, key) for key in type(self).model_fields if key != "provenance"))
 
     def with_overrides(self, pairs: Sequence[str]) -> Motor:
-        """Set single values from the command line.
-
-        Parameters
-        ----------
-        pairs : sequence of str
-            Each as ``KEY=VALUE`` with a key of this model.
-
-        Returns
-        -------
-        Motor
-            A new motor, checked anew; the provenance of the values that were set says so.
-
-        Raises
-        ------
-        InputError
-            When a pair is malformed, its key unknown or its value not valid.
-        """
+        """Set single values from the command line."""
         if not pairs:
             return self
         values = parse_overrides(pairs, SETTABLE_KEYS)
@@ -164,18 +148,7 @@ class Motor(Document):
         )
 
     def drive(self, scales: Scales | None = None) -> Drive:
-        """Make the plant's parameters, in SI units.
-
-        Parameters
-        ----------
-        scales : Scales, optional
-            How the plant differs from this nominal motor; not at all by default.
-
-        Returns
-        -------
-        drivegate_models.half_bridge.plant.drive.Drive
-            What the compiled plant reads.
-        """
+        """Make the plant's parameters, in SI units."""
         from drivegate_models.half_bridge.plant.drive import make_drive
         from drivegate_models.machine.emf import sine_corners, table_corners, trapezoid_corners
 
@@ -211,18 +184,7 @@ class Motor(Document):
         )
 
     def nameplate(self, control_period: float) -> Nameplate:
-        """Make what a controller is told before a run, in SI units.
-
-        Parameters
-        ----------
-        control_period : float
-            Time between two steps of the controller (s).
-
-        Returns
-        -------
-        drivegate_models.contract.outer_loop.signals.Nameplate
-            The nominal values, whatever the scales of the plant are.
-        """
+        """Make what a controller is told before a run, in SI units."""
         from drivegate_models.contract.outer_loop.signals import Nameplate
 
         return Nameplate(
@@ -246,34 +208,10 @@ SETTABLE_KEYS = tuple(key for key in Motor.model_fields if key not in ("schema_v
 
 
 def load_motor(name_or_path: str | Path, *, beside: Path | None = None) -> Motor:
-    """Load a motor that comes with drivegate, or one from a file.
-
-    Parameters
-    ----------
-    name_or_path : str or Path
-        A bare name such as ``paper-5-phase``, or the path of a TOML or JSON file.
-    beside : Path, optional
-        The folder that a relative path starts from; the working folder by default.
-
-    Returns
-    -------
-    Motor
-        The motor, valid throughout.
-
-    Raises
-    ------
-    InputError
-        When there is no such motor, or its file is not valid.
-    """
+    """Load a motor that comes with drivegate, or one from a file."""
     return load_named(name_or_path, Motor, "motors", "motor", beside=beside)
 
 
 def motor_names() -> tuple[str, ...]:
-    """List the motors that come with drivegate.
-
-    Returns
-    -------
-    tuple of str
-        Bare names, as `load_motor` takes them.
-    """
+    """List the motors that come with drivegate."""
     return packaged_names("motors")

@@ -34,18 +34,7 @@ class Quantity(Section):
     )
 
     def agrees(self, ours: float) -> bool:
-        """Tell whether a value of ours meets the published one.
-
-        Parameters
-        ----------
-        ours : float
-            Our value, in the same unit.
-
-        Returns
-        -------
-        bool
-            True within the tolerance of the value, or on the right side of a limit, the tolerance included.
-        """
+        """Tell whether a value of ours meets the published one."""
         allowed = self.tolerance or 0.0
         above_lower = self.bound == "at_most" or ours >= self.value - allowed
         below_upper = self.bound == "at_least" or ours <= self.value + allowed
@@ -143,47 +132,23 @@ def _refuse_repeats(ids: list[str]) -> None:
 
 @cache
 def publication() -> Publication:
-    """Load what the paper states and leaves open.
-
-    Returns
-    -------
-    Publication
-        Facts P1 to P12 and the open assumptions.
-    """
+    """Load what the paper states and leaves open."""
     with as_file(files("drivegate_cases") / "facts.toml") as path:
         return read_document(path, Publication)
 
 
 def facts() -> tuple[Fact, ...]:
-    """Take the facts that the paper states.
-
-    Returns
-    -------
-    tuple of Fact
-        P1 to P12, in this order.
-    """
+    """Take the facts that the paper states."""
     return publication().fact
 
 
 def open_assumptions() -> tuple[Assumption, ...]:
-    """Take what the paper leaves open and what is assumed for it.
-
-    Returns
-    -------
-    tuple of Assumption
-        In the order of their numbers.
-    """
+    """Take what the paper leaves open and what is assumed for it."""
     return publication().open
 
 
 @cache
 def findings() -> tuple[Finding, ...]:
-    """Load the findings that every reproduction reports.
-
-    Returns
-    -------
-    tuple of Finding
-        In the order of their numbers.
-    """
+    """Load the findings that every reproduction reports."""
     with as_file(files("drivegate_cases") / "findings.toml") as path:
         return read_document(path, Findings).finding

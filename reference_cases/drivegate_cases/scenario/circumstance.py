@@ -20,18 +20,7 @@ class Circumstance(Enum):
 
 
 def circumstance(scenario: Scenario) -> Circumstance:
-    """Tell what is not nominal about a run.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    Circumstance
-        The last one that holds.
-    """
+    """Tell what is not nominal about a run."""
     if scenario.drift or scenario.imbalance or scenario.dropouts or scenario.glitches:
         return Circumstance.FAULTS
     if scenario.sensors.kind != "ideal":

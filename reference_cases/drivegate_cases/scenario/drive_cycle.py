@@ -69,34 +69,12 @@ class DriveCycle(Document):
 
 
 def cycle_names() -> tuple[str, ...]:
-    """List the cycles that come with drivegate.
-
-    Returns
-    -------
-    tuple of str
-        Bare names, as `load_drive_cycle` takes them.
-    """
+    """List the cycles that come with drivegate."""
     return packaged_names("cycles")
 
 
 def load_drive_cycle(name_or_path: str | Path) -> DriveCycle:
-    """Load a cycle that comes with drivegate, or one from a file.
-
-    Parameters
-    ----------
-    name_or_path : str or Path
-        A bare name such as ``ece-15``, or the path of a CSV, TOML or JSON file.
-
-    Returns
-    -------
-    DriveCycle
-        The cycle.
-
-    Raises
-    ------
-    InputError
-        When there is no such cycle, or its file is not valid.
-    """
+    """Load a cycle that comes with drivegate, or one from a file."""
     if str(name_or_path).lower().endswith(".csv"):
         return _from_csv(Path(name_or_path))
     return load_named(name_or_path, DriveCycle, "cycles", "drive cycle")

@@ -47,20 +47,7 @@ class ConstantTorqueLoad(_SwitchedLoad):
     torque_nm: _Torque = Field(description="torque of the whole load, in newton metres")
 
     def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
-        """Torque of the load.
-
-        Parameters
-        ----------
-        speed_rpm : float
-            Speed of the shaft (rpm); without influence here.
-        share : float
-            Share of the load (1).
-
-        Returns
-        -------
-        float
-            Torque (N·m).
-        """
+        """Torque of the load."""
         del speed_rpm
         return share * self.torque_nm
 
@@ -72,20 +59,7 @@ class ConstantPowerLoad(_SwitchedLoad):
     power_w: float = Field(ge=0.0, le=1e9, description="power of the whole load, in watts")
 
     def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
-        """Torque of the load.
-
-        Parameters
-        ----------
-        speed_rpm : float
-            Speed of the shaft (rpm), above 0.
-        share : float
-            Share of the load (1).
-
-        Returns
-        -------
-        float
-            Torque (N·m), power over angular speed.
-        """
+        """Torque of the load."""
         return share * self.power_w / (speed_rpm * 2.0 * math.pi / 60.0)
 
 
@@ -97,20 +71,7 @@ class FanLoad(_SwitchedLoad):
     speed_rpm: float = Field(gt=0.0, le=1e6, description="speed at which the fan asks for torque_nm, in rpm")
 
     def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
-        """Torque of the load.
-
-        Parameters
-        ----------
-        speed_rpm : float
-            Speed of the shaft (rpm).
-        share : float
-            Share of the load (1).
-
-        Returns
-        -------
-        float
-            Torque (N·m), by the fan law proportional to the square of the speed.
-        """
+        """Torque of the load."""
         return share * self.torque_nm * (speed_rpm / self.speed_rpm) ** 2
 
 
@@ -152,20 +113,7 @@ class VehicleLoad(Section):
         return self.mass_kg * self.lever_m**2
 
     def torque_at(self, speed_rpm: float, share: float = 0.0) -> float:
-        """Torque that keeps the vehicle at its speed.
-
-        Parameters
-        ----------
-        speed_rpm : float
-            Speed of the shaft (rpm).
-        share : float
-            Grade of the road (%).
-
-        Returns
-        -------
-        float
-            Torque (N·m): weight along the road, rolling resistance and drag, through the lever of wheel and gear.
-        """
+        """Torque that keeps the vehicle at its speed."""
         vehicle_speed = speed_rpm * math.pi / 30.0 * self.lever_m
         slope = share / 100.0
         weight = self.mass_kg * GRAVITY / math.hypot(1.0, slope)

@@ -41,80 +41,25 @@ class PowerSweep(Document):
         return speeds
 
     def torque_at(self, speed_rpm: float) -> float:
-        """Torque that gives the sweep's power at a speed.
-
-        Parameters
-        ----------
-        speed_rpm : float
-            Speed of the shaft (rpm), above 0.
-
-        Returns
-        -------
-        float
-            Torque (N·m), power over angular speed.
-        """
+        """Torque that gives the sweep's power at a speed."""
         return self.power_w / (speed_rpm * 2.0 * math.pi / 60.0)
 
 
 def load_operating_point(name_or_path: str | Path) -> OperatingPoint:
-    """Load an operating point that comes with drivegate, or one from a file.
-
-    Parameters
-    ----------
-    name_or_path : str or Path
-        A bare name such as ``fig9-currents-1200``, or the path of a TOML or JSON file.
-
-    Returns
-    -------
-    OperatingPoint
-        The point, valid throughout.
-
-    Raises
-    ------
-    InputError
-        When there is no such point, or its file is not valid.
-    """
+    """Load an operating point that comes with drivegate, or one from a file."""
     return load_named(name_or_path, OperatingPoint, "points", "operating point")
 
 
 def load_power_sweep(name_or_path: str | Path) -> PowerSweep:
-    """Load a power sweep that comes with drivegate, or one from a file.
-
-    Parameters
-    ----------
-    name_or_path : str or Path
-        A bare name such as ``fig7-input-current``, or the path of a TOML or JSON file.
-
-    Returns
-    -------
-    PowerSweep
-        The sweep, valid throughout.
-
-    Raises
-    ------
-    InputError
-        When there is no such sweep, or its file is not valid.
-    """
+    """Load a power sweep that comes with drivegate, or one from a file."""
     return load_named(name_or_path, PowerSweep, "sweeps", "power sweep")
 
 
 def operating_point_names() -> tuple[str, ...]:
-    """List the operating points that come with drivegate.
-
-    Returns
-    -------
-    tuple of str
-        Bare names, as `load_operating_point` takes them.
-    """
+    """List the operating points that come with drivegate."""
     return packaged_names("points")
 
 
 def power_sweep_names() -> tuple[str, ...]:
-    """List the power sweeps that come with drivegate.
-
-    Returns
-    -------
-    tuple of str
-        Bare names, as `load_power_sweep` takes them.
-    """
+    """List the power sweeps that come with drivegate."""
     return packaged_names("sweeps")

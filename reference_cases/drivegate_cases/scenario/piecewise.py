@@ -15,23 +15,7 @@ _POINTS_OF_A_STEP = 2
 
 
 def check_times(points: Profile) -> Profile:
-    """Check that the times of a profile start at 0 and never go back.
-
-    Parameters
-    ----------
-    points : tuple of (float, float)
-        Times (s) and values.
-
-    Returns
-    -------
-    tuple of (float, float)
-        The points themselves.
-
-    Raises
-    ------
-    ValueError
-        With the rule that the times break.
-    """
+    """Check that the times of a profile start at 0 and never go back."""
     times = [time for time, _ in points]
     if not times or times[0] != 0.0:
         raise ValueError("must have its first point at time 0")
@@ -47,56 +31,17 @@ def check_times(points: Profile) -> Profile:
 
 
 def value_from(points: Profile, time: float) -> float:
-    """Value of a profile at a time and just after it.
-
-    Parameters
-    ----------
-    points : tuple of (float, float)
-        Times (s) and values.
-    time : float
-        Time (s).
-
-    Returns
-    -------
-    float
-        The value, at a step the one behind it.
-    """
+    """Value of a profile at a time and just after it."""
     return _interpolated(points, time, bisect_right([at for at, _ in points], time))
 
 
 def value_until(points: Profile, time: float) -> float:
-    """Value of a profile just before a time.
-
-    Parameters
-    ----------
-    points : tuple of (float, float)
-        Times (s) and values.
-    time : float
-        Time (s).
-
-    Returns
-    -------
-    float
-        The value, at a step the one ahead of it.
-    """
+    """Value of a profile just before a time."""
     return _interpolated(points, time, bisect_left([at for at, _ in points], time))
 
 
 def breakpoints(profiles: Sequence[Profile], end: float) -> list[float]:
-    """Merge the times at which any of several profiles has a point.
-
-    Parameters
-    ----------
-    profiles : sequence of profiles
-        Profiles over the same time.
-    end : float
-        End of the run (s).
-
-    Returns
-    -------
-    list of float
-        Increasing times (s) from 0 to the end, both among them.
-    """
+    """Merge the times at which any of several profiles has a point."""
     times = {time for points in profiles for time, _ in points}
     return sorted(time for time in times | {0.0, end} if 0.0 <= time <= end)
 

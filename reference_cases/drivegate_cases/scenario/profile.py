@@ -48,37 +48,13 @@ class Dwell:
 
 
 def profile_arrays(points: Profile) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Lay a profile out for compiled code.
-
-    Parameters
-    ----------
-    points : tuple of (float, float)
-        Times (s) and values.
-
-    Returns
-    -------
-    times : ndarray, shape (n,)
-        Times (s), never decreasing.
-    values : ndarray, shape (n,)
-        Values at these times, in the profile's own unit.
-    """
+    """Lay a profile out for compiled code."""
     table = np.array(points, dtype=np.float64).reshape(-1, 2)
     return np.ascontiguousarray(table[:, 0]), np.ascontiguousarray(table[:, 1])
 
 
 def dwells(scenario: Scenario) -> tuple[Dwell, ...]:
-    """Find the stretches of a scenario in which reference, load, supply, plant and sensors are all constant.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    tuple of Dwell
-        In order of time, each as long as it can be; ramps and the time of failing sensors belong to none.
-    """
+    """Find the stretches of a scenario in which reference, load, supply, plant and sensors are all constant."""
     profiles = (
         scenario.speed_rpm,
         scenario.load_profile,
@@ -119,40 +95,14 @@ def _conditions(dwell: Dwell) -> list[float]:
 
 
 def dwell_torque(scenario: Scenario, dwell: Dwell) -> float:
-    """Give the torque that the load asks for while nothing changes.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-    dwell : Dwell
-        One of its stretches.
-
-    Returns
-    -------
-    float
-        Torque of the load alone, without friction (N m); 0 for a locked shaft.
-    """
+    """Give the torque that the load asks for while nothing changes."""
     if isinstance(scenario.load, LockedLoad) or dwell.load_factor == 0.0 == dwell.speed_rpm:
         return 0.0
     return scenario.load.torque_at(dwell.speed_rpm, dwell.load_factor)
 
 
 def dwell_scales(scenario: Scenario, dwell: Dwell) -> Scales:
-    """Give the plant's parameters while nothing changes.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-    dwell : Dwell
-        One of its stretches.
-
-    Returns
-    -------
-    Scales
-        The scenario's factors times what has drifted.
-    """
+    """Give the plant's parameters while nothing changes."""
     scales = scenario.scales
     return scales.model_copy(
         update={
@@ -163,20 +113,7 @@ def dwell_scales(scenario: Scenario, dwell: Dwell) -> Scales:
 
 
 def is_after_change(scenario: Scenario, dwell: Dwell) -> bool:
-    """Tell whether load, speed reference, supply, plant or sensors have changed before a stretch.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-    dwell : Dwell
-        One of its stretches.
-
-    Returns
-    -------
-    bool
-        False for the first loaded stretch: a load that comes on for the first time belongs to the start.
-    """
+    """Tell whether load, speed reference, supply, plant or sensors have changed before a stretch."""
     earlier = [other for other in dwells(scenario) if other.start < dwell.start]
     failed = any(dropout.start_s < dwell.start for dropout in scenario.dropouts)
     failed |= any(glitch.time_s <= dwell.start for glitch in scenario.glitches)

@@ -206,13 +206,7 @@ class Scenario(Document):
         return _STEADY if self.drift is None or self.drift.emf_constant is None else self.drift.emf_constant
 
     def nameplate(self) -> Nameplate:
-        """Give what the controller is told of its drive.
-
-        Returns
-        -------
-        Nameplate
-            The motor's nominal data; the inertia at the shaft includes a vehicle's mass.
-        """
+        """Give what the controller is told of its drive."""
         nameplate = self.motor.nameplate(self.control_period_s)
         if isinstance(self.load, VehicleLoad):
             return nameplate._replace(inertia=nameplate.inertia + self.load.inertia_kg_m2)
@@ -225,32 +219,10 @@ class Scenario(Document):
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
-    """Load a scenario that comes with drivegate, or one from a file.
-
-    Parameters
-    ----------
-    name_or_path : str or Path
-        A bare name such as ``fig5-search``, or the path of a TOML or JSON file.
-
-    Returns
-    -------
-    Scenario
-        The scenario, valid throughout, its motor resolved.
-
-    Raises
-    ------
-    InputError
-        When there is no such scenario, or its file is not valid.
-    """
+    """Load a scenario that comes with drivegate, or one from a file."""
     return load_named(name_or_path, Scenario, "scenarios", "scenario")
 
 
 def scenario_names() -> tuple[str, ...]:
-    """List the scenarios that come with drivegate.
-
-    Returns
-    -------
-    tuple of str
-        Bare names, as `load_scenario` takes them.
-    """
+    """List the scenarios that come with drivegate."""
     return packaged_names("scenarios")

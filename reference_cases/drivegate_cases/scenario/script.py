@@ -49,33 +49,11 @@ class Script(Document):
         return self
 
     def nameplate(self) -> Nameplate:
-        """Give what the controller is told of its drive.
-
-        Returns
-        -------
-        Nameplate
-            The motor's nominal data.
-        """
+        """Give what the controller is told of its drive."""
         motor: Motor = self.motor
         return motor.nameplate(self.control_period_s)
 
 
 def load_script(path: str | Path) -> Script:
-    """Load a script from a file.
-
-    Parameters
-    ----------
-    path : str or Path
-        A TOML or JSON file.
-
-    Returns
-    -------
-    Script
-        The script, valid throughout, its motor resolved.
-
-    Raises
-    ------
-    InputError
-        When there is no such file, or it is not valid.
-    """
+    """Load a script from a file."""
     return read_document(path, Script)

@@ -55,62 +55,19 @@ class Sheet:
 
 
 def name(value: object) -> str:
-    """Make a candidate's name printable and short enough for a heading.
-
-    Parameters
-    ----------
-    value : object
-        The name.
-
-    Returns
-    -------
-    str
-        Not yet escaped for HTML.
-    """
+    """Make a candidate's name printable and short enough for a heading."""
     return clean(value, _LONGEST_NAME)
 
 
 def figure(value: float | None, digits: int, *, signed: bool = False, tone: str = "") -> Cell:
-    """Write a number as a cell.
-
-    Parameters
-    ----------
-    value : float or None
-        The number.
-    digits : int
-        Digits after the point.
-    signed : bool
-        Whether a plus is written.
-    tone : str
-        Tone of the cell.
-
-    Returns
-    -------
-    Cell
-        A dash where there is none, which sorts last.
-    """
+    """Write a number as a cell."""
     return Cell(
         written(value, digits, signed=signed), tone, is_number=True, sort="" if value is not None else "1e99"
     )
 
 
 def written(value: float | None, digits: int, *, signed: bool = False) -> str:
-    """Write a number.
-
-    Parameters
-    ----------
-    value : float or None
-        The number.
-    digits : int
-        Digits after the point.
-    signed : bool
-        Whether a plus is written.
-
-    Returns
-    -------
-    str
-        With a real minus sign; a dash where there is none.
-    """
+    """Write a number."""
     if value is None:
         return "–"
     text = f"{value:+.{digits}f}" if signed else f"{value:.{digits}f}"

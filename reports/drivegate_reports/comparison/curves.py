@@ -66,18 +66,7 @@ class DifferencePanel:
 
 
 def measured_differences(document: Mapping[str, Any]) -> tuple[DifferencePanel, ...]:
-    """Collect the differences from the first candidate that have an interval.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-
-    Returns
-    -------
-    tuple of DifferencePanel
-        Those that have any.
-    """
+    """Collect the differences from the first candidate that have an interval."""
     ranked = [row["candidate"] for row in document["tables"]["ranking"] if row["rank"] is not None]
     panels = []
     for where, key, title, unit in _PANELS:
@@ -101,20 +90,7 @@ def measured_differences(document: Mapping[str, Any]) -> tuple[DifferencePanel, 
 
 
 def draw_differences(panels: Sequence[DifferencePanel], inks: Mapping[str, Ink]) -> Figure:
-    """Draw means and intervals of differences.
-
-    Parameters
-    ----------
-    panels : sequence of DifferencePanel
-        The differences.
-    inks : mapping
-        How candidates are drawn.
-
-    Returns
-    -------
-    Figure
-        One panel for each quantity, one row for each candidate.
-    """
+    """Draw means and intervals of differences."""
     most = max(len(panel.rows) for panel in panels)
     figure, axes = new_figure(len(panels) * (0.75 + 0.26 * most), len(panels))
     for panel, axis in zip(panels, axes, strict=True):
@@ -135,39 +111,13 @@ def draw_differences(panels: Sequence[DifferencePanel], inks: Mapping[str, Ink])
 
 
 def loads_shown(document: Mapping[str, Any]) -> tuple[float, float]:
-    """Choose the loads that curves over speed are drawn at.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-
-    Returns
-    -------
-    tuple of float
-        The load nearest to half, and the greatest (%).
-    """
+    """Choose the loads that curves over speed are drawn at."""
     loads = [100.0 * share for share in document["size"]["shares"]]
     return min(loads, key=lambda load: abs(load - 50.0)), max(loads)
 
 
 def draw_over_speed(document: Mapping[str, Any], inks: Mapping[str, Ink], loads: Sequence[float]) -> Figure:
-    """Draw Σ|i|, and input power above the least, over speed.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-    inks : mapping
-        How candidates are drawn.
-    loads : sequence of float
-        One load for each column (%).
-
-    Returns
-    -------
-    Figure
-        Two rows, one column for each load.
-    """
+    """Draw Σ|i|, and input power above the least, over speed."""
     from matplotlib.figure import Figure as NewFigure
 
     figure = NewFigure(figsize=(WIDTH_INCH, 5.4), layout="constrained")
@@ -222,22 +172,7 @@ def _legend(figure: Figure, inks: Mapping[str, Ink]) -> None:
 
 
 def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: str) -> Figure:
-    """Draw what follows a disturbance, all candidates overlaid.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-    inks : mapping
-        How candidates are drawn.
-    run : str
-        Name of the run.
-
-    Returns
-    -------
-    Figure
-        Speed error, advance angle and Σ|i| over time.
-    """
+    """Draw what follows a disturbance, all candidates overlaid."""
     figure, panels = new_figure(5.6, 3, (1.2, 1.0, 1.0))
     keys = ("speed_error_rpm", "advance_deg", "current_sum_a")
     entries = [
@@ -271,20 +206,7 @@ def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: 
 
 
 def draw_cycle(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Figure:
-    """Draw the drive cycle: speeds, and energy above that of the first candidate.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-    inks : mapping
-        How candidates are drawn.
-
-    Returns
-    -------
-    Figure
-        Two panels.
-    """
+    """Draw the drive cycle: speeds, and energy above that of the first candidate."""
     figure, panels = new_figure(4.8, 2, (1.0, 1.1))
     entries = {entry["candidate"]: entry for entry in document["cycle_samples"] if entry["candidate"] in inks}
     ordered = [(candidate, entries[candidate]) for candidate in inks if candidate in entries]

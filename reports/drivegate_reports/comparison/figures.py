@@ -46,18 +46,7 @@ class ComparisonFigures:
 
 
 def comparison_figures(document: Mapping[str, Any]) -> ComparisonFigures:
-    """Draw everything.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-
-    Returns
-    -------
-    ComparisonFigures
-        The figures with their words.
-    """
+    """Draw everything."""
     inks = inks_of(document)
     with house_style():
         return ComparisonFigures(

@@ -38,18 +38,7 @@ class Ink:
 
 
 def inks_of(document: Mapping[str, Any]) -> dict[str, Ink]:
-    """Give every candidate that ran its own look.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-
-    Returns
-    -------
-    dict
-        By the candidate's label, in the order of the ranking.
-    """
+    """Give every candidate that ran its own look."""
     order = [entry["label"] for entry in document["candidates"]]
     inks = {}
     for row in document["tables"]["ranking"]:

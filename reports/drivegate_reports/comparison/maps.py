@@ -101,22 +101,7 @@ class CandidateMap:
 
 
 def candidate_map(document: Mapping[str, Any], candidate: str, key: str) -> CandidateMap:
-    """Lay a candidate's operating points out over speed and load.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-    candidate : str
-        Its label.
-    key : str
-        Column of the operating points.
-
-    Returns
-    -------
-    CandidateMap
-        The values where the point was held.
-    """
+    """Lay a candidate's operating points out over speed and load."""
     rows = document["tables"]["operating_points"]
     best = document["tables"]["best_possible"]
     speeds = sorted({row["speed_rpm"] for row in best})
@@ -136,22 +121,7 @@ def candidate_map(document: Mapping[str, Any], candidate: str, key: str) -> Cand
 
 
 def draw_map(document: Mapping[str, Any], inks: Mapping[str, Ink], quantity: MapQuantity) -> Figure:
-    """Draw one quantity for all candidates.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-    inks : mapping
-        How candidates are drawn.
-    quantity : MapQuantity
-        What is shown.
-
-    Returns
-    -------
-    Figure
-        A panel for each candidate, and one scale.
-    """
+    """Draw one quantity for all candidates."""
     from matplotlib.figure import Figure as NewFigure
 
     maps = {candidate: candidate_map(document, candidate, quantity.key) for candidate in inks}
@@ -241,22 +211,7 @@ def _borders(centres: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def map_words(document: Mapping[str, Any], inks: Mapping[str, Ink], quantity: MapQuantity) -> str:
-    """Tell a map in words.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-    inks : mapping
-        How candidates are drawn.
-    quantity : MapQuantity
-        What is shown.
-
-    Returns
-    -------
-    str
-        Range and lost points of each candidate.
-    """
+    """Tell a map in words."""
     told = []
     for candidate in inks:
         drawn = candidate_map(document, candidate, quantity.key)

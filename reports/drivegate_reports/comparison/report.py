@@ -13,48 +13,14 @@ REPORT_FILE: Final = "comparison.html"
 
 
 def write(document: Mapping[str, Any], folder: Path) -> Path:
-    """Write the comparison report.
-
-    Parameters
-    ----------
-    document : mapping
-        The document of a comparison.
-    folder : Path
-        An existing folder.
-
-    Returns
-    -------
-    Path
-        The page, complete in one file.
-
-    Raises
-    ------
-    InputError
-        When the document is no comparison, or the page cannot be written.
-    """
+    """Write the comparison report."""
     path = folder / REPORT_FILE
     write_atomically(path, page(document))
     return path
 
 
 def page(document: Mapping[str, Any]) -> str:
-    """Make the page.
-
-    Parameters
-    ----------
-    document : mapping
-        The document of a comparison.
-
-    Returns
-    -------
-    str
-        HTML; the same text for the same document and versions.
-
-    Raises
-    ------
-    InputError
-        When the document is no comparison.
-    """
+    """Make the page."""
     from drivegate_reports.comparison.figures import comparison_figures
     from drivegate_reports.comparison.view import view_of
     from drivegate_reports.page.page import page_text

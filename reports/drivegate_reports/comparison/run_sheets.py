@@ -12,18 +12,7 @@ Row = Mapping[str, Any]
 
 
 def point_sheet(document: Row) -> Sheet:
-    """Show every candidate at every operating point.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-
-    Returns
-    -------
-    Sheet
-        A row for each.
-    """
+    """Show every candidate at every operating point."""
     rows = tuple(
         (
             Cell(name(row["candidate"])),
@@ -66,18 +55,7 @@ def point_sheet(document: Row) -> Sheet:
 
 
 def disturbance_sheet(document: Row) -> Sheet:
-    """Show how candidates get over disturbances.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-
-    Returns
-    -------
-    Sheet
-        A row for each disturbance and candidate.
-    """
+    """Show how candidates get over disturbances."""
     given = document["tables"]["disturbances"]
     order = list(dict.fromkeys(row["disturbance"] for row in given))
     rows = tuple(
@@ -113,18 +91,7 @@ def _recovery(row: Row) -> Cell:
 
 
 def cycle_sheet(document: Row) -> Sheet:
-    """Show what the drive cycle cost each candidate.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-
-    Returns
-    -------
-    Sheet
-        A row for each candidate: its run with ideal sensors, and the mean of those with noisy ones.
-    """
+    """Show what the drive cycle cost each candidate."""
     runs = document["tables"]["drive_cycle"]
     rows = tuple(
         (
@@ -183,18 +150,7 @@ def _noisy_mean(runs: Sequence[Row]) -> Cell:
 
 
 def check_sheet(document: Row) -> Sheet | None:
-    """Show margin and verdict of every check side by side.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-
-    Returns
-    -------
-    Sheet or None
-        A row for each check; None where no checks were made.
-    """
+    """Show margin and verdict of every check side by side."""
     checks = document["tables"]["checks"]
     if not checks:
         return None
@@ -226,18 +182,7 @@ def _check_cell(row: Row | None) -> Cell:
 
 
 def timing_sheet(document: Row) -> Sheet | None:
-    """Show time and size of a controller's step.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-
-    Returns
-    -------
-    Sheet or None
-        A row for each candidate; None where nothing was timed.
-    """
+    """Show time and size of a controller's step."""
     kinds = {entry["label"]: entry["kind"] for entry in document["candidates"]}
     rows = tuple(
         (

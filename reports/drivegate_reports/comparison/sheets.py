@@ -12,18 +12,7 @@ Row = Mapping[str, Any]
 
 
 def ranking_sheet(document: Row) -> Sheet:
-    """Show the ranking.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-
-    Returns
-    -------
-    Sheet
-        Best first.
-    """
+    """Show the ranking."""
     rows = []
     first = name(document["tables"]["ranking"][0]["candidate"])
     for row in document["tables"]["ranking"]:
@@ -69,18 +58,7 @@ def ranking_sheet(document: Row) -> Sheet:
 
 
 def region_sheet(document: Row) -> Sheet:
-    """Show who wins where.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-
-    Returns
-    -------
-    Sheet
-        A row for each region, a column for each candidate.
-    """
+    """Show who wins where."""
     regions = document["tables"]["regions"]
     labels = list(dict.fromkeys(row["candidate"] for row in regions))
     by_region: dict[str, dict[str, Row]] = {}
@@ -130,18 +108,7 @@ def _region_cell(row: Row) -> Cell:
 
 
 def difference_sheet(document: Row) -> Sheet:
-    """Show every pair of candidates with the uncertainty of its difference.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-
-    Returns
-    -------
-    Sheet
-        A row for each place, quantity and pair.
-    """
+    """Show every pair of candidates with the uncertainty of its difference."""
     words = {
         "input_power_w": "input power",
         "current_sum_a": "Σ|i|",

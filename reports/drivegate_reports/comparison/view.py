@@ -97,23 +97,7 @@ class ComparisonView:
 
 
 def view_of(document: Mapping[str, Any]) -> ComparisonView:
-    """Prepare a comparison document for the page.
-
-    Parameters
-    ----------
-    document : mapping
-        The document of a comparison.
-
-    Returns
-    -------
-    ComparisonView
-        Texts are bounded and printable, but not escaped for HTML.
-
-    Raises
-    ------
-    InputError
-        When it is no comparison, or of a newer schema.
-    """
+    """Prepare a comparison document for the page."""
     if document.get("kind") != KIND:
         raise InputError(f"the document is of kind {document.get('kind')!r}, but must be of kind '{KIND}'")
     schema = document.get("schema")

@@ -21,18 +21,7 @@ _AT_EDGE_DEG: Final = 0.2
 
 
 def account(signals: RunSignals) -> tuple[str, ...]:
-    """Tell a run.
-
-    Parameters
-    ----------
-    signals : RunSignals
-        The run.
-
-    Returns
-    -------
-    tuple of str
-        Sentences, in the order of time.
-    """
+    """Tell a run."""
     point = judged_point(signals)
     told = [_what_was_run(signals)]
     if _lasting(signals, np.abs(signals.speed_error_rpm) > BAND_RPM, _loaded_from(signals, point)) is None:

@@ -62,18 +62,7 @@ class FactRow:
 
 
 def evidence_of(check: str) -> Evidence | None:
-    """Look a check up.
-
-    Parameters
-    ----------
-    check : str
-        Its identifier.
-
-    Returns
-    -------
-    Evidence or None
-        None of a check that this version does not have.
-    """
+    """Look a check up."""
     known = _BY_ID.get(check)
     if known is None:
         return None
@@ -81,13 +70,7 @@ def evidence_of(check: str) -> Evidence | None:
 
 
 def fact_rows() -> tuple[FactRow, ...]:
-    """List the facts with what holds each.
-
-    Returns
-    -------
-    tuple of FactRow
-        In the order of their numbers.
-    """
+    """List the facts with what holds each."""
     labels = {figure.module: figure.label for figure in FIGURES}
     return tuple(
         FactRow(
@@ -103,18 +86,7 @@ def fact_rows() -> tuple[FactRow, ...]:
 
 
 def coverage_gaps(document: Mapping[str, Any]) -> tuple[str, ...]:
-    """List what a result leaves unjudged.
-
-    Parameters
-    ----------
-    document : mapping
-        A result document.
-
-    Returns
-    -------
-    tuple of str
-        Sentences; none where every check was judged on enough runs and every fact is held by a check.
-    """
+    """List what a result leaves unjudged."""
     judged = {str(check["id"]): check for check in document["checks"]}
     gaps = [f"{name} is not in this result." for name in _BY_ID if name not in judged]
     for name, check in judged.items():

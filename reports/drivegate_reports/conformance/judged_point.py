@@ -41,18 +41,7 @@ class JudgedPoint:
 
 
 def judged_point(signals: RunSignals) -> JudgedPoint | None:
-    """Ask the oracle about the conditions at the end of the judged stretch.
-
-    Parameters
-    ----------
-    signals : RunSignals
-        The run.
-
-    Returns
-    -------
-    JudgedPoint or None
-        None where the conditions are not constant there, nothing loads the shaft, or no angle gives the torque.
-    """
+    """Ask the oracle about the conditions at the end of the judged stretch."""
     end = signals.judged_s[1]
     held = [dwell for dwell in dwells(signals.scenario) if dwell.start < end <= dwell.end + 1e-9]
     if not held:

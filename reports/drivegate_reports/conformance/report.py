@@ -13,48 +13,14 @@ REPORT_FILE: Final = "report.html"
 
 
 def write(document: Mapping[str, Any], folder: Path) -> Path:
-    """Write the conformance report.
-
-    Parameters
-    ----------
-    document : mapping
-        The result document of a check.
-    folder : Path
-        An existing folder.
-
-    Returns
-    -------
-    Path
-        The page, complete in one file: its only script sorts and filters tables, and a browser fetches nothing.
-
-    Raises
-    ------
-    InputError
-        When the document is no result of a check, or the page cannot be written.
-    """
+    """Write the conformance report."""
     path = folder / REPORT_FILE
     write_atomically(path, page(document))
     return path
 
 
 def page(document: Mapping[str, Any]) -> str:
-    """Make the page.
-
-    Parameters
-    ----------
-    document : mapping
-        The result document of a check.
-
-    Returns
-    -------
-    str
-        HTML; the same text for the same document and versions.
-
-    Raises
-    ------
-    InputError
-        When the document is no result of a check.
-    """
+    """Make the page."""
     from drivegate_cases.publication.facts import facts, open_assumptions
     from drivegate_reports.conformance.coverage import coverage_gaps, evidence_of, fact_rows
     from drivegate_reports.conformance.runs import margin_figure, shown_runs

@@ -135,35 +135,13 @@ class FaultRow:
 
 
 def margin_bar(margin: float) -> MarginBar:
-    """Turn a margin into a bar.
-
-    Parameters
-    ----------
-    margin : float
-        Distance from the limit over the limit.
-
-    Returns
-    -------
-    MarginBar
-        A margin of 1 or more, or of -1 or less, fills its half of the box.
-    """
+    """Turn a margin into a bar."""
     length = min(abs(margin), 1.0) * 48.0
     return MarginBar(50.0 if margin >= 0.0 else 50.0 - length, max(length, 0.6))
 
 
 def check_row(check: Mapping[str, Any]) -> CheckRow:
-    """Prepare the outcome of a check.
-
-    Parameters
-    ----------
-    check : mapping
-        As in the result document.
-
-    Returns
-    -------
-    CheckRow
-        The row.
-    """
+    """Prepare the outcome of a check."""
     verdict, level = clean(check["verdict"]), clean(check["level"])
     margin = check["margin"]
     scenario = check["scenario"] if check["counterexample"] is None else check["counterexample"]
@@ -215,18 +193,7 @@ def _spread(margins: object) -> str:
 
 
 def comparison_row(entry: Mapping[str, Any]) -> ComparisonRow:
-    """Prepare the comparison of a check with the baseline.
-
-    Parameters
-    ----------
-    entry : mapping
-        As in the result document.
-
-    Returns
-    -------
-    ComparisonRow
-        The row.
-    """
+    """Prepare the comparison of a check with the baseline."""
     verdict, level = clean(entry["verdict"]), clean(entry["level"])
     tone = TONES.get(verdict, "caution" if level == "advisory" else "fail")
     return ComparisonRow(clean(entry["check"]), level, verdict, tone, clean(entry["message"]))
@@ -240,18 +207,7 @@ def _in_short(scenario: Mapping[str, Any]) -> str:
 
 
 def fault_row(fault: Mapping[str, Any]) -> FaultRow:
-    """Prepare a fault.
-
-    Parameters
-    ----------
-    fault : mapping
-        As in the result document.
-
-    Returns
-    -------
-    FaultRow
-        The row.
-    """
+    """Prepare a fault."""
     step, time = fault["step"], fault["time_s"]
     return FaultRow(
         kind=clean(fault["kind"]),

@@ -40,19 +40,7 @@ class ShownRun:
 
 
 def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
-    """Draw the runs of a result document.
-
-    Parameters
-    ----------
-    document : mapping
-        A result document.
-
-    Returns
-    -------
-    dict
-        By identifier of the check, in the order in which a page shows them: those that fail first. Checks without
-        a recording are left out, unless their counterexample is a script, which tells everything itself.
-    """
+    """Draw the runs of a result document."""
     shown: dict[str, ShownRun] = {}
     drawn: dict[tuple[int, tuple[float, float]], PageFigure] = {}
     for check in sorted(document["checks"], key=lambda check: check["counterexample"] is None):
@@ -106,18 +94,7 @@ def _script_figure(script: Script, name: str) -> PageFigure:
 
 
 def margin_figure(document: Mapping[str, Any]) -> PageFigure | None:
-    """Draw the margins of all runs.
-
-    Parameters
-    ----------
-    document : mapping
-        A result document.
-
-    Returns
-    -------
-    PageFigure or None
-        None where the document keeps no margins.
-    """
+    """Draw the margins of all runs."""
     rows = [
         margin_distribution.CheckMargins(clean(check["id"], 40), margins)
         for check in document["checks"]

@@ -73,20 +73,7 @@ class RunSignals:
 
 
 def signals_of(document: Mapping[str, Any], check: Mapping[str, Any]) -> RunSignals | None:
-    """Find the recorded signals of the run that is shown for a check.
-
-    Parameters
-    ----------
-    document : mapping
-        A result document.
-    check : mapping
-        One of its checks.
-
-    Returns
-    -------
-    RunSignals or None
-        None where nothing was recorded, or what is there is no recording.
-    """
+    """Find the recorded signals of the run that is shown for a check."""
     recording, traces = check.get("recording"), document.get("traces")
     scenario = check.get("scenario") if check.get("counterexample") is None else check["counterexample"]
     if not isinstance(recording, Mapping) or not isinstance(traces, list):

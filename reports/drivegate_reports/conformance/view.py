@@ -95,54 +95,16 @@ class ResultView:
         return tuple(row for row in self.checks if row.scenario and not row.file)
 
     def replay(self, row: CheckRow) -> str:
-        """Write the command that runs a counterexample again.
-
-        Parameters
-        ----------
-        row : CheckRow
-            A check with a counterexample.
-
-        Returns
-        -------
-        str
-            The command, for the folder of the page.
-        """
+        """Write the command that runs a counterexample again."""
         return f"drivegate replay {quote(row.file)} --candidate {quote(self.specification)} --plot {quote(row.id)}.svg"
 
     def verdict_of(self, check: str) -> CheckRow | None:
-        """Find a check.
-
-        Parameters
-        ----------
-        check : str
-            Its identifier.
-
-        Returns
-        -------
-        CheckRow or None
-            None where the result does not hold it.
-        """
+        """Find a check."""
         return next((row for row in self.checks if row.id == check), None)
 
 
 def view_of(document: Mapping[str, Any]) -> ResultView:
-    """Prepare a result document for the page.
-
-    Parameters
-    ----------
-    document : mapping
-        A result document of a check.
-
-    Returns
-    -------
-    ResultView
-        Texts are bounded and printable, but not escaped for HTML.
-
-    Raises
-    ------
-    InputError
-        When it is no result of a check, or of a newer schema.
-    """
+    """Prepare a result document for the page."""
     if document.get("kind") != "check":
         raise InputError(
             f"the document is of kind {document.get('kind')!r}, but must be a result of kind 'check'"

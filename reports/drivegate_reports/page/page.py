@@ -18,20 +18,7 @@ SCRIPT: Final = "tables.js"
 
 
 def page_text(template: str, **values: Any) -> str:
-    """Make a page.
-
-    Parameters
-    ----------
-    template : str
-        Name of the template.
-    **values
-        What the template shows; every text of it is escaped.
-
-    Returns
-    -------
-    str
-        HTML, complete in one file; its content policy allows its own style and this script, and no address.
-    """
+    """Make a page."""
     style, script = _part(STYLE_SHEET), _part(SCRIPT)
     return (
         environment()
@@ -42,13 +29,7 @@ def page_text(template: str, **values: Any) -> str:
 
 @cache
 def environment() -> Environment:
-    """Make the environment of the templates.
-
-    Returns
-    -------
-    Environment
-        Every text is escaped, and a name that is not given is an error.
-    """
+    """Make the environment of the templates."""
     from jinja2 import Environment as NewEnvironment
     from jinja2 import PackageLoader, StrictUndefined
 

@@ -13,20 +13,7 @@ LONGEST_BLOCK: Final = 20_000
 
 
 def clean(value: object, longest: int = LONGEST_TEXT) -> str:
-    """Make any text printable and bounded; line ends are kept.
-
-    Parameters
-    ----------
-    value : object
-        A text, or something to be written as one.
-    longest : int
-        Greatest length (characters); of a longer text the end is left out.
-
-    Returns
-    -------
-    str
-        The text with every other unprintable character, also marks of writing direction, as an escape.
-    """
+    """Make any text printable and bounded; line ends are kept."""
     text = str(value)[: longest + 1]
     shown = "".join(
         character
@@ -38,20 +25,7 @@ def clean(value: object, longest: int = LONGEST_TEXT) -> str:
 
 
 def plain_data(value: object, indent: int = 0) -> str:
-    """Write plain data so that it reads well: a line for each key, lists on one line.
-
-    Parameters
-    ----------
-    value : object
-        What JSON can hold.
-    indent : int
-        Depth of the value.
-
-    Returns
-    -------
-    str
-        Lines of ``key: value`` with JSON values.
-    """
+    """Write plain data so that it reads well: a line for each key, lists on one line."""
     if not isinstance(value, Mapping) or not value:
         return json.dumps(value, ensure_ascii=False, default=str)
     lines = []

@@ -72,13 +72,7 @@ _NAMESPACE = re.compile(r'\s+xmlns(?::\w+)?="[^"]*"')
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Draw in the house style, whatever the user's own settings are.
-
-    Yields
-    ------
-    None
-        Inside, new figures are in the house style.
-    """
+    """Draw in the house style, whatever the user's own settings are."""
     import matplotlib
 
     with matplotlib.rc_context():
@@ -92,26 +86,7 @@ def house_style() -> Iterator[None]:
 def new_figure(
     height: float, rows: int, ratios: tuple[float, ...] | None = None, *, fitted: bool = True
 ) -> tuple[Figure, list[Axes]]:
-    """Make a figure of stacked panels; to be called in `house_style`.
-
-    Parameters
-    ----------
-    height : float
-        Height (inch).
-    rows : int
-        Number of panels.
-    ratios : tuple of float, optional
-        Relative heights of the panels, shape (rows,).
-    fitted : bool
-        Fit the panels to their labels; if not, all have the same fixed places, which is much faster.
-
-    Returns
-    -------
-    figure : Figure
-        Free of any window system.
-    panels : list of Axes
-        From top to bottom.
-    """
+    """Make a figure of stacked panels; to be called in `house_style`."""
     from matplotlib.figure import Figure as NewFigure
 
     figure = NewFigure(figsize=(WIDTH_INCH, height), layout="constrained" if fitted else None)
@@ -124,71 +99,23 @@ def new_figure(
 
 
 def ink(colour: str) -> str:
-    """Return the darker shade of a colour in which text is readable on white.
-
-    Parameters
-    ----------
-    colour : str
-        One of this module's colours.
-
-    Returns
-    -------
-    str
-        A colour with a contrast of 4.5 or more on white.
-    """
+    """Return the darker shade of a colour in which text is readable on white."""
     return _INK[colour]
 
 
 def signed(value: float, digits: int) -> str:
-    """Write a number with its sign.
-
-    Parameters
-    ----------
-    value : float
-        The number.
-    digits : int
-        Digits after the point.
-
-    Returns
-    -------
-    str
-        With a plus or a real minus sign; zero without either.
-    """
+    """Write a number with its sign."""
     text = f"{value:+.{digits}f}"
     return text[1:] if float(text) == 0.0 else text.replace("-", "−")
 
 
 def label(panel: Axes, x: float, y: float, text: str, colour: str, **options: Any) -> None:
-    """Write a label beside what it names, in the colour of that.
-
-    Parameters
-    ----------
-    panel : Axes
-        The panel.
-    x, y : float
-        Where, in the panel's units.
-    text : str
-        The label.
-    colour : str
-        Colour of the labelled line, one of this module's.
-    **options
-        Further options of `matplotlib.axes.Axes.text`.
-    """
+    """Write a label beside what it names, in the colour of that."""
     panel.text(x, y, text, color=ink(colour), **{"fontsize": 9.0, **options})
 
 
 def label_ends(panel: Axes, x: float, *lines: tuple[str, float, str]) -> None:
-    """Label lines at their ends, apart from each other where the ends are close.
-
-    Parameters
-    ----------
-    panel : Axes
-        Where; its limits are the final ones.
-    x : float
-        Where the labels begin, in the panel's coordinates.
-    *lines : tuple of (str, float, str)
-        Text, last value and colour of each line.
-    """
+    """Label lines at their ends, apart from each other where the ends are close."""
     low, high = panel.get_ylim()
     gap = 0.17 * (high - low)
     at = -inf
@@ -198,23 +125,7 @@ def label_ends(panel: Axes, x: float, *lines: tuple[str, float, str]) -> None:
 
 
 def svg_document(figure: Figure, name: str, *, letters_as_shapes: bool = True) -> str:
-    """Write a figure as an SVG file of its own.
-
-    Parameters
-    ----------
-    figure : Figure
-        The figure, made in `house_style` and still in it.
-    name : str
-        A name for its identifiers.
-    letters_as_shapes : bool
-        Draw the letters, so that they look the same everywhere; or keep them as text, which is smaller and can
-        be selected.
-
-    Returns
-    -------
-    str
-        The same text for the same figure and version of matplotlib.
-    """
+    """Write a figure as an SVG file of its own."""
     import matplotlib
 
     stream = StringIO()
@@ -228,20 +139,7 @@ def svg_document(figure: Figure, name: str, *, letters_as_shapes: bool = True) -
 
 
 def inline_svg(figure: Figure, name: str) -> str:
-    """Write a figure as an element for a page that holds several figures.
-
-    Parameters
-    ----------
-    figure : Figure
-        The figure, made in `house_style` and still in it.
-    name : str
-        Unique in the page; every identifier begins with it.
-
-    Returns
-    -------
-    str
-        The ``svg`` element, hidden from screen readers: the page describes the figure in words.
-    """
+    """Write a figure as an element for a page that holds several figures."""
     text = svg_document(figure, name, letters_as_shapes=False)
     text = text[text.index("<svg") :]
     text = _NAMED_HERE.sub(lambda match: f'id="{name}-{match[1]}"', text)

@@ -16,53 +16,22 @@ HIGHEST_PUBLISHED_RPM: Final = 1500.0
 
 @cache
 def reference_motor() -> Motor:
-    """Load the calibrated 5-phase motor.
-
-    Returns
-    -------
-    Motor
-        ``paper-5-phase``.
-    """
+    """Load the calibrated 5-phase motor."""
     return load_motor("paper-5-phase")
 
 
 @cache
 def banded_drive() -> Drive:
-    """Make the drive as candidates meet it: with its current band and its core loss.
-
-    Returns
-    -------
-    Drive
-        The nominal plant.
-    """
+    """Make the drive as candidates meet it: with its current band and its core loss."""
     return reference_motor().drive()
 
 
 @cache
 def ideal_drive() -> Drive:
-    """Make the drive as it was calibrated: ideal current regulators and no core loss.
-
-    Returns
-    -------
-    Drive
-        The nominal plant with a band and a core loss of zero.
-    """
+    """Make the drive as it was calibrated: ideal current regulators and no core loss."""
     return banded_drive()._replace(hysteresis_band=0.0, core_loss_conductance=0.0)
 
 
 def power_torque(speed_rpm: float, power_w: float) -> float:
-    """Return the torque of a power.
-
-    Parameters
-    ----------
-    speed_rpm : float
-        Shaft speed (rpm), above 0.
-    power_w : float
-        Power (W).
-
-    Returns
-    -------
-    float
-        Torque (N·m).
-    """
+    """Return the torque of a power."""
     return power_w / (speed_rpm * RADIANS_PER_RPM)

@@ -12,13 +12,7 @@ from drivegate_reports.paper.verdicts import Comparison
 
 @cache
 def comparisons() -> tuple[Comparison, ...]:
-    """Compare every published quantity and statement with what the models give.
-
-    Returns
-    -------
-    tuple of Comparison
-        In the order of the facts.
-    """
+    """Compare every published quantity and statement with what the models give."""
     rows: list[Comparison] = []
     for fact in facts():
         rows += [compared(fact, quantity) for quantity in fact.quantities]
@@ -28,11 +22,5 @@ def comparisons() -> tuple[Comparison, ...]:
 
 @cache
 def all_comparisons() -> tuple[Comparison, ...]:
-    """Compare also what belongs to no fact: the statements on the waveforms of Fig. 1.
-
-    Returns
-    -------
-    tuple of Comparison
-        Those of Fig. 1, then those of the facts.
-    """
+    """Compare also what belongs to no fact: the statements on the waveforms of Fig. 1."""
     return (*(compare() for compare in FIGURE_1), *comparisons())

@@ -15,25 +15,7 @@ DOTS_PER_INCH: Final = 160
 
 
 def write_figure(figure: PaperFigure, folder: Path) -> tuple[Path, Path]:
-    """Write a figure as an SVG and a PNG file.
-
-    Parameters
-    ----------
-    figure : PaperFigure
-        The figure.
-    folder : Path
-        An existing folder.
-
-    Returns
-    -------
-    tuple of Path
-        Both files; the same bytes for the same models and version of matplotlib.
-
-    Raises
-    ------
-    InputError
-        When a file cannot be written.
-    """
+    """Write a figure as an SVG and a PNG file."""
     stream = BytesIO()
     with house_style():
         drawn = figure.draw(figure.compute())

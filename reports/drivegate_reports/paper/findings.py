@@ -46,13 +46,7 @@ class RecomputedFinding:
 
 @cache
 def recomputed_findings() -> tuple[RecomputedFinding, ...]:
-    """Compute the numbers of every finding anew.
-
-    Returns
-    -------
-    tuple of RecomputedFinding
-        In the order of their numbers.
-    """
+    """Compute the numbers of every finding anew."""
     return tuple(
         RecomputedFinding(finding, tuple(_NUMBERS[finding.id]()) if finding.id in _NUMBERS else ())
         for finding in findings()
@@ -145,18 +139,7 @@ def _torque_jumps() -> _Numbers:
 
 
 def local_minima(share: float) -> int:
-    """Count the minima of the current sum over the angle at 1500 rpm.
-
-    Parameters
-    ----------
-    share : float
-        Torque, as a share of that of rated power (1).
-
-    Returns
-    -------
-    int
-        Number of minima on a grid of 0.5°, those at the feasible edge and at 90° included.
-    """
+    """Count the minima of the current sum over the angle at 1500 rpm."""
     speed_rpm = 1500.0
     torque = share * power_torque(speed_rpm, reference_motor().rated_power_w)
     angles = np.radians(np.arange(0.0, 90.01, 0.5))

@@ -36,18 +36,7 @@ class PageFigure:
 
 @cache
 def placed(figure: PaperFigure) -> PageFigure:
-    """Compute and draw a figure.
-
-    Parameters
-    ----------
-    figure : PaperFigure
-        The figure.
-
-    Returns
-    -------
-    PageFigure
-        With its words.
-    """
+    """Compute and draw a figure."""
     data = figure.compute()
     identifier = f"figure-{figure.name}"
     with house_style():
@@ -56,11 +45,5 @@ def placed(figure: PaperFigure) -> PageFigure:
 
 
 def page_figures() -> tuple[PageFigure, ...]:
-    """Compute and draw all figures of the paper.
-
-    Returns
-    -------
-    tuple of PageFigure
-        In the order of the paper.
-    """
+    """Compute and draw all figures of the paper."""
     return tuple(map(placed, FIGURES))

@@ -164,31 +164,12 @@ _OURS: Final[Mapping[tuple[str, str], Callable[[], Ours]]] = {
 
 
 def quantity_keys() -> frozenset[tuple[str, str]]:
-    """List the published quantities that have a value of ours.
-
-    Returns
-    -------
-    frozenset of tuple of str
-        Fact and name of the quantity.
-    """
+    """List the published quantities that have a value of ours."""
     return frozenset(_OURS)
 
 
 def compared(fact: Fact, quantity: Quantity) -> Comparison:
-    """Compare one published quantity with what the models give.
-
-    Parameters
-    ----------
-    fact : Fact
-        The fact that it belongs to.
-    quantity : Quantity
-        The quantity.
-
-    Returns
-    -------
-    Comparison
-        With the verdict that follows from the numbers.
-    """
+    """Compare one published quantity with what the models give."""
     ours = _OURS[fact.id, quantity.name]()
     relation = {"equal": "", "at_most": "at most ", "at_least": "at least "}[quantity.bound]
     bounded = quantity.bound != "equal"

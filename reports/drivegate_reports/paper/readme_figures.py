@@ -23,23 +23,7 @@ README_FIGURES: Final[Mapping[str, Callable[[], Figure]]] = {
 
 
 def write_readme_figures(folder: Path) -> tuple[Path, ...]:
-    """Write the figures of the read-me.
-
-    Parameters
-    ----------
-    folder : Path
-        Where to; made where it is missing.
-
-    Returns
-    -------
-    tuple of Path
-        SVG files, the same bytes for the same models and version of matplotlib.
-
-    Raises
-    ------
-    InputError
-        When the folder cannot be written.
-    """
+    """Write the figures of the read-me."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -57,18 +41,7 @@ def write_readme_figures(folder: Path) -> tuple[Path, ...]:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write the figures into the folder that the command line names.
-
-    Parameters
-    ----------
-    arguments : sequence of str
-        The folder alone.
-
-    Returns
-    -------
-    int
-        Exit code: 0, or 2 for bad usage.
-    """
+    """Write the figures into the folder that the command line names."""
     if len(arguments) != 1:
         sys.stderr.write("usage: python -m drivegate_reports.paper.readme_figures FOLDER\n")
         return 2

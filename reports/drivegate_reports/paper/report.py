@@ -72,23 +72,7 @@ class NumberRow:
 
 
 def reproduce(folder: Path) -> dict[str, Any]:
-    """Reproduce the paper into a folder: page, figures as files, and numbers.
-
-    Parameters
-    ----------
-    folder : Path
-        An existing folder.
-
-    Returns
-    -------
-    dict
-        The document with all numbers, as it is written beside the page.
-
-    Raises
-    ------
-    InputError
-        When a file cannot be written.
-    """
+    """Reproduce the paper into a folder: page, figures as files, and numbers."""
     (folder / FIGURE_FOLDER).mkdir(exist_ok=True)
     compared = all_comparisons()
     figures = [_reproduced(figure, compared, folder) for figure in FIGURES]

@@ -67,14 +67,7 @@ def _power_sum() -> Comparison:
 
 
 def out_of_reach_rpm() -> tuple[float, float]:
-    """Find where the published line of the initial angle does not give rated power.
-
-    Returns
-    -------
-    tuple of float
-        Base speed, and the speed from which on the line lies above the feasible edge up to 1500 rpm (rpm),
-        interpolated between the sweep's speeds.
-    """
+    """Find where the published line of the initial angle does not give rated power."""
     data = input_current_sweep()
     below = np.flatnonzero((data.published_deg < data.edge_deg) & (data.speed_rpm <= HIGHEST_PUBLISHED_RPM))
     base = reference_motor().base_speed_rpm

@@ -63,17 +63,6 @@ class Comparison:
 
 
 def verdict_counts(rows: Sequence[Comparison]) -> tuple[tuple[Verdict, int], ...]:
-    """Count the verdicts.
-
-    Parameters
-    ----------
-    rows : sequence of Comparison
-        The comparisons.
-
-    Returns
-    -------
-    tuple of tuple
-        Each verdict with its number of comparisons.
-    """
+    """Count the verdicts."""
     verdicts = [row.verdict for row in rows]
     return tuple((verdict, verdicts.count(verdict)) for verdict in get_args(Verdict))

@@ -22,23 +22,7 @@ DESIGN_CANDIDATES: Final = MappingProxyType(
 
 
 def design_declaration(name: str) -> Declaration:
-    """Find what a correct candidate of another design declares of itself.
-
-    Parameters
-    ----------
-    name : str
-        Its name, such as ``design:golden-section``.
-
-    Returns
-    -------
-    Declaration
-        The declaration.
-
-    Raises
-    ------
-    InputError
-        When there is no such candidate.
-    """
+    """Find what a correct candidate of another design declares of itself."""
     if name in DESIGN_CANDIDATES:
         return DESIGN_CANDIDATES[name]
     raise InputError(

@@ -22,11 +22,6 @@ from drivegate_models.half_bridge.designs.state import DESIGN_STATE
 class DesignController:
     """One instance of a design: its state, and the compiled functions that it shares.
 
-    Parameters
-    ----------
-    name : str
-        Its name in `drivegate.candidates.builtin.design_candidates.DESIGN_CANDIDATES`.
-
     Attributes
     ----------
     step_address : int
@@ -49,11 +44,5 @@ class DesignController:
         self.fault: Fault | None = None
 
     def reset(self, nameplate: Nameplate) -> None:
-        """Write the constants and forget everything else.
-
-        Parameters
-        ----------
-        nameplate : Nameplate
-            The drive's nominal data.
-        """
+        """Write the constants and forget everything else."""
         design_reset_function()(self._state, nameplate_record(nameplate), self._design)

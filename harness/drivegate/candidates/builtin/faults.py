@@ -316,23 +316,7 @@ MUTATIONS: Final = MappingProxyType({mutation.name: mutation for mutation in _AL
 
 
 def find_mutation(name: str) -> Mutation:
-    """Find a faulty controller.
-
-    Parameters
-    ----------
-    name : str
-        Its name.
-
-    Returns
-    -------
-    Mutation
-        The faulty controller.
-
-    Raises
-    ------
-    InputError
-        When there is none of this name.
-    """
+    """Find a faulty controller."""
     if name not in MUTATIONS:
         raise InputError(
             f"the faulty controller '{one_line(name)}' is unknown, the nearest known one is "

@@ -18,28 +18,12 @@ from drivegate_models.half_bridge.faults.state import FAULTY_STATE
 
 
 def load_faulty_controller(name: str) -> FaultyController:
-    """Make a new instance of a faulty controller.
-
-    Parameters
-    ----------
-    name : str
-        Its name in `drivegate.candidates.builtin.faults.MUTATIONS`.
-
-    Returns
-    -------
-    FaultyController
-        The instance, not yet reset.
-    """
+    """Make a new instance of a faulty controller."""
     return FaultyController(MUTATIONS[name])
 
 
 class FaultyController:
     """One instance of a faulty controller: its state, and the compiled functions that it shares.
-
-    Parameters
-    ----------
-    mutation : Mutation
-        Which one.
 
     Attributes
     ----------
@@ -60,13 +44,7 @@ class FaultyController:
         self.fault: Fault | None = None
 
     def reset(self, nameplate: Nameplate) -> None:
-        """Write the constants, change those that the fault changes, and forget what the fault lets it forget.
-
-        Parameters
-        ----------
-        nameplate : Nameplate
-            The drive's nominal data.
-        """
+        """Write the constants, change those that the fault changes, and forget what the fault lets it forget."""
         mutation = self._mutation
         integral = float(self._state["controller"]["integral"][0])
         controller: NDArray[Any] = np.zeros(1, CONTROLLER_STATE)

@@ -17,18 +17,7 @@ from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
 
 
 def load_builtin_controller(candidate: Candidate) -> Controller:
-    """Make a new instance of a built-in controller.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        A candidate of kind ``builtin``.
-
-    Returns
-    -------
-    Controller
-        The instance, not yet reset.
-    """
+    """Make a new instance of a built-in controller."""
     if candidate.entry.startswith(FAULTY_PREFIX):
         from drivegate.candidates.builtin.faulty_controller import load_faulty_controller
 
@@ -42,11 +31,6 @@ def load_builtin_controller(candidate: Candidate) -> Controller:
 
 class BuiltinController:
     """One instance of a built-in controller: its state, and the compiled functions that it shares.
-
-    Parameters
-    ----------
-    search : int
-        Which search the controller does, as `drivegate_models.half_bridge.controllers.builtin.SEARCHES` has it.
 
     Attributes
     ----------
@@ -70,11 +54,5 @@ class BuiltinController:
         self.fault: Fault | None = None
 
     def reset(self, nameplate: Nameplate) -> None:
-        """Write the constants and forget everything else.
-
-        Parameters
-        ----------
-        nameplate : Nameplate
-            The drive's nominal data.
-        """
+        """Write the constants and forget everything else."""
         reset_function()(self._state, nameplate_record(nameplate), self._search)

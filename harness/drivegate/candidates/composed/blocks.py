@@ -43,15 +43,7 @@ class Exchanged:
 
 
 class AngleModelStep:
-    """The initial advance angle (Fig. 3): a function ``angle_model(speed, nameplate)`` that returns rad.
-
-    Parameters
-    ----------
-    found : object
-        What the manifest names.
-    exchanged : Exchanged
-        Memory that it shares with the compiled rest.
-    """
+    """The initial advance angle (Fig. 3): a function ``angle_model(speed, nameplate)`` that returns rad."""
 
     def __init__(self, found: Any, exchanged: Exchanged) -> None:
         if isinstance(found, type) or not callable(found):
@@ -74,15 +66,7 @@ class AngleModelStep:
 
 
 class SpeedRegulatorStep:
-    """The speed regulator: a class with ``reset(nameplate)`` and ``step(speed_reference, speed, dt)``, which returns A.
-
-    Parameters
-    ----------
-    found : object
-        What the manifest names.
-    exchanged : Exchanged
-        Memory that it shares with the compiled rest.
-    """
+    """The speed regulator: ``reset(nameplate)`` and ``step(speed_reference, speed, dt)``, which returns A."""
 
     def __init__(self, found: Any, exchanged: Exchanged) -> None:
         self._regulator = _instance(found, "speed_regulator", "step(speed_reference, speed, dt)", 3)
@@ -111,15 +95,7 @@ class SpeedRegulatorStep:
 
 
 class SearchStep:
-    """The search (Fig. 4): a class with ``reset(nameplate)`` and ``step(sense, current_reference)``, which returns rad.
-
-    Parameters
-    ----------
-    found : object
-        What the manifest names.
-    exchanged : Exchanged
-        Memory that it shares with the compiled rest.
-    """
+    """The search (Fig. 4): ``reset(nameplate)`` and ``step(sense, current_reference)``, which returns rad."""
 
     def __init__(self, found: Any, exchanged: Exchanged) -> None:
         self._search = _instance(found, "search", "step(sense, current_reference)", 2)

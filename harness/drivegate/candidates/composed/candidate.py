@@ -37,27 +37,7 @@ class Composition:
 
 
 def composed_from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
-    """Find the candidate that a manifest composes.
-
-    Parameters
-    ----------
-    manifest : Manifest
-        The manifest, of the kind ``compose``.
-    specification : str
-        Its path.
-    folder : Path
-        Its folder, from which paths in it start.
-
-    Returns
-    -------
-    Candidate
-        The candidate, none of whose code has run.
-
-    Raises
-    ------
-    InputError
-        When there is no such built-in controller, or no such file or module.
-    """
+    """Find the candidate that a manifest composes."""
     where = shown_path(specification)
     if manifest.entry not in BUILTIN_CANDIDATES:
         raise InputError(

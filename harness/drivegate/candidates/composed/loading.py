@@ -27,25 +27,7 @@ _CONTROLLER: Final = "controller"
 
 
 def load_composed_controller(candidate: Candidate) -> Controller:
-    """Make a new instance of a composed candidate; the modules of its blocks are imported once a process.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        A candidate of kind ``compose``.
-
-    Returns
-    -------
-    Controller
-        The instance, not yet reset.
-
-    Raises
-    ------
-    InputError
-        When a block is missing, or cannot be called as it is going to be.
-    CandidateFault
-        When a module or a class raises.
-    """
+    """Make a new instance of a composed candidate; the modules of its blocks are imported once a process."""
     if not isinstance(candidate.details, Composition):
         raise HarnessFault(f"the candidate {candidate.name} of kind {candidate.kind} has no blocks")
     named = {name: named_in_module(candidate, entry) for name, entry in candidate.details.blocks}
@@ -55,26 +37,12 @@ def load_composed_controller(candidate: Candidate) -> Controller:
 class ComposedController:
     """One instance of a composed controller.
 
-    Parameters
-    ----------
-    base : str
-        The built-in controller whose other blocks it has.
-    blocks : dict
-        The blocks of its own, as their modules have them.
-
     Attributes
     ----------
     step_address : int
         Address of the compiled `drivegate_step`.
     state_address : int
         Address of the state; valid as long as this object lives.
-
-    Raises
-    ------
-    InputError
-        When a block cannot be called as it is going to be.
-    CandidateFault
-        When a class raises.
     """
 
     def __init__(self, base: str, blocks: dict[str, Any]) -> None:
@@ -97,18 +65,7 @@ class ComposedController:
         return next((fault for fault in faults if fault is not None), None)
 
     def reset(self, nameplate: Nameplate) -> None:
-        """Write the constants, forget everything else, and reset the blocks.
-
-        Parameters
-        ----------
-        nameplate : Nameplate
-            The drive's nominal data.
-
-        Raises
-        ------
-        CandidateFault
-            When a block raises.
-        """
+        """Write the constants, forget everything else, and reset the blocks."""
         reset_function()(self._state[_CONTROLLER], nameplate_record(nameplate), self._search)
         for name, bridge in self._bridges.items():
             bridge.reset(nameplate)

@@ -29,24 +29,7 @@ _DAMAGED: Final = (
 
 
 def unpack(file: Path, folder: Path, *, most_files: int = MOST_FILES, most_bytes: int = MOST_BYTES) -> None:
-    """Unpack an FMU.
-
-    Parameters
-    ----------
-    file : Path
-        The FMU.
-    folder : Path
-        An empty folder, which receives its files.
-    most_files : int
-        Entries that it may have.
-    most_bytes : int
-        Size that its files may have together.
-
-    Raises
-    ------
-    InputError
-        When the file is no zip archive, is damaged, is too large, or would write outside of the folder.
-    """
+    """Unpack an FMU."""
     try:
         archive = zipfile.ZipFile(file)
     except _DAMAGED as error:

@@ -17,49 +17,13 @@ _SUFFIX: Final = ".fmu"
 
 
 def fmu_candidate(specification: str) -> Candidate:
-    """Find the candidate that an FMU is.
-
-    Parameters
-    ----------
-    specification : str
-        Path of a file ``*.fmu``.
-
-    Returns
-    -------
-    Candidate
-        The candidate; whether its file is a usable FMU shows when a worker process loads it.
-
-    Raises
-    ------
-    InputError
-        When there is no such file.
-    """
+    """Find the candidate that an FMU is."""
     file = existing_file(Path(specification))
     return _candidate(Path(specification).name, specification, file, (), Declaration())
 
 
 def fmu_from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
-    """Find the FMU that a manifest describes.
-
-    Parameters
-    ----------
-    manifest : Manifest
-        A manifest of the kind ``fmu``.
-    specification : str
-        What named it.
-    folder : Path
-        Folder from which its paths start.
-
-    Returns
-    -------
-    Candidate
-        The candidate; whether its file is a usable FMU shows when a worker process loads it.
-
-    Raises
-    ------
-    InputError
-        When a file is missing, or the entry is no FMU.
-    """
+    """Find the FMU that a manifest describes."""
     if Path(manifest.entry).suffix.lower() != _SUFFIX:
         raise InputError(
             f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', but for the kind 'fmu' "

@@ -57,26 +57,7 @@ class FmuDescription:
 
 
 def read_description(file: Path, folder: Path) -> FmuDescription:
-    """Read the description of an unpacked FMU.
-
-    Parameters
-    ----------
-    file : Path
-        The FMU, for messages.
-    folder : Path
-        Where it is unpacked.
-
-    Returns
-    -------
-    FmuDescription
-        What it says of itself.
-
-    Raises
-    ------
-    InputError
-        When it has no valid description, is not for co-simulation by FMI 2.0 or 3.0, or its variables are not
-        those of a controller.
-    """
+    """Read the description of an unpacked FMU."""
     outline = _outline(file, folder / DESCRIPTION)
     version = _version_of(file, outline)
     model = _model_description(file, folder / DESCRIPTION)

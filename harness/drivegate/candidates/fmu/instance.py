@@ -30,15 +30,7 @@ class FmuError(Exception):
 
 
 class FmuInstance(ABC):
-    """An FMU as an object with `reset` and `step`.
-
-    Parameters
-    ----------
-    description : FmuDescription
-        What it says of itself.
-    slave : fmpy.fmi2.FMU2Slave or fmpy.fmi3.FMU3Slave
-        Its library, loaded.
-    """
+    """An FMU as an object with `reset` and `step`."""
 
     prefix: ClassVar[str]
     """What the names of the version's functions begin with."""
@@ -71,18 +63,7 @@ class FmuInstance(ABC):
         self._do_step: Callable[[float, float], int]
 
     def reset(self, nameplate: Nameplate) -> None:
-        """Replace the instance by a new one, so that nothing of an earlier run is left in it.
-
-        Parameters
-        ----------
-        nameplate : Nameplate
-            The drive's nominal data.
-
-        Raises
-        ------
-        FmuError
-            When the FMU cannot be instantiated or refuses a parameter.
-        """
+        """Replace the instance by a new one, so that nothing of an earlier run is left in it."""
         self.close()
         forget_messages()
         try:
@@ -104,23 +85,7 @@ class FmuInstance(ABC):
                 self._set_parameter(parameter.kind, parameter.reference, getattr(nameplate, parameter.field))
 
     def step(self, sense: Sense) -> Command:
-        """Answer for one control period.
-
-        Parameters
-        ----------
-        sense : Sense
-            What the inputs are set to.
-
-        Returns
-        -------
-        Command
-            What the outputs are at the end of the communication step.
-
-        Raises
-        ------
-        FmuError
-            When the FMU reports a failure.
-        """
+        """Answer for one control period."""
         if self._component is None:
             raise FmuError(
                 "the FMU can be instantiated once in a process, and another instance took this one's place"
@@ -187,38 +152,12 @@ class FmuInstance(ABC):
 
 
 def block_of(references: "ctypes.Array[ctypes.c_uint32]") -> tuple[int, int]:
-    """Tell where value references are, and how many.
-
-    Parameters
-    ----------
-    references : array of c_uint32
-        The value references, which have to outlive what is done with the address.
-
-    Returns
-    -------
-    tuple of int
-        Address and number.
-    """
+    """Tell where value references are, and how many."""
     return ctypes.addressof(references), len(references)
 
 
 def function_of(library: ctypes.CDLL, name: str, types: tuple[Any, ...]) -> Callable[..., int]:
-    """Find a function of an FMU that is called in every step; fmpy's own methods take much longer.
-
-    Parameters
-    ----------
-    library : CDLL
-        The FMU's library.
-    name : str
-        Name of the function.
-    types : tuple
-        The ctypes types of what it takes.
-
-    Returns
-    -------
-    callable
-        The function, which returns a status.
-    """
+    """Find a function of an FMU that is called in every step; fmpy's own methods take much longer."""
     function: Callable[..., int] = ctypes.CFUNCTYPE(ctypes.c_int, *types)((name, library))
     return function
 

@@ -23,23 +23,7 @@ from drivegate_models.errors import InputError
 
 
 def load_fmu_controller(candidate: Candidate) -> "FmuController":
-    """Make a new instance of an FMU; its file is unpacked once a process.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        A candidate of kind ``fmu``.
-
-    Returns
-    -------
-    FmuController
-        The instance, not yet reset.
-
-    Raises
-    ------
-    InputError
-        When fmpy is missing, or the file is no FMU that can be run here as a controller.
-    """
+    """Make a new instance of an FMU; its file is unpacked once a process."""
     try:
         import fmpy  # noqa: F401
     except ImportError as error:
@@ -53,11 +37,6 @@ def load_fmu_controller(candidate: Candidate) -> "FmuController":
 
 class UnpackedFmu:
     """An FMU in a temporary folder, which goes when the process ends.
-
-    Parameters
-    ----------
-    file : Path
-        The FMU.
 
     Attributes
     ----------
@@ -84,18 +63,7 @@ class UnpackedFmu:
             raise
 
     def instance(self) -> FmuInstance:
-        """Load the library.
-
-        Returns
-        -------
-        FmuInstance
-            An instance of the FMU, not yet reset.
-
-        Raises
-        ------
-        InputError
-            When the library cannot be loaded.
-        """
+        """Load the library."""
         # Some libraries are loaded from their own folder, and fmpy stays in it when that fails.
         with contextlib.chdir(Path.cwd()):
             try:
@@ -108,13 +76,7 @@ class UnpackedFmu:
                 ) from error
 
     def give_way(self, instance: FmuInstance) -> None:
-        """Make room for an instance of an FMU that can have only one in a process.
-
-        Parameters
-        ----------
-        instance : FmuInstance
-            The instance that is about to be reset.
-        """
+        """Make room for an instance of an FMU that can have only one in a process."""
         if not self.description.only_once:
             return
         current = self._current() if self._current is not None else None
@@ -138,13 +100,7 @@ class UnpackedFmu:
 
 
 class FmuController(PythonController):
-    """An FMU behind the C function that the compiled loop calls.
-
-    Parameters
-    ----------
-    unpacked : UnpackedFmu
-        The FMU.
-    """
+    """An FMU behind the C function that the compiled loop calls."""
 
     def __init__(self, unpacked: UnpackedFmu) -> None:
         self._unpacked = unpacked
@@ -152,20 +108,7 @@ class FmuController(PythonController):
         super().__init__(self._fmu)
 
     def reset(self, nameplate: Nameplate) -> None:
-        """Instantiate the FMU anew before a run.
-
-        Parameters
-        ----------
-        nameplate : Nameplate
-            The drive's nominal data.
-
-        Raises
-        ------
-        InputError
-            When the FMU takes the currents of another number of phases.
-        CandidateFault
-            When the FMU reports a failure.
-        """
+        """Instantiate the FMU anew before a run."""
         count = self._unpacked.description.connections.phase_currents
         if count not in (0, nameplate.phases):
             raise InputError(

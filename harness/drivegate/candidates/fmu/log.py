@@ -19,47 +19,18 @@ def forget_messages() -> None:
 
 
 def with_messages(sentence: str) -> str:
-    """Add to a sentence what has been logged.
-
-    Parameters
-    ----------
-    sentence : str
-        What went wrong.
-
-    Returns
-    -------
-    str
-        The same with the last messages, if there are any.
-    """
+    """Add to a sentence what has been logged."""
     return f"{sentence}: {'; '.join(_messages)}" if _messages else sentence
 
 
 def log_3(_environment: int | None, status: int, _category: bytes | None, message: bytes | None) -> None:
-    """Keep a message: the callback of FMI 3.0.
-
-    Parameters
-    ----------
-    _environment : int or None
-        Not used.
-    status : int
-        Status that the message tells about; those about OK are not kept.
-    _category : bytes or None
-        Not used.
-    message : bytes or None
-        The message.
-    """
+    """Keep a message: the callback of FMI 3.0."""
     _keep(status, message)
 
 
 @cache
 def callbacks_2() -> Any:
-    """Make the callbacks of FMI 2.0, once: fmpy's formatter of messages passes them on to one place only.
-
-    Returns
-    -------
-    fmpy.fmi2.fmi2CallbackFunctions
-        The callbacks, which live as long as the process.
-    """
+    """Make the callbacks of FMI 2.0, once: fmpy's formatter of messages passes them on to one place only."""
     import fmpy
     from fmpy import fmi2
 

@@ -93,38 +93,14 @@ class Connections:
 
 
 class Mismatch(Exception):
-    """The variables of an FMU are not those of a controller.
-
-    Parameters
-    ----------
-    problems : sequence of str
-        Everything that is wrong with them.
-    """
+    """The variables of an FMU are not those of a controller."""
 
     def __init__(self, problems: Sequence[str]) -> None:
         super().__init__(", ".join(problems))
 
 
 def connections_of(variables: Iterable[Variable], version: int) -> Connections:
-    """Connect the variables of an FMU.
-
-    Parameters
-    ----------
-    variables : iterable of Variable
-        All its variables.
-    version : int
-        Version of FMI: 2 or 3.
-
-    Returns
-    -------
-    Connections
-        What carries what.
-
-    Raises
-    ------
-    Mismatch
-        When a variable is missing, of a wrong type or causality, or is an input that nothing would be set to.
-    """
+    """Connect the variables of an FMU."""
     by_name = {variable.name: variable for variable in variables}
     problems: list[str] = []
     required = [

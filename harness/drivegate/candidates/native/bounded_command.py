@@ -41,13 +41,7 @@ class Bounds:
     file_bytes: int = 64 * 2**20
 
     def in_words(self) -> str:
-        """Tell the bounds.
-
-        Returns
-        -------
-        str
-            Part of a sentence.
-        """
+        """Tell the bounds."""
         memory, file = self.memory_bytes / 2**30, self.file_bytes / 2**20
         return f"{self.seconds:g} s, {memory:g} GiB of memory and files of {file:g} MiB"
 
@@ -75,24 +69,7 @@ class Ended:
 def run_bounded(
     words: Sequence[str], *, folder: Path, environment: Mapping[str, str], bounds: Bounds
 ) -> Ended:
-    """Run a tool to its end, or to that of its time.
-
-    Parameters
-    ----------
-    words : sequence of str
-        The tool and its arguments.
-    folder : Path
-        Where it runs.
-    environment : mapping
-        Variables to set beside those of this process.
-    bounds : Bounds
-        What it may use.
-
-    Returns
-    -------
-    Ended
-        How it ended.
-    """
+    """Run a tool to its end, or to that of its time."""
     # The processor time is for what escapes from the process group.
     processor = ceil(bounds.seconds) + 1
     limits = (str(processor), str(bounds.memory_bytes // 1024), str(bounds.file_bytes // 512))

@@ -43,23 +43,6 @@ def built_library(plan: Compilation) -> tuple[Path, tuple[Path, ...]]:
     """Compile sources, or find what was compiled of the same ones before.
 
     The compiler's first warning is logged, when it compiles.
-
-    Parameters
-    ----------
-    plan : Compilation
-        What is compiled.
-
-    Returns
-    -------
-    library : Path
-        The shared library.
-    sources : tuple of Path
-        The files that it is made of, the system's and drivegate's own headers apart.
-
-    Raises
-    ------
-    InputError
-        When there is no compiler, or it refuses the sources.
     """
     compiler = c_compiler()
     folder = _cache_folder()

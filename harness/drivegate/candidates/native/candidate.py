@@ -47,23 +47,7 @@ class NativeBuild:
 
 
 def native_candidate(specification: str) -> Candidate:
-    """Find the candidate that a C source or a shared library is.
-
-    Parameters
-    ----------
-    specification : str
-        Path of a file ``*.c`` or ``*.so``.
-
-    Returns
-    -------
-    Candidate
-        The candidate, compiled, none of whose code has run.
-
-    Raises
-    ------
-    InputError
-        When there is no such file, or it does not compile, or it is no library for this machine.
-    """
+    """Find the candidate that a C source or a shared library is."""
     file = existing_file(Path(specification))
     name = Path(specification).name
     if _SUFFIXES[file.suffix.lower()] == "so":
@@ -72,27 +56,7 @@ def native_candidate(specification: str) -> Candidate:
 
 
 def native_from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
-    """Find the native candidate that a manifest describes.
-
-    Parameters
-    ----------
-    manifest : Manifest
-        A manifest of the kind ``c`` or ``so``.
-    specification : str
-        What named it.
-    folder : Path
-        Folder from which its paths start.
-
-    Returns
-    -------
-    Candidate
-        The candidate, compiled, none of whose code has run.
-
-    Raises
-    ------
-    InputError
-        When a file is missing or not what its kind needs, or does not compile.
-    """
+    """Find the native candidate that a manifest describes."""
     where = shown_path(specification)
     entry = existing_file(folder / manifest.entry)
     if _SUFFIXES.get(entry.suffix.lower()) != manifest.kind:

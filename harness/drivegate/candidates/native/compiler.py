@@ -69,15 +69,7 @@ class Compilation:
 
 
 class CompilationError(InputError):
-    """The compiler refuses the sources.
-
-    Parameters
-    ----------
-    sentence : str
-        What is wrong, and where.
-    output : str
-        All that the compiler printed.
-    """
+    """The compiler refuses the sources."""
 
     def __init__(self, sentence: str, output: str) -> None:
         super().__init__(sentence)
@@ -85,29 +77,12 @@ class CompilationError(InputError):
 
 
 def include_folder() -> Path:
-    """Find the folder of the header `drivegate.h`.
-
-    Returns
-    -------
-    Path
-        What a compiler takes behind ``-I``.
-    """
+    """Find the folder of the header `drivegate.h`."""
     return Path(outer_loop.__file__).resolve().parent
 
 
 def c_compiler() -> tuple[str, ...]:
-    """Find the C compiler: the one that the environment variable `CC` names, or `cc`.
-
-    Returns
-    -------
-    tuple of str
-        The program, with the arguments that `CC` gives it.
-
-    Raises
-    ------
-    InputError
-        When there is none.
-    """
+    """Find the C compiler: the one that the environment variable `CC` names, or `cc`."""
     chosen = os.environ.get("CC", "").strip()
     try:
         words = shlex.split(chosen) or ["cc"]
@@ -127,44 +102,13 @@ def c_compiler() -> tuple[str, ...]:
 
 
 def compiler_version(compiler: Sequence[str]) -> str:
-    """Ask a compiler for its version.
-
-    Parameters
-    ----------
-    compiler : sequence of str
-        The compiler.
-
-    Returns
-    -------
-    str
-        The first line of what it tells; empty when it tells nothing.
-    """
+    """Ask a compiler for its version."""
     ended = run_bounded([*compiler, "--version"], folder=Path.cwd(), environment={}, bounds=Bounds(10.0))
     return bounded_line(next(iter(ended.output.splitlines()), ""))
 
 
 def used_files(compiler: Sequence[str], plan: Compilation, scratch: Path) -> tuple[Path, ...]:
-    """Ask the compiler for the files that the sources are made of, those of the system apart.
-
-    Parameters
-    ----------
-    compiler : sequence of str
-        The compiler.
-    plan : Compilation
-        What is to be compiled.
-    scratch : Path
-        An empty folder.
-
-    Returns
-    -------
-    tuple of Path
-        The sources and the headers that they include.
-
-    Raises
-    ------
-    CompilationError
-        When a header is missing, or the sources cannot be read to their end.
-    """
+    """Ask the compiler for the files that the sources are made of, those of the system apart."""
     # Of several sources, each would overwrite what is told of the one before.
     lists = (_used_by(source, compiler, plan, scratch / "dependencies") for source in plan.sources)
     return tuple(dict.fromkeys(file for files in lists for file in files))
@@ -179,29 +123,7 @@ def _used_by(source: str, compiler: Sequence[str], plan: Compilation, rule: Path
 
 
 def compile_library(compiler: Sequence[str], plan: Compilation, scratch: Path) -> tuple[Path, str]:
-    """Compile sources to a shared library.
-
-    Parameters
-    ----------
-    compiler : sequence of str
-        The compiler.
-    plan : Compilation
-        What is compiled.
-    scratch : Path
-        Folder that receives the library.
-
-    Returns
-    -------
-    library : Path
-        The library.
-    output : str
-        What the compiler printed: its warnings.
-
-    Raises
-    ------
-    CompilationError
-        When the sources do not compile.
-    """
+    """Compile sources to a shared library."""
     library = scratch / "library.so"
     libraries = [flag for flag in plan.flags if flag.startswith("-l")]
     command = [*compiler, *_options(plan), "-shared", "-o", str(library), *_named(plan.sources)]
@@ -210,18 +132,7 @@ def compile_library(compiler: Sequence[str], plan: Compilation, scratch: Path) -
 
 
 def warnings_in_words(output: str) -> str:
-    """Sum up the warnings of a compiler.
-
-    Parameters
-    ----------
-    output : str
-        What it printed.
-
-    Returns
-    -------
-    str
-        One line; empty when it warns of nothing.
-    """
+    """Sum up the warnings of a compiler."""
     found = list(_WARNING.finditer(output))
     if not found:
         return ""

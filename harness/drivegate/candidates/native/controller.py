@@ -32,11 +32,6 @@ def same_arithmetic() -> Iterator[None]:
     """Undo what a candidate's code does to the rounding of the process in which the plant is computed.
 
     A library that is linked with `-ffast-math` makes all small numbers zero as soon as it is loaded.
-
-    Yields
-    ------
-    None
-        While the candidate's code runs.
     """
     try:
         yield
@@ -48,15 +43,6 @@ class NativeController:
     """One instance of a native candidate: its state, and the functions that it shares.
 
     The state is zeroed once, here; forgetting an earlier run is for the candidate's reset.
-
-    Parameters
-    ----------
-    step_address : int
-        Address of `drivegate_step`.
-    reset : callable
-        Calls `drivegate_reset`.
-    state_size : int
-        Size of the state in bytes; with 0 the candidate is given no state.
 
     Attributes
     ----------
@@ -83,18 +69,7 @@ class NativeController:
         return self._fault
 
     def reset(self, nameplate: Nameplate) -> None:
-        """Have the candidate prepare for a run.
-
-        Parameters
-        ----------
-        nameplate : Nameplate
-            The drive's nominal data.
-
-        Raises
-        ------
-        CandidateFault
-            When it refuses.
-        """
+        """Have the candidate prepare for a run."""
         record = nameplate_record(nameplate)
         with same_arithmetic():
             status = self._reset(self.state_address, record.ctypes.data)

@@ -25,21 +25,6 @@ def load_native_controller(candidate: Candidate) -> Controller:
     """Make a new instance of a native candidate; its library is loaded once a process.
 
     A candidate whose state is in globals has one instance in a process, which is returned again.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        A candidate of kind ``c`` or ``so``.
-
-    Returns
-    -------
-    Controller
-        The instance, not yet reset.
-
-    Raises
-    ------
-    InputError
-        When the library cannot be loaded or is not made for this version of the contract.
     """
     if not isinstance(candidate.details, NativeBuild):
         raise HarnessFault(f"the candidate {candidate.name} of kind {candidate.kind} was not built")

@@ -63,15 +63,7 @@ def phase_current(sense: Any, index: int) -> float:
 
 
 class CompiledController(NativeController):
-    """One instance of a numba candidate; an exception in its step is told as that of a Python candidate.
-
-    Parameters
-    ----------
-    step, reset : CFunc
-        The compiled functions, which live as long as this object.
-    state_size : int
-        Size of the state in bytes.
-    """
+    """One instance of a numba candidate; an exception in its step is told as that of a Python candidate."""
 
     def __init__(self, step: Any, reset: Any, state_size: int) -> None:
         self._functions = (step, reset)
@@ -119,25 +111,7 @@ _raised: Final = _RaisedExceptions()
 
 
 def load_numba_controller(definition: NumbaController, name: str) -> CompiledController:
-    """Compile a numba candidate.
-
-    Parameters
-    ----------
-    definition : NumbaController
-        What the author wrote.
-    name : str
-        What it is called in messages.
-
-    Returns
-    -------
-    CompiledController
-        An instance, not yet reset.
-
-    Raises
-    ------
-    InputError
-        When something about it is wrong, or it does not compile.
-    """
+    """Compile a numba candidate."""
     functions = (definition.reset, definition.step)
     if all(isinstance(function, CFunc) for function in functions):
         return _from_callbacks(definition, name)

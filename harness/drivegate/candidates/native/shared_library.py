@@ -28,18 +28,7 @@ _OTHER_NAMES: Final = {"amd64": "x86_64", "arm64": "aarch64", "ppc64": "ppc64le"
 
 
 def check_shared_library(file: Path) -> None:
-    """Refuse a file that is no shared library for this machine.
-
-    Parameters
-    ----------
-    file : Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        When it is something else; where libraries are not ELF files, loading it tells.
-    """
+    """Refuse a file that is no shared library for this machine."""
     if not sys.platform.startswith("linux"):
         return
     try:

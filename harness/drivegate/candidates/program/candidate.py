@@ -43,23 +43,7 @@ class Program:
 
 
 def exec_candidate(specification: str) -> Candidate:
-    """Find the program that a string names; it starts in the present folder.
-
-    Parameters
-    ----------
-    specification : str
-        ``exec:`` and a command line, with words and quotes as a shell takes them; nothing else of a shell.
-
-    Returns
-    -------
-    Candidate
-        The candidate, none of whose code has run.
-
-    Raises
-    ------
-    InputError
-        When the command line is not one, or there is no such program.
-    """
+    """Find the program that a string names; it starts in the present folder."""
     command = specification.removeprefix(_PREFIX).strip()
     where = f"the candidate '{one_line(specification)}'"
     words = _words(command, where, f"write {_EXAMPLE}")
@@ -69,27 +53,7 @@ def exec_candidate(specification: str) -> Candidate:
 
 
 def exec_from_manifest(manifest: "Manifest", specification: str, folder: Path) -> Candidate:
-    """Find the program that a manifest names; it starts in the manifest's folder.
-
-    Parameters
-    ----------
-    manifest : Manifest
-        The manifest, of kind `exec`; its entry is the command line.
-    specification : str
-        The string that named the manifest.
-    folder : Path
-        The manifest's folder.
-
-    Returns
-    -------
-    Candidate
-        The candidate, none of whose code has run.
-
-    Raises
-    ------
-    InputError
-        When the command line is not one, or a file is missing.
-    """
+    """Find the program that a manifest names; it starts in the manifest's folder."""
     where = f"{shown_path(specification)}: the key 'entry'"
     words = _words(manifest.entry, where, "write a command line, such as 'python3 controller.py'")
     deadline = STEP_DEADLINE if manifest.step_deadline_s is None else manifest.step_deadline_s

@@ -29,40 +29,14 @@ _Answer = TypeVar("_Answer")
 
 
 def load_exec_controller(candidate: Candidate) -> PythonController:
-    """Start a candidate's program and shake hands with it.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        A candidate of kind ``exec``.
-
-    Returns
-    -------
-    PythonController
-        The instance, not yet reset; the program ends with it.
-
-    Raises
-    ------
-    InputError
-        When the program cannot be started, or speaks another version of the protocol.
-    CandidateFault
-        When it does not answer as it should.
-    """
+    """Start a candidate's program and shake hands with it."""
     if not isinstance(candidate.details, Program):
         raise HarnessFault(f"the candidate '{one_line(candidate.name)}' is no program")
     return PythonController(ExecutedProgram(candidate.details, candidate.folder))
 
 
 class ExecutedProgram:
-    """A program with the methods of a Python candidate.
-
-    Parameters
-    ----------
-    program : Program
-        What to start.
-    folder : Path
-        Where it starts.
-    """
+    """A program with the methods of a Python candidate."""
 
     def __init__(self, program: Program, folder: Path) -> None:
         self._process = ProgramProcess(program, folder)
@@ -74,38 +48,11 @@ class ExecutedProgram:
             raise
 
     def reset(self, nameplate: Nameplate) -> None:
-        """Send the nameplate.
-
-        Parameters
-        ----------
-        nameplate : Nameplate
-            The drive's nominal data.
-
-        Raises
-        ------
-        CandidateFault
-            When the program does not answer as it should.
-        """
+        """Send the nameplate."""
         self._asked(reset_message(nameplate), check_ready, START_DEADLINE, "reset")
 
     def step(self, sense: Sense) -> Command:
-        """Send a Sense and take the Command that answers it.
-
-        Parameters
-        ----------
-        sense : Sense
-            What the program is told.
-
-        Returns
-        -------
-        Command
-            Its answer.
-
-        Raises
-        ------
-        CandidateFault
-            When the program does not answer as it should.
-        """
+        """Send a Sense and take the Command that answers it."""
         return self._asked(sense_message(sense), command_of, self._step_deadline, "step")
 
     def _asked(

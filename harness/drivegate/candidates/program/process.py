@@ -23,15 +23,7 @@ class LateAnswer(Exception):
 
 
 class ProgramEnded(Exception):
-    """The program has ended by itself.
-
-    Parameters
-    ----------
-    sentence : str
-        How.
-    signal_name : str
-        The signal that killed it; empty if there was none.
-    """
+    """The program has ended by itself."""
 
     def __init__(self, sentence: str, signal_name: str) -> None:
         super().__init__(sentence)
@@ -42,18 +34,6 @@ class ProgramProcess:
     """A program that has been started, in a process group of its own; it ends with this object.
 
     Its standard error is that of this process. It inherits no other descriptor.
-
-    Parameters
-    ----------
-    program : Program
-        What to start.
-    folder : Path
-        Where it starts.
-
-    Raises
-    ------
-    InputError
-        When it cannot be started.
     """
 
     def __init__(self, program: Program, folder: Path) -> None:
@@ -83,29 +63,7 @@ class ProgramProcess:
         self.end = weakref.finalize(self, _end, os.getpid(), process)
 
     def ask(self, message: bytes, deadline: float) -> bytes:
-        """Send one line and wait for the line that answers it.
-
-        Parameters
-        ----------
-        message : bytes
-            The line.
-        deadline : float
-            Time that the program has for it (s).
-
-        Returns
-        -------
-        bytes
-            The answer with its line end.
-
-        Raises
-        ------
-        WrongAnswer
-            When there is more or less than one line of at most `LONGEST_LINE` bytes.
-        LateAnswer
-            When there is none in time.
-        ProgramEnded
-            When the program has ended.
-        """
+        """Send one line and wait for the line that answers it."""
         if self._news.poll(0):
             self._refuse_unasked()
         try:

@@ -26,34 +26,12 @@ class WrongAnswer(Exception):
 
 
 def reset_message(nameplate: Nameplate) -> bytes:
-    """Write the message at the beginning of a run.
-
-    Parameters
-    ----------
-    nameplate : Nameplate
-        The drive's nominal data.
-
-    Returns
-    -------
-    bytes
-        One line.
-    """
+    """Write the message at the beginning of a run."""
     return json.dumps({"reset": nameplate._asdict()}, separators=(",", ":")).encode() + b"\n"
 
 
 def sense_message(sense: Sense) -> bytes:
-    """Write the message of one control period; this is done in every step, hence not by `json`.
-
-    Parameters
-    ----------
-    sense : Sense
-        Finite numbers.
-
-    Returns
-    -------
-    bytes
-        One line.
-    """
+    """Write the message of one control period; this is done in every step, hence not by `json`."""
     time, speed_reference, speed, currents, magnitude_sum, voltage = sense
     return (
         f'{{"sense":{{"time":{time!r},"speed_reference":{speed_reference!r},"speed":{speed!r},'
@@ -63,20 +41,7 @@ def sense_message(sense: Sense) -> bytes:
 
 
 def check_hello(line: bytes) -> None:
-    """Read the answer to the first message.
-
-    Parameters
-    ----------
-    line : bytes
-        The answer.
-
-    Raises
-    ------
-    InputError
-        When the program speaks another version.
-    WrongAnswer
-        When it is no such answer.
-    """
+    """Read the answer to the first message."""
     answer = _object(line, required=("drivegate",), optional=("name",))
     version = answer["drivegate"]
     if type(version) is not int:
@@ -90,41 +55,14 @@ def check_hello(line: bytes) -> None:
 
 
 def check_ready(line: bytes) -> None:
-    """Read the answer to a reset.
-
-    Parameters
-    ----------
-    line : bytes
-        The answer.
-
-    Raises
-    ------
-    WrongAnswer
-        When it is no such answer.
-    """
+    """Read the answer to a reset."""
     ready = _object(line, required=("ready",))["ready"]
     if ready is not True:
         raise WrongAnswer(f"'ready' is {shown(ready)}, but must be true")
 
 
 def command_of(line: bytes) -> Command:
-    """Read the answer to a Sense.
-
-    Parameters
-    ----------
-    line : bytes
-        The answer.
-
-    Returns
-    -------
-    Command
-        The command; its numbers may be infinite.
-
-    Raises
-    ------
-    WrongAnswer
-        When it is no such answer.
-    """
+    """Read the answer to a Sense."""
     answer = _object(line, required=("current_reference", "advance_angle"), optional=("input_power",))
     reference, angle, power = (
         answer["current_reference"],

@@ -41,12 +41,6 @@ class InvalidOutput(Exception):
 class PythonController:
     """One instance of a Python candidate, steppable by address.
 
-    Parameters
-    ----------
-    instance : object
-        An object with the methods `reset(nameplate)` and `step(sense)`; one that knows its own faults raises
-        `CandidateFault`.
-
     Attributes
     ----------
     step_address : int
@@ -72,18 +66,7 @@ class PythonController:
         return self._steps.fault
 
     def reset(self, nameplate: Nameplate) -> None:
-        """Reset the candidate before a run.
-
-        Parameters
-        ----------
-        nameplate : Nameplate
-            The drive's nominal data.
-
-        Raises
-        ------
-        CandidateFault
-            When the candidate raises.
-        """
+        """Reset the candidate before a run."""
         self._steps.fault = None
         try:
             self.instance.reset(nameplate)

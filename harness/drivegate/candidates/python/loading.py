@@ -29,23 +29,6 @@ def load_python_controller(candidate: Candidate) -> Controller:
     """Make a new instance of a Python candidate's class, or of its `NumbaController`.
 
     Its module is imported once a process.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        A candidate of kind ``python``.
-
-    Returns
-    -------
-    Controller
-        The instance, not yet reset.
-
-    Raises
-    ------
-    InputError
-        When the module, the class or one of its methods is missing, or the source is no valid Python.
-    CandidateFault
-        When the module or the class raises.
     """
     chosen = _chosen_by(candidate, _module_of(candidate))
     if isinstance(chosen, NumbaController):
@@ -59,27 +42,7 @@ def load_python_controller(candidate: Candidate) -> Controller:
 
 
 def named_in_module(candidate: Candidate, entry: str) -> object:
-    """Import a module that belongs to a candidate, and find what is named in it.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        The candidate, whose folder the module may be in.
-    entry : str
-        ``module:name`` or the absolute ``/path/file.py:name``.
-
-    Returns
-    -------
-    object
-        What has that name.
-
-    Raises
-    ------
-    InputError
-        When there is no such module or name, or the source is no valid Python.
-    CandidateFault
-        When the module raises.
-    """
+    """Import a module that belongs to a candidate, and find what is named in it."""
     module = _module_of(replace(candidate, entry=entry))
     source, _, attribute = entry.rpartition(":")
     found: object = module

@@ -72,29 +72,12 @@ class Search:
     old_power: float | None = None
 
     def angle(self, line: float) -> float:
-        """Advance angle that the plant sees.
-
-        Parameters
-        ----------
-        line : float
-            The candidate's initial angle (rad).
-
-        Returns
-        -------
-        float
-            Initial angle and offset, from 0° to 90° (rad).
-        """
+        """Advance angle that the plant sees."""
         return min(max(line + self.offset, 0.0), LARGEST_ANGLE)
 
 
 def beginnings() -> frozenset[Search]:
-    """List every search before its first decision.
-
-    Returns
-    -------
-    frozenset of Search
-        One for each reading and direction.
-    """
+    """List every search before its first decision."""
     readings = (Reading(*choices) for choices in product((False, True), repeat=len(Reading._fields)))
     return frozenset(Search(reading, direction) for reading in readings for direction in (-1, 1))
 
@@ -102,26 +85,7 @@ def beginnings() -> frozenset[Search]:
 def allowed(
     searches: Iterable[Search], told: Told, profile: FlowchartProfile, nominal_supply: float, *, free: bool
 ) -> frozenset[Search]:
-    """Make one decision of Fig. 4 in every way that it allows.
-
-    Parameters
-    ----------
-    searches : iterable of Search
-        Searches that have followed the flowchart so far.
-    told : Told
-        What they are told.
-    profile : FlowchartProfile
-        The constants that the candidate declares.
-    nominal_supply : float
-        Nominal voltage of a half-source, which makes a power of the current sum (V).
-    free : bool
-        Whether the decision is still part of the beginning.
-
-    Returns
-    -------
-    frozenset of Search
-        What they may be afterwards.
-    """
+    """Make one decision of Fig. 4 in every way that it allows."""
     return frozenset(
         after for search in searches for after in _decided(search, told, profile, nominal_supply, free)
     )
@@ -166,22 +130,7 @@ def _stepped(search: Search, direction: int, power: float, line: float, step: fl
 
 
 def described(told: Told, before: Told, profile: FlowchartProfile) -> str:
-    """Say which branch of the flowchart a decision is in.
-
-    Parameters
-    ----------
-    told : Told
-        What the search is told.
-    before : Told
-        What it was told at the decision before.
-    profile : FlowchartProfile
-        The constants that the candidate declares.
-
-    Returns
-    -------
-    str
-        A few words.
-    """
+    """Say which branch of the flowchart a decision is in."""
     rpm = 30.0 / math.pi
     if abs(told.error) > profile.speed_tolerance:
         tolerance = profile.speed_tolerance * rpm

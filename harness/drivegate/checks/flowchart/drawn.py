@@ -16,22 +16,7 @@ from drivegate_cases.scenario.script import Script
 def drawn_scripts(
     motor: Motor, profile: FlowchartProfile, speed_range_rpm: tuple[float, float] | None
 ) -> st.SearchStrategy[Script]:
-    """Draw scripts.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    profile : FlowchartProfile
-        The constants that the candidate declares.
-    speed_range_rpm : tuple of float or None
-        Lowest and highest speed that the candidate is made for (rpm); None for all.
-
-    Returns
-    -------
-    SearchStrategy
-        Of scripts of 2 to 25 rows at one speed from a fifth above base speed to three times it.
-    """
+    """Draw scripts."""
     lowest, highest = speed_range_rpm or (0.0, math.inf)
     lowest = max(lowest, 1.2 * motor.base_speed_rpm)
     highest = max(min(highest, 3.0 * motor.base_speed_rpm), lowest)

@@ -59,31 +59,7 @@ def judge_script(
     script: Script,
     progress: SharedProgress | None = None,
 ) -> ScriptVerdict:
-    """Run a controller through a script and compare its angles with those that Fig. 4 allows.
-
-    Parameters
-    ----------
-    controller : Controller
-        The candidate's instance.
-    profile : FlowchartProfile
-        The constants that the candidate declares.
-    script : Script
-        The script.
-    progress : SharedProgress, optional
-        Memory in which a parent process follows the run.
-
-    Returns
-    -------
-    ScriptVerdict
-        Margin, and how far the script was followed.
-
-    Raises
-    ------
-    InputError
-        When the candidate's period is not a whole number of the script's control periods.
-    CandidateFault
-        When the candidate raises or answers with what is no command.
-    """
+    """Run a controller through a script and compare its angles with those that Fig. 4 allows."""
     interval = _interval(profile, script)
     runner = _Runner(controller, profile, script, interval, progress)
     decision = runner.first_decision()

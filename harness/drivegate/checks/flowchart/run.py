@@ -48,21 +48,7 @@ SHORTENING_RUNS: Final = 60
 
 
 def run_scripts(loaded: LoadedCandidate, plan: ScriptRuns) -> ShardOutcome:
-    """Run the fixed scripts, then drawn ones.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    plan : ScriptRuns
-        Motor, seed and number.
-
-    Returns
-    -------
-    ShardOutcome
-        A margin of FLO-1 for each script; none where the candidate does not declare the profile. Where scripts
-        fail, the last one is the shortest of them, made simpler.
-    """
+    """Run the fixed scripts, then drawn ones."""
     declaration = loaded.candidate.declaration
     profile = declaration.flowchart
     motor = load_motor(plan.motor)
@@ -118,20 +104,7 @@ def _drawn(scripts: SearchStrategy[Script], plan: ScriptRuns) -> list[Script]:
 
 
 def script_margin(loaded: LoadedCandidate, script: Script) -> Margin | None:
-    """Judge a candidate on one script.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    script : Script
-        The script.
-
-    Returns
-    -------
-    Margin or None
-        The margin of FLO-1; None where the candidate does not declare the profile `flowchart`.
-    """
+    """Judge a candidate on one script."""
     profile = loaded.candidate.declaration.flowchart
     if profile is None:
         return None
@@ -146,26 +119,7 @@ def shortened(
     budget: int = SHORTENING_RUNS,
     progress: SharedProgress | None = None,
 ) -> Script:
-    """Make a failing script shorter and rounder for as long as it fails.
-
-    Parameters
-    ----------
-    controller : Controller
-        The candidate's instance.
-    profile : FlowchartProfile
-        The constants that the candidate declares.
-    script : Script
-        The script.
-    budget : int
-        Greatest number of runs.
-    progress : SharedProgress, optional
-        Memory in which a parent process follows the runs.
-
-    Returns
-    -------
-    Script
-        The simplest one found, under a name of its own; the script itself where nothing simpler fails.
-    """
+    """Make a failing script shorter and rounder for as long as it fails."""
     verdict = judge_script(controller, profile, script, progress)
     # What comes after the first departure has no part in it.
     simplest = script.replaced(rows=script.rows[: verdict.rows])

@@ -44,28 +44,7 @@ def script_of(
     events: Sequence[Event],
     why: str = "",
 ) -> Script:
-    """Write a script: a first row from which nothing has changed yet, and one row for each event.
-
-    Parameters
-    ----------
-    name : str
-        Name of the script.
-    motor : Motor
-        The motor.
-    profile : FlowchartProfile
-        The constants that the candidate declares, which give the events their size.
-    speed_rpm : float
-        Speed at first (rpm).
-    events : sequence of Event
-        What happens from row to row. One that would lead to hardly any or very much current is turned round.
-    why : str
-        Description.
-
-    Returns
-    -------
-    Script
-        The script.
-    """
+    """Write a script: a first row from which nothing has changed yet, and one row for each event."""
     falls = sum(abs(event.power) for event in events if event.power < 0.0)
     steps = profile.power_tolerance / motor.supply_voltage_v
     current = round(_USUAL_SUM_A + falls * steps, 3)
@@ -88,18 +67,7 @@ def script_of(
 
 
 def control_period(profile: FlowchartProfile) -> float:
-    """Give the control period of a script: the longest one that the search's period is a multiple of.
-
-    Parameters
-    ----------
-    profile : FlowchartProfile
-        The constants that the candidate declares.
-
-    Returns
-    -------
-    float
-        Control period (s).
-    """
+    """Give the control period of a script: the longest one that the search's period is a multiple of."""
     return profile.period / math.ceil(profile.period / LONGEST_CONTROL_PERIOD_S - 1e-9)
 
 
@@ -128,64 +96,20 @@ def _changed(current: float, power: float, steps: float, fraction: float) -> flo
 
 
 def probe(motor: Motor, profile: FlowchartProfile, speed_rpm: float) -> Script:
-    """Write a script on which every flowchart's angle changes, wherever it begins and in whichever direction.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    profile : FlowchartProfile
-        The constants that the candidate declares.
-    speed_rpm : float
-        Speed (rpm).
-
-    Returns
-    -------
-    Script
-        Power that falls, and rises in between.
-    """
+    """Write a script on which every flowchart's angle changes, wherever it begins and in whichever direction."""
     powers = (_FALL, _FALL, _RISE, _FALL, _FALL, _FALL, _FALL, _RISE, _FALL)
     return script_of("probe", motor, profile, speed_rpm, [Event(power) for power in powers])
 
 
 def usual_speed(motor: Motor, speed_range_rpm: tuple[float, float] | None) -> float | None:
-    """Choose the speed of the fixed scripts.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range_rpm : tuple of float or None
-        Lowest and highest speed that the candidate is made for (rpm); None for all.
-
-    Returns
-    -------
-    float or None
-        The nearest speed to the usual one (rpm); None where the candidate is made for none above base speed.
-    """
+    """Choose the speed of the fixed scripts."""
     lowest, highest = speed_range_rpm or (0.0, math.inf)
     speed = min(max(USUAL_SPEED_RPM, lowest), highest)
     return speed if speed > motor.base_speed_rpm * 1.05 else None
 
 
 def fixed_scripts(motor: Motor, profile: FlowchartProfile, speed_rpm: float) -> tuple[Script, ...]:
-    """List the scripts that are always run, one for each branch of the flowchart.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    profile : FlowchartProfile
-        The constants that the candidate declares.
-    speed_rpm : float
-        Speed of the scripts (rpm).
-
-    Returns
-    -------
-    tuple of Script
-        Falling, rising and alternating power, changes just within and just beyond k2, speed errors just within and
-        beyond k1, changing speeds, and both ends of the range.
-    """
+    """List the scripts that are always run, one for each branch of the flowchart."""
     powers = {
         "fall": ([_FALL] * 6, "W falls again and again: the search goes on."),
         "rise": ([_RISE] * 6, "W rises again and again: every decision reverses the search."),

@@ -27,20 +27,7 @@ _GEARS = (6.0, 8.0)
 
 
 def load_step_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
-    """Draw steps of the load, up or down, lasting or soon taken back.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float, optional
-        What the candidate is made for (rpm).
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios.
-    """
+    """Draw steps of the load, up or down, lasting or soon taken back."""
 
     def build(
         constant_power: bool, back: int, at: float, before: float, after: float, speed: float
@@ -63,20 +50,7 @@ def load_step_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> 
 
 
 def speed_step_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
-    """Draw changes of the speed reference under load: up at once or as a ramp, down slower than the shaft coasts.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float, optional
-        What the candidate is made for (rpm).
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios.
-    """
+    """Draw changes of the speed reference under load: up at once or as a ramp, down slower than the shaft coasts."""
 
     def build(
         constant_power: bool, at: float, longer: int, share: float, before: float, after: float
@@ -104,20 +78,7 @@ def speed_step_scenarios(motor: Motor, speed_range: SpeedRange | None = None) ->
 
 
 def supply_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
-    """Draw dips and swells of the supply, for a moment or for good.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float, optional
-        What the candidate is made for (rpm).
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios with -10 to +10 %, for 0.1 to 1 s or lasting.
-    """
+    """Draw dips and swells of the supply, for a moment or for good."""
 
     def build(swell: bool, tenths: int, at: float, percent: int, run: Scenario) -> Scenario:
         share = round(1.0 + (percent if swell else -percent) / 100.0, 2)
@@ -136,21 +97,7 @@ def supply_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.
 
 
 def vehicle_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
-    """Draw runs of a light vehicle, on a flat road at first.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float, optional
-        What the candidate is made for (rpm).
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios with 150 to 200 kg, a shaft up to ten times as heavy as the bare one, and a grade of 0 to 1 %
-        later on.
-    """
+    """Draw runs of a light vehicle, on a flat road at first."""
 
     def build(mass: float, gear: float, at: float, half_percents: int, speed: float) -> Scenario:
         grade = stepped(0.0, 0.5 * half_percents, at) if half_percents else ((0.0, 0.0),)

@@ -31,20 +31,7 @@ def _any_runs(motor: Motor, speed_range: SpeedRange | None) -> st.SearchStrategy
 
 
 def parameter_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
-    """Draw plants whose parameters are not the nameplate's, one of them or several.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float, optional
-        What the candidate is made for (rpm).
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios with R × 0.5 to 2, L ± 20 %, EMF constant ± 5 %, friction of 0 to 0.5 N m added.
-    """
+    """Draw plants whose parameters are not the nameplate's, one of them or several."""
     values = {
         "resistance": _factors(-5, 10, 0.1),
         "inductance": _factors(-4, 4, 0.05),
@@ -64,20 +51,7 @@ def _factors(lowest: int, highest: int, step: float) -> st.SearchStrategy[float]
 
 
 def sensor_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
-    """Draw runs through the sensors of the published implementation.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float, optional
-        What the candidate is made for (rpm).
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios.
-    """
+    """Draw runs through the sensors of the published implementation."""
     return _seen(_any_runs(motor, speed_range))
 
 
@@ -87,21 +61,7 @@ def _seen(runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
 
 
 def fault_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
-    """Draw signals that are lost for a moment, false encoder edges, unequal supply halves and drift.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float, optional
-        What the candidate is made for (rpm).
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios with one of them: 1 to 20 ms, up to 50 edges, up to 5 %, R up to × 1.4 and the EMF
-        constant down to × 0.95.
-    """
+    """Draw signals that are lost for a moment, false encoder edges, unequal supply halves and drift."""
     runs = steady_runs(motor, speed_range)
     lost = st.builds(
         lambda signal, at, milliseconds, run: with_dropout(run, signal, at, milliseconds / 1000.0),

@@ -28,61 +28,21 @@ HIGHEST_ADVISED = 4.0
 
 
 def steady_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
-    """Draw runs at one speed under one load.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float, optional
-        What the candidate is made for (rpm).
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios from 550 to 1500 rpm and from 10 % to all of rated power; simplest at 1500 rpm and rated
-        power.
-    """
+    """Draw runs at one speed under one load."""
     return steady_runs(motor, speed_range)
 
 
 def constant_power_scenarios(
     motor: Motor, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
-    """Draw runs at rated power.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float, optional
-        What the candidate is made for (rpm).
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios from 550 to 1500 rpm.
-    """
+    """Draw runs at rated power."""
     return loaded_speeds(motor, speed_range).map(
         lambda speed: steady_scenario(motor, speed, power_share=1.0, constant_power=True)
     )
 
 
 def overspeed_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
-    """Draw runs at rated power beyond the required speeds.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float, optional
-        What the candidate is made for (rpm).
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios from 1510 to 2000 rpm; of none where the candidate is not made for them.
-    """
+    """Draw runs at rated power beyond the required speeds."""
     lowest = HIGHEST_LOADED * motor.base_speed_rpm + SPEED_STEP_RPM
     highest = HIGHEST_ADVISED * motor.base_speed_rpm
     if speed_range is not None:
@@ -95,22 +55,7 @@ def overspeed_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> 
 
 
 def base_speed_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
-    """Draw unloaded runs through base speed.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float, optional
-        What the candidate is made for (rpm).
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios that start 5 to 400 rpm below base speed, go 5 to 40 rpm above it, and come down by 4 to
-        10 rpm/s to 10 rpm below it, slower than the unloaded shaft coasts; of none where the candidate is not
-        made for these speeds.
-    """
+    """Draw unloaded runs through base speed."""
     below, above = 80, 8
     if speed_range is not None:
         below = min(below, int((motor.base_speed_rpm - speed_range[0]) // 5.0))
@@ -143,27 +88,7 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
 def drawn_scenarios(
     motor: Motor, speed_range: SpeedRange | None = None, group: int | None = None
 ) -> st.SearchStrategy[Scenario]:
-    """Draw a scenario of any family, or of one group of them.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float, optional
-        What the candidate is made for (rpm).
-    group : int, optional
-        Which group of `FAMILY_GROUPS`, counted on from its start after its end; all by default.
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios.
-
-    Raises
-    ------
-    InputError
-        When the candidate is made for no speed at which it is checked under load.
-    """
+    """Draw a scenario of any family, or of one group of them."""
     groups = FAMILY_GROUPS if group is None else (FAMILY_GROUPS[group % len(FAMILY_GROUPS)],)
     drawn = [family(motor, speed_range) for families in groups for family in families]
     filled = [strategy for strategy in drawn if not strategy.is_empty]

@@ -28,18 +28,7 @@ TIME_STEP_S = 0.5
 
 
 def steps_between(lowest: float, highest: float) -> st.SearchStrategy[float]:
-    """Draw a speed of whole steps, simplest at the highest.
-
-    Parameters
-    ----------
-    lowest, highest : float
-        Bounds (rpm); where no whole step lies between them, the highest is drawn.
-
-    Returns
-    -------
-    SearchStrategy
-        Of speeds (rpm).
-    """
+    """Draw a speed of whole steps, simplest at the highest."""
     top = math.floor(highest / SPEED_STEP_RPM + 1e-9)
     bottom = math.ceil(lowest / SPEED_STEP_RPM - 1e-9)
     if bottom > top:
@@ -48,63 +37,22 @@ def steps_between(lowest: float, highest: float) -> st.SearchStrategy[float]:
 
 
 def loaded_speeds(motor: Motor, speed_range: SpeedRange | None) -> st.SearchStrategy[float]:
-    """Draw a speed of a loaded run.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float or None
-        What the candidate is made for (rpm).
-
-    Returns
-    -------
-    SearchStrategy
-        Of speeds (rpm), simplest at the highest.
-    """
+    """Draw a speed of a loaded run."""
     return steps_between(*loaded_range(motor, speed_range))
 
 
 def shares(lightest: int = LIGHTEST_STEPS) -> st.SearchStrategy[float]:
-    """Draw a share of rated power.
-
-    Parameters
-    ----------
-    lightest : int
-        Greatest number of steps below 1.
-
-    Returns
-    -------
-    SearchStrategy
-        Of shares (1), simplest at 1.
-    """
+    """Draw a share of rated power."""
     return st.integers(0, lightest).map(lambda lighter: round(1.0 - LOAD_STEP * lighter, 2))
 
 
 def change_times() -> st.SearchStrategy[float]:
-    """Draw the time of a change.
-
-    Returns
-    -------
-    SearchStrategy
-        Of times (s), simplest when a search has converged, at the earliest in the midst of it.
-    """
+    """Draw the time of a change."""
     return st.integers(0, 18).map(lambda earlier: CHANGE_S - TIME_STEP_S * earlier)
 
 
 def nonzero(greatest: int) -> st.SearchStrategy[int]:
-    """Draw a whole number other than 0.
-
-    Parameters
-    ----------
-    greatest : int
-        Greatest magnitude.
-
-    Returns
-    -------
-    SearchStrategy
-        Of integers, simplest at 1.
-    """
+    """Draw a whole number other than 0."""
     sizes = st.integers(1, greatest)
     return st.builds(lambda size, negative: -size if negative else size, sizes, st.booleans())
 
@@ -112,22 +60,7 @@ def nonzero(greatest: int) -> st.SearchStrategy[int]:
 def steady_runs(
     motor: Motor, speed_range: SpeedRange | None, *, lightest: int = LIGHTEST_STEPS
 ) -> st.SearchStrategy[Scenario]:
-    """Draw runs at one speed under one load, of constant torque or constant power.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    speed_range : tuple of float or None
-        What the candidate is made for (rpm).
-    lightest : int
-        Greatest number of load steps below rated power.
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios; simplest at the highest speed and rated power.
-    """
+    """Draw runs at one speed under one load, of constant torque or constant power."""
     return st.builds(
         lambda constant_power, share, speed: steady_scenario(
             motor, speed, power_share=share, constant_power=constant_power

@@ -46,20 +46,7 @@ _COMPARED: Final = {
 
 
 def checked_run(scenario: Scenario, run: ClosedLoopRun) -> Checked:
-    """Tell whether a run came to what it should.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario, at one speed.
-    run : ClosedLoopRun
-        What was observed.
-
-    Returns
-    -------
-    Checked
-        Speed at the end and worst residual of the energy.
-    """
+    """Tell whether a run came to what it should."""
     speed = float(run.run[observation.RUN_SPEED_FINAL]) / RADIANS_PER_RPM
     wanted = float(scenario.speed_rpm[-1][1])
     residual = float(run.run[observation.RUN_EXCHANGE_ERROR])
@@ -68,24 +55,7 @@ def checked_run(scenario: Scenario, run: ClosedLoopRun) -> Checked:
 
 
 def loop_rate(bench: Workbench, candidate: str, speed_rpm: int, sensors: str) -> Value:
-    """Measure the closed loop with one candidate at one speed.
-
-    Parameters
-    ----------
-    bench : Workbench
-        The workbench.
-    candidate : str
-        One of `CANDIDATES`.
-    speed_rpm : int
-        Speed (rpm).
-    sensors : str
-        One of `SENSORS`.
-
-    Returns
-    -------
-    Value
-        Simulated seconds a second of one processor; of the clock on the wall for a process of its own.
-    """
+    """Measure the closed loop with one candidate at one speed."""
     seconds = bench.simulated(SIMULATED[candidate])
     scenario = operating_scenario(speed_rpm, sensors, seconds)
     clock = time.perf_counter if candidate == "exec" else time.process_time
@@ -115,22 +85,7 @@ def _one_processor() -> Iterator[None]:
 
 
 def yardstick_ratio(bench: Workbench, candidate: str, speed_rpm: int) -> Value:
-    """Measure the closed loop against the yardstick in C, run by run in turns.
-
-    Parameters
-    ----------
-    bench : Workbench
-        The workbench.
-    candidate : str
-        ``initial``, whose algorithm the yardstick has too, in C; or another one, which both call by address.
-    speed_rpm : int
-        Speed (rpm).
-
-    Returns
-    -------
-    Value
-        Time of drivegate's loop over that of the yardstick's, in the median over the turns.
-    """
+    """Measure the closed loop against the yardstick in C, run by run in turns."""
     import numpy as np
 
     yardstick = bench.yardstick()

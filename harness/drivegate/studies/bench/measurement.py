@@ -15,13 +15,7 @@ LEAST_ROUND_SECONDS: Final = 0.02
 
 
 class NotMeasured(Exception):
-    """Something that a measurement needs is not here; the message says what.
-
-    Parameters
-    ----------
-    reason : str
-        A part of a sentence.
-    """
+    """Something that a measurement needs is not here; the message says what."""
 
 
 @dataclass(frozen=True)
@@ -101,13 +95,7 @@ class Row:
         return self.value is not None and not self.value.checked.valid
 
     def document(self) -> dict[str, Any]:
-        """Write the row as plain data.
-
-        Returns
-        -------
-        dict
-            One entry of the list `rows`.
-        """
+        """Write the row as plain data."""
         made = self.value
         return {
             "name": self.name,
@@ -125,40 +113,14 @@ class Row:
 
 
 def timed(work: Callable[[], object], clock: Callable[[], float], rounds: int) -> list[float]:
-    """Time a piece of work.
-
-    Parameters
-    ----------
-    work : callable
-        The work; it has been done before, so that nothing is compiled or loaded in it any more.
-    clock : callable
-        Gives the time (s).
-    rounds : int
-        Number of rounds.
-
-    Returns
-    -------
-    list of float
-        Time of the work in each round (s); one too short to be timed is repeated within its round.
-    """
+    """Time a piece of work."""
     return interleaved((work,), clock, rounds)[0]
 
 
 def interleaved(
     works: tuple[Callable[[], object], ...], clock: Callable[[], float], rounds: int
 ) -> list[list[float]]:
-    """Time several pieces of work in turns, so that what disturbs one disturbs the others too.
-
-    Parameters
-    ----------
-    works, clock, rounds
-        As in `timed`.
-
-    Returns
-    -------
-    list of list of float
-        Times of each (s).
-    """
+    """Time several pieces of work in turns, so that what disturbs one disturbs the others too."""
     times: list[list[float]] = [[] for _ in works]
     repeats = [_repeats(work, clock) for work in works]
     for _ in range(rounds):
@@ -177,40 +139,10 @@ def _repeats(work: Callable[[], object], clock: Callable[[], float]) -> int:
 
 
 def rate(amount: float, times: list[float], checked: Checked) -> Value:
-    """Turn times into a rate.
-
-    Parameters
-    ----------
-    amount : float
-        What is done in each of them.
-    times : list of float
-        Times (s).
-    checked : Checked
-        Whether the result was right.
-
-    Returns
-    -------
-    Value
-        Amount a second.
-    """
+    """Turn times into a rate."""
     return Value(amount / min(times), amount / median(times), len(times), checked)
 
 
 def duration(times: list[float], checked: Checked, scale: float = 1.0) -> Value:
-    """Turn times into a duration.
-
-    Parameters
-    ----------
-    times : list of float
-        Times (s).
-    checked : Checked
-        Whether the result was right.
-    scale : float
-        Factor from seconds to the row's unit.
-
-    Returns
-    -------
-    Value
-        The shortest, and the median.
-    """
+    """Turn times into a duration."""
     return Value(scale * min(times), scale * median(times), len(times), checked)

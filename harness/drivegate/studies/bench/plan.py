@@ -72,18 +72,7 @@ class Planned:
     measure: Callable[[Workbench], Value]
 
     def row(self, bench: Workbench) -> Row:
-        """Measure.
-
-        Parameters
-        ----------
-        bench : Workbench
-            The workbench.
-
-        Returns
-        -------
-        Row
-            The number, or why there is none.
-        """
+        """Measure."""
         value, reason = None, ""
         try:
             value = self.measure(bench)
@@ -93,43 +82,12 @@ class Planned:
 
 
 def planned(*, quick: bool, cold: bool) -> tuple[Planned, ...]:
-    """List all that can be measured.
-
-    Parameters
-    ----------
-    quick : bool
-        Whether few and short rounds will do.
-    cold : bool
-        Whether to include the gate with nothing compiled.
-
-    Returns
-    -------
-    tuple of Planned
-        In the order in which they are shown.
-    """
+    """List all that can be measured."""
     return (*_loops(quick), _overhead(quick), *_yardsticks(quick), *_points(quick), *_processes(quick, cold))
 
 
 def chosen(plan: Sequence[Planned], names: Sequence[str]) -> tuple[Planned, ...]:
-    """Choose from a plan by name, or by the beginning of names up to a point.
-
-    Parameters
-    ----------
-    plan : sequence of Planned
-        What there is.
-    names : sequence of str
-        What is wanted, such as ``loop.python`` or ``steady``; empty for all.
-
-    Returns
-    -------
-    tuple of Planned
-        In the plan's order.
-
-    Raises
-    ------
-    InputError
-        When a name fits nothing.
-    """
+    """Choose from a plan by name, or by the beginning of names up to a point."""
     known = _names_and_groups(plan)
     for name in names:
         if name not in known:

@@ -22,20 +22,7 @@ _EDGE = radians(2e-4)
 
 
 def steady_rate(bench: Workbench, band: float) -> Value:
-    """Measure the solution of steady states.
-
-    Parameters
-    ----------
-    bench : Workbench
-        The workbench.
-    band : float
-        Hysteresis band (A).
-
-    Returns
-    -------
-    Value
-        Points a second.
-    """
+    """Measure the solution of steady states."""
     import numpy as np
 
     from drivegate_cases.motor.motor import load_motor
@@ -71,22 +58,7 @@ def steady_rate(bench: Workbench, band: float) -> Value:
 
 
 def oracle_time(bench: Workbench, speed_rpm: float, torque: float) -> Value:
-    """Measure how long the angle of least Σ|i| takes at one point.
-
-    Parameters
-    ----------
-    bench : Workbench
-        The workbench.
-    speed_rpm : float
-        Speed (rpm).
-    torque : float
-        Mean torque (N·m).
-
-    Returns
-    -------
-    Value
-        Time (ms).
-    """
+    """Measure how long the angle of least Σ|i| takes at one point."""
     from drivegate.runs.scenario import RADIANS_PER_RPM
     from drivegate_cases.motor.motor import load_motor
     from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, point_at_torque

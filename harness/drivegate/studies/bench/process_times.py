@@ -23,22 +23,7 @@ _COMMAND_LINE = "from drivegate.commands.command_line import main; main()"
 
 
 def start_time(bench: Workbench, words: tuple[str, ...], expected: str) -> Value:
-    """Measure how long a fresh interpreter takes.
-
-    Parameters
-    ----------
-    bench : Workbench
-        The workbench.
-    words : tuple of str
-        Arguments of the interpreter.
-    expected : str
-        What it must print.
-
-    Returns
-    -------
-    Value
-        Time (s).
-    """
+    """Measure how long a fresh interpreter takes."""
     times, out = [], ""
     code: int | None = 0
     for _ in range(bench.rounds + 1):
@@ -51,33 +36,12 @@ def start_time(bench: Workbench, words: tuple[str, ...], expected: str) -> Value
 
 
 def help_words() -> tuple[str, ...]:
-    """Give the arguments of ``drivegate --help``.
-
-    Returns
-    -------
-    tuple of str
-        For the interpreter.
-    """
+    """Give the arguments of ``drivegate --help``."""
     return ("-c", _COMMAND_LINE, "--help")
 
 
 def gate_time(bench: Workbench, effort: str, *, cold: bool) -> Value:
-    """Measure one whole gate: ``drivegate check reference``.
-
-    Parameters
-    ----------
-    bench : Workbench
-        The workbench.
-    effort : str
-        Its effort.
-    cold : bool
-        Whether nothing is compiled yet.
-
-    Returns
-    -------
-    Value
-        Time (s), of one run.
-    """
+    """Measure one whole gate: ``drivegate check reference``."""
     output = bench.scratch / f"gate-{'cold' if cold else 'warm'}"
     environment = dict(os.environ)
     if cold:

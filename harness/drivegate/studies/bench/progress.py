@@ -20,20 +20,7 @@ Tell = Callable[[int, str], None]
 
 @contextmanager
 def bench_progress_on(stream: TextIO | None, total: int) -> Iterator[Tell]:
-    """Show progress as long as the context lasts.
-
-    Parameters
-    ----------
-    stream : file or None
-        Where to; None for nowhere.
-    total : int
-        Number of measurements.
-
-    Yields
-    ------
-    callable
-        A `Tell`.
-    """
+    """Show progress as long as the context lasts."""
     if stream is None:
         yield lambda _done, _name: None
     elif stream.isatty():

@@ -43,16 +43,6 @@ def python_overhead(bench: Workbench) -> Value:
 
     Three pieces of work take turns: the loop with the candidate in Python, the loop with its twin in numba, and the
     candidate alone, called with what it saw in the loop.
-
-    Parameters
-    ----------
-    bench : Workbench
-        The workbench.
-
-    Returns
-    -------
-    Value
-        Processor time a step (µs): the first less the two others, in the median over the turns.
     """
     python, twin = bench.controller("python"), bench.controller(TWIN)
     assert isinstance(python, PythonController)

@@ -63,13 +63,7 @@ class BenchDocument(Document):
 
 
 def load_now() -> float | None:
-    """Tell how busy the machine is.
-
-    Returns
-    -------
-    float or None
-        Mean number of running processes in the last minute; None where the system does not tell.
-    """
+    """Tell how busy the machine is."""
     return os.getloadavg()[0] if hasattr(os, "getloadavg") else None
 
 
@@ -81,26 +75,7 @@ def bench_document(
     seconds: float,
     load_average: tuple[float | None, float | None],
 ) -> Table:
-    """Put measured rows together with where and when they were measured.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        What was measured.
-    command : str
-        The command that measured it.
-    started : datetime
-        When it began, in UTC.
-    seconds : float
-        How long it took (s).
-    load_average : tuple of float or None
-        `load_now` at the beginning and at the end.
-
-    Returns
-    -------
-    dict
-        The document.
-    """
+    """Put measured rows together with where and when they were measured."""
     document: Table = {
         "schema": SCHEMA,
         "kind": "bench",
@@ -119,22 +94,7 @@ def bench_document(
 
 
 def compared_with(document: Table, earlier: BenchDocument, file: Path) -> Table:
-    """Set each number beside that of an earlier document.
-
-    Parameters
-    ----------
-    document : dict
-        What `bench_document` gave.
-    earlier : BenchDocument
-        The earlier one.
-    file : Path
-        Where it is from.
-
-    Returns
-    -------
-    dict
-        The document, each row with `earlier` and `times_as_good` where both measured the same work.
-    """
+    """Set each number beside that of an earlier document."""
     before = {(row.name, row.setting): row.value for row in earlier.rows if row.valid}
     rows = []
     for row in document["rows"]:
@@ -159,39 +119,10 @@ def _times_as_good(row: Table, old: float | None) -> float | None:
 
 
 def read_bench(file: Path) -> BenchDocument:
-    """Read a saved document.
-
-    Parameters
-    ----------
-    file : Path
-        Where it is.
-
-    Returns
-    -------
-    BenchDocument
-        The document.
-
-    Raises
-    ------
-    InputError
-        When it cannot be read or is none.
-    """
+    """Read a saved document."""
     return read_document(file, BenchDocument)
 
 
 def save_bench(document: Table, file: Path) -> None:
-    """Save a document.
-
-    Parameters
-    ----------
-    document : dict
-        The document.
-    file : Path
-        Where to.
-
-    Raises
-    ------
-    InputError
-        When it cannot be written there.
-    """
+    """Save a document."""
     write_atomically(file, json.dumps(finite(document), indent=2, allow_nan=False) + "\n")

@@ -15,18 +15,7 @@ _SHORT, _LONG = 4.0, 80.0
 
 
 def run_memory(bench: Workbench) -> Value:
-    """Measure the memory of a run without a trace.
-
-    Parameters
-    ----------
-    bench : Workbench
-        The workbench.
-
-    Returns
-    -------
-    Value
-        Most memory that a run of 4 s takes (KiB).
-    """
+    """Measure the memory of a run without a trace."""
     controller = bench.controller("reference")
     peaks = []
     for seconds in (_SHORT, _SHORT, _LONG):

@@ -53,38 +53,11 @@ class Workbench:
         return 3 if self.quick else 11
 
     def simulated(self, seconds: float) -> float:
-        """Tell how much time a run simulates.
-
-        Parameters
-        ----------
-        seconds : float
-            That of the unabridged measurement (s), a multiple of 0.5 s.
-
-        Returns
-        -------
-        float
-            As much, or half of it (s).
-        """
+        """Tell how much time a run simulates."""
         return 0.5 * seconds if self.quick else seconds
 
     def controller(self, kind: str) -> Controller:
-        """Load a controller, once.
-
-        Parameters
-        ----------
-        kind : str
-            One of `BUILTIN`, or a kind of `drivegate new`.
-
-        Returns
-        -------
-        Controller
-            The instance.
-
-        Raises
-        ------
-        NotMeasured
-            When a tool that it needs is missing.
-        """
+        """Load a controller, once."""
         if kind not in self._controllers:
             self._controllers[kind] = self._loaded(kind)
         return self._controllers[kind]
@@ -106,18 +79,7 @@ class Workbench:
             raise NotMeasured(str(error)) from error
 
     def yardstick(self) -> Yardstick:
-        """Compile the yardstick, once.
-
-        Returns
-        -------
-        Yardstick
-            The yardstick.
-
-        Raises
-        ------
-        NotMeasured
-            When its sources or a compiler are missing.
-        """
+        """Compile the yardstick, once."""
         if self._yardstick is None:
             if self.yardstick_folder is None:
                 raise NotMeasured(
@@ -133,22 +95,7 @@ class Workbench:
 
 
 def operating_scenario(speed_rpm: int, sensors: str, seconds: float) -> Scenario:
-    """Make a run at one speed: 9.8 N·m, or less where that would be more than rated power.
-
-    Parameters
-    ----------
-    speed_rpm : int
-        Speed (rpm).
-    sensors : str
-        ``ideal`` or ``mcs96``.
-    seconds : float
-        Simulated time (s).
-
-    Returns
-    -------
-    Scenario
-        The scenario; its load rises in the first 0.2 s.
-    """
+    """Make a run at one speed: 9.8 N·m, or less where that would be more than rated power."""
     published = load_scenario("fig5-search")
     rated = published.motor.rated_power_w / (speed_rpm * 3.141592653589793 / 30.0)
     torque = round(min(_MOST_TORQUE, _SHARE_OF_POWER * rated), 2)

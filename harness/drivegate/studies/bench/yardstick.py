@@ -112,53 +112,19 @@ class YardstickRun:
 
 
 class Yardstick:
-    """The compiled yardstick.
-
-    Parameters
-    ----------
-    library : Path
-        What `build_yardstick` returned.
-    """
+    """The compiled yardstick."""
 
     def __init__(self, library: Path) -> None:
         self._run = ctypes.CDLL(str(library)).yardstick_run
         self._run.restype = ctypes.c_int
 
     def prepared(self, scenario: Scenario, controller: Controller | None = None) -> PreparedRun:
-        """Lay out a run, so that nothing but the run itself is timed.
-
-        Parameters
-        ----------
-        scenario : Scenario
-            A constant torque load behind ideal sensors, at steady speed and supply.
-        controller : Controller, optional
-            Whose step is called by address; by default the yardstick's own line of angles.
-
-        Returns
-        -------
-        PreparedRun
-            The run.
-        """
+        """Lay out a run, so that nothing but the run itself is timed."""
         return PreparedRun(self._run, scenario, controller)
 
 
 class PreparedRun:
-    """A run that the yardstick makes as often as it is called.
-
-    Parameters
-    ----------
-    function : callable
-        The C function.
-    scenario : Scenario
-        The run.
-    controller : Controller or None
-        The controller, or None for the yardstick's own.
-
-    Raises
-    ------
-    HarnessFault
-        When the scenario is none that the yardstick knows.
-    """
+    """A run that the yardstick makes as often as it is called."""
 
     def __init__(self, function: Any, scenario: Scenario, controller: Controller | None) -> None:
         load, schedule = plant_load(scenario), plant_schedule(scenario)
@@ -194,23 +160,7 @@ class PreparedRun:
         )
 
     def __call__(self, *, recorded: bool = False) -> YardstickRun:
-        """Reset the controller and run.
-
-        Parameters
-        ----------
-        recorded : bool
-            Whether to keep a row of each control period.
-
-        Returns
-        -------
-        YardstickRun
-            What came of it.
-
-        Raises
-        ------
-        HarnessFault
-            When the plant or the command is beyond use.
-        """
+        """Reset the controller and run."""
         if self._controller is not None:
             self._controller.reset(self._scenario.nameplate())
         rows = np.zeros((self._task.steps if recorded else 0, len(RECORD)))
@@ -227,23 +177,7 @@ class PreparedRun:
 
 
 def yardstick_folder(given: Path | None) -> Path | None:
-    """Find the folder of the yardstick.
-
-    Parameters
-    ----------
-    given : Path or None
-        The folder, where one is named.
-
-    Returns
-    -------
-    Path or None
-        The folder; None where none is named and the current folder is not that of drivegate's sources, which have it.
-
-    Raises
-    ------
-    InputError
-        When the named one does not hold it.
-    """
+    """Find the folder of the yardstick."""
     if given is None:
         return IN_SOURCES if (IN_SOURCES / SOURCE).is_file() else None
     if not (given / SOURCE).is_file():
@@ -255,25 +189,7 @@ def yardstick_folder(given: Path | None) -> Path | None:
 
 
 def build_yardstick(folder: Path, scratch: Path) -> Path:
-    """Compile the yardstick.
-
-    Parameters
-    ----------
-    folder : Path
-        Where its sources are.
-    scratch : Path
-        Receives the library.
-
-    Returns
-    -------
-    Path
-        The shared library.
-
-    Raises
-    ------
-    InputError
-        When there is no compiler, or it refuses the sources.
-    """
+    """Compile the yardstick."""
     library = scratch / "yardstick.so"
     source = str(folder.resolve() / SOURCE)
     words = [*c_compiler(), *FLAGS, "-fPIC", "-shared", f"-I{include_folder()}", source]

@@ -28,29 +28,6 @@ def make_runs(plan: CampaignPlan, folder: CampaignFolder, backend: Backend, tell
     """Make every run of a campaign that is not kept yet.
 
     Nothing of a run stays in memory once its file is complete, so a campaign may be as long as the disk allows.
-
-    Parameters
-    ----------
-    plan : CampaignPlan
-        The campaign.
-    folder : CampaignFolder
-        Where results are kept, held for this campaign.
-    backend : Backend
-        Where runs are made.
-    tell : callable
-        Hears of progress.
-
-    Returns
-    -------
-    int
-        Number of runs that were made now.
-
-    Raises
-    ------
-    InputError
-        When a candidate is refused or results cannot be written; what is complete stays.
-    HarnessFault
-        When the harness itself fails.
     """
     left = [chunk for chunk in plan.chunks() if not folder.is_complete(chunk)]
     missing = sum(chunk.length for chunk in left)
@@ -74,18 +51,7 @@ def make_runs(plan: CampaignPlan, folder: CampaignFolder, backend: Backend, tell
 
 
 def require_loadable(plan: CampaignPlan) -> None:
-    """Refuse candidates that cannot be used as they are before anything is run.
-
-    Parameters
-    ----------
-    plan : CampaignPlan
-        The campaign.
-
-    Raises
-    ------
-    InputError
-        When a candidate is refused; one whose own code fails is not, since that is what its runs tell.
-    """
+    """Refuse candidates that cannot be used as they are before anything is run."""
     for candidate in plan.candidates:
         if candidate.kind != "builtin":
             with CandidateWorker(candidate, load_controller) as worker:
@@ -96,16 +62,6 @@ def rehearse(plan: CampaignPlan) -> None:
     """Make the first run of every case in a process that then ends, so that all others only load compiled code.
 
     A process that compiles a kernel itself may round it otherwise, in the last digit, than one that loads it.
-
-    Parameters
-    ----------
-    plan : CampaignPlan
-        The campaign.
-
-    Raises
-    ------
-    HarnessFault
-        When the harness itself fails.
     """
     step = plan.campaign.runs_per_candidate // len(plan.cases)
     asked = [RowRequest(plan.run(place * step).scenario, plan.checks) for place in range(len(plan.cases))]

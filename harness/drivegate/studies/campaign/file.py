@@ -170,23 +170,7 @@ class Campaign(Document):
 
 
 def read_campaign(path: str | Path) -> Campaign:
-    """Read the file of a campaign.
-
-    Parameters
-    ----------
-    path : str or Path
-        A TOML or JSON file.
-
-    Returns
-    -------
-    Campaign
-        The campaign, valid by itself; its candidates and cases are only named.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong with the file in one sentence.
-    """
+    """Read the file of a campaign."""
     return read_document(path, Campaign)
 
 

@@ -25,15 +25,7 @@ ROWS: Final = "runs"
 
 
 class CampaignFolder:
-    """The folder, held for one campaign alone as long as the context lasts.
-
-    Parameters
-    ----------
-    place : Path
-        Where the results are kept; made where it is missing.
-    plan : CampaignPlan
-        The campaign.
-    """
+    """The folder, held for one campaign alone as long as the context lasts."""
 
     def __init__(self, place: Path, plan: CampaignPlan) -> None:
         self.place = place
@@ -42,13 +34,7 @@ class CampaignFolder:
         self._names = [f"candidate={quote(candidate.name, safe='')}" for candidate in plan.candidates]
 
     def __enter__(self) -> Self:
-        """Make the folder or find it, take its lock, and see that it belongs to this campaign.
-
-        Raises
-        ------
-        InputError
-            When it cannot be written, is another campaign's, or another process writes into it.
-        """
+        """Make the folder or find it, take its lock, and see that it belongs to this campaign."""
         with _told(self.place, "use"):
             self._refuse_foreign()
             self.place.mkdir(parents=True, exist_ok=True)
@@ -119,38 +105,11 @@ class CampaignFolder:
             partial.unlink()
 
     def path_of(self, chunk: Chunk) -> Path:
-        """Give the file of some runs.
-
-        Parameters
-        ----------
-        chunk : Chunk
-            The runs.
-
-        Returns
-        -------
-        Path
-            The file, which is complete when it exists.
-        """
+        """Give the file of some runs."""
         return self.place / ROWS / self._names[chunk.candidate] / f"part-{chunk.part:06d}.parquet"
 
     def is_complete(self, chunk: Chunk) -> bool:
-        """Tell whether some runs have been made.
-
-        Parameters
-        ----------
-        chunk : Chunk
-            The runs.
-
-        Returns
-        -------
-        bool
-            Whether their file is there.
-
-        Raises
-        ------
-        InputError
-            When there is one that holds something else.
-        """
+        """Tell whether some runs have been made."""
         path = self.path_of(chunk)
         if not path.exists():
             return False
@@ -164,35 +123,11 @@ class CampaignFolder:
 
     @staticmethod
     def as_json(document: Mapping[str, Any]) -> str:
-        """Write plain data as the text of a file.
-
-        Parameters
-        ----------
-        document : mapping
-            Plain data, all numbers finite.
-
-        Returns
-        -------
-        str
-            Indented JSON with a line end.
-        """
+        """Write plain data as the text of a file."""
         return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
     def write(self, path: Path, content: str | bytes) -> None:
-        """Write a file of the folder.
-
-        Parameters
-        ----------
-        path : Path
-            The file.
-        content : str or bytes
-            Its whole content.
-
-        Raises
-        ------
-        InputError
-            When it cannot be written; what was complete before still is.
-        """
+        """Write a file of the folder."""
         with _told(path, "write"):
             path.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(path, content)

@@ -17,18 +17,7 @@ SCHEMA: Final = 1
 
 
 def manifest_of(plan: CampaignPlan) -> dict[str, Any]:
-    """Tell everything that a campaign's results follow from.
-
-    Parameters
-    ----------
-    plan : CampaignPlan
-        The campaign.
-
-    Returns
-    -------
-    dict
-        Plain data: the campaign with its cases in full, its candidates with their hashes, and all versions.
-    """
+    """Tell everything that a campaign's results follow from."""
     import pyarrow
 
     versions = provenance()
@@ -50,23 +39,7 @@ def manifest_of(plan: CampaignPlan) -> dict[str, Any]:
 
 
 def read_manifest(path: Path) -> dict[str, Any]:
-    """Read the manifest of a folder.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Returns
-    -------
-    dict
-        The manifest.
-
-    Raises
-    ------
-    InputError
-        When it is none, or of another schema.
-    """
+    """Read the manifest of a folder."""
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
@@ -82,20 +55,7 @@ def read_manifest(path: Path) -> dict[str, Any]:
 
 
 def refuse_other(place: Path, theirs: dict[str, Any], ours: dict[str, Any]) -> None:
-    """Refuse to mix results: another campaign, another version of a candidate, or other software.
-
-    Parameters
-    ----------
-    place : Path
-        The folder.
-    theirs, ours : dict
-        The manifest that is there, and the one that would be.
-
-    Raises
-    ------
-    InputError
-        When they differ.
-    """
+    """Refuse to mix results: another campaign, another version of a candidate, or other software."""
     where = f"--output {shown_path(place)}"
     if theirs.get("content_hash") != ours["content_hash"]:
         campaign = theirs.get("campaign")

@@ -16,20 +16,7 @@ _DIGITS = 6
 
 
 def drawn(spread: Spread, share: float) -> float:
-    """Draw a value.
-
-    Parameters
-    ----------
-    spread : UniformSpread or NormalSpread
-        The distribution.
-    share : float
-        The random number: the share of all values that lie below the drawn one, between 0 and 1.
-
-    Returns
-    -------
-    float
-        The value, rounded to 6 digits so that it prints well, within the bounds.
-    """
+    """Draw a value."""
     if isinstance(spread, NormalSpread):
         from scipy.special import ndtr, ndtri
 
@@ -41,29 +28,7 @@ def drawn(spread: Spread, share: float) -> float:
 
 
 def with_parameters(case: Scenario, parameters: Mapping[str, float], *, name: str, seed: int) -> Scenario:
-    """Change a case as parameters say.
-
-    Parameters
-    ----------
-    case : Scenario
-        The case.
-    parameters : mapping
-        Value by parameter: factors multiply those of the case, added friction is added to its own.
-    name : str
-        Name of the changed scenario.
-    seed : int
-        Its seed.
-
-    Returns
-    -------
-    Scenario
-        The changed scenario.
-
-    Raises
-    ------
-    InputError
-        When the case cannot have them.
-    """
+    """Change a case as parameters say."""
     changes: dict[str, Any] = {"name": name[:200], "seed": seed}
     scales = {key: value for key, value in parameters.items() if key in SCALES}
     if scales:

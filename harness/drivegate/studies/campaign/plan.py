@@ -109,31 +109,14 @@ class CampaignPlan:
         return tuple(dict(zip(grid, values, strict=True)) for values in product(*grid.values()))
 
     def chunks(self) -> Iterator[Chunk]:
-        """Cut the campaign into the fixed pieces that are made and kept as a whole.
-
-        Yields
-        ------
-        Chunk
-            In the order of their runs.
-        """
+        """Cut the campaign into the fixed pieces that are made and kept as a whole."""
         runs, length = self.campaign.runs_per_candidate, self.campaign.file_length
         for candidate in range(len(self.candidates)):
             for part, first in enumerate(range(0, runs, length)):
                 yield Chunk(candidate, part, candidate * runs + first, min(length, runs - first))
 
     def candidate_of(self, number: int) -> Candidate:
-        """Give the candidate of a run.
-
-        Parameters
-        ----------
-        number : int
-            Number of the run.
-
-        Returns
-        -------
-        Candidate
-            The candidate.
-        """
+        """Give the candidate of a run."""
         return self.candidates[number // self.campaign.runs_per_candidate]
 
     def run(self, number: int) -> CampaignRun:
@@ -141,21 +124,6 @@ class CampaignPlan:
 
         Its random numbers depend on the campaign's seed and on its place among the runs of its candidate, so
         that all candidates meet the same drives, and no run depends on another.
-
-        Parameters
-        ----------
-        number : int
-            Number of the run.
-
-        Returns
-        -------
-        CampaignRun
-            What is to be run.
-
-        Raises
-        ------
-        InputError
-            When the case cannot have these parameters.
         """
         place = number % self.campaign.runs_per_candidate
         at, draw = divmod(place, self.campaign.draws)
@@ -173,13 +141,7 @@ class CampaignPlan:
         return CampaignRun(number, case.name, draw, seed, parameters, scenario)
 
     def check_parameters(self) -> None:
-        """Refuse a campaign in which a case cannot have the parameters.
-
-        Raises
-        ------
-        InputError
-            With the first one that it cannot have.
-        """
+        """Refuse a campaign in which a case cannot have the parameters."""
         ends = {key: (spread.lowest, spread.highest) for key, spread in self.campaign.spread.items()}
         for case in self.cases:
             for point in self._points[:_MOST_CHECKED]:
@@ -189,25 +151,7 @@ class CampaignPlan:
 
 
 def planned(campaign: Campaign, folder: Path) -> CampaignPlan:
-    """Find what a campaign names.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        The campaign.
-    folder : Path
-        Where its file lies; relative paths in it start there.
-
-    Returns
-    -------
-    CampaignPlan
-        The plan, whose parameters have been tried.
-
-    Raises
-    ------
-    InputError
-        When a candidate or a case does not exist, or a case cannot have the parameters.
-    """
+    """Find what a campaign names."""
     candidates = tuple(resolve_candidate(beside(text, folder)) for text in campaign.candidates)
     cases = tuple(load_scenario(beside(text, folder)) for text in campaign.cases)
     for noun, names in (
@@ -225,20 +169,7 @@ def planned(campaign: Campaign, folder: Path) -> CampaignPlan:
 
 
 def beside(text: str, folder: Path) -> str:
-    """Let a relative path start from a folder.
-
-    Parameters
-    ----------
-    text : str
-        What names a candidate or a case.
-    folder : Path
-        The folder.
-
-    Returns
-    -------
-    str
-        The same, with the folder before it where it is the path of a file.
-    """
+    """Let a relative path start from a folder."""
     path, colon, attribute = text.partition(".py:")
     file = f"{path}.py" if colon else text
     if ":" in file or not file.lower().endswith(_PATH_ENDINGS):

@@ -25,26 +25,7 @@ def campaign_progress_on(
     unit: str = "runs",
     clock: Callable[[], float] = time.monotonic,
 ) -> Iterator[Tell]:
-    """Show progress as long as the context lasts.
-
-    Parameters
-    ----------
-    stream : file or None
-        Where to; None for nowhere.
-    name : str
-        What is being done.
-    runs : int
-        Number of runs.
-    unit : str
-        What they are called.
-    clock : callable
-        Gives the time (s).
-
-    Yields
-    ------
-    callable
-        Takes the number of runs that are kept, and of those that were there before.
-    """
+    """Show progress as long as the context lasts."""
     rate = _Rate(runs, unit, clock)
     if stream is None:
         yield _nowhere

@@ -99,25 +99,7 @@ class Row:
 
 
 def run_row(loaded: LoadedCandidate, asked: RowRequest) -> Row:
-    """Make a run and judge it; this is what the candidate's process does.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    asked : RowRequest
-        Scenario and checks.
-
-    Returns
-    -------
-    Row
-        What it came to.
-
-    Raises
-    ------
-    CandidateFault
-        When the candidate ends the run.
-    """
+    """Make a run and judge it; this is what the candidate's process does."""
     if not is_fair(asked.scenario):
         return Row(SET_ASIDE)
     try:
@@ -128,18 +110,7 @@ def run_row(loaded: LoadedCandidate, asked: RowRequest) -> Row:
 
 
 def fault_row(fault: Fault) -> Row:
-    """Give the row of a run that the candidate's fault ended.
-
-    Parameters
-    ----------
-    fault : Fault
-        The fault.
-
-    Returns
-    -------
-    Row
-        Its kind and message.
-    """
+    """Give the row of a run that the candidate's fault ended."""
     return Row(fault.kind.value, bounded_line(fault.message))
 
 

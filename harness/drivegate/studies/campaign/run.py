@@ -35,41 +35,13 @@ class ChunkResult:
 
 
 def packed(plan: CampaignPlan) -> bytes:
-    """Make a plan ready to be sent to workers.
-
-    Parameters
-    ----------
-    plan : CampaignPlan
-        The plan.
-
-    Returns
-    -------
-    bytes
-        The plan with what its results depend on; as bytes it is sent with each task, so that no worker's death
-        takes it away from the others.
-    """
+    """Make a plan ready to be sent to workers."""
     sources = tuple(fingerprint(candidate) for candidate in plan.candidates)
     return pickle.dumps((plan, sources, _versions()), pickle.HIGHEST_PROTOCOL)
 
 
 def fingerprint(candidate: Candidate) -> str:
-    """Hash what a candidate's files hold at this moment.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        The candidate.
-
-    Returns
-    -------
-    str
-        SHA-256 in hexadecimal.
-
-    Raises
-    ------
-    InputError
-        When one of them is not there.
-    """
+    """Hash what a candidate's files hold at this moment."""
     digest = hashlib.sha256()
     for source in candidate.sources:
         try:
@@ -84,27 +56,7 @@ def fingerprint(candidate: Candidate) -> str:
 
 
 def run_chunk(package: bytes, chunk: Chunk) -> ChunkResult:
-    """Make the runs of one file.
-
-    Parameters
-    ----------
-    package : bytes
-        What `packed` made.
-    chunk : Chunk
-        Which runs.
-
-    Returns
-    -------
-    ChunkResult
-        Their rows.
-
-    Raises
-    ------
-    InputError
-        When the candidate is refused, or is not what it was when the campaign began.
-    HarnessFault
-        When the harness itself fails.
-    """
+    """Make the runs of one file."""
     plan, fingerprints, versions = _unpacked(package)
     _require_versions(versions)
     candidate = plan.candidates[chunk.candidate]

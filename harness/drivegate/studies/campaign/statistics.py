@@ -101,20 +101,7 @@ class CandidateStatistics:
 
 
 def proportion(happened: int, runs: int, confidence: float = CONFIDENCE) -> Proportion:
-    """Estimate a probability from a count.
-
-    Parameters
-    ----------
-    happened, runs : int
-        In how many independent runs it happened, of how many.
-    confidence : float
-        Probability that the interval covers the true value is at least this (1).
-
-    Returns
-    -------
-    Proportion
-        With the exact interval of Clopper and Pearson (Biometrika 26, 1934), from 0 to 1 where there are no runs.
-    """
+    """Estimate a probability from a count."""
     from scipy.stats import binomtest
 
     if runs == 0:
@@ -124,18 +111,7 @@ def proportion(happened: int, runs: int, confidence: float = CONFIDENCE) -> Prop
 
 
 def quantiles_of(margins: NDArray[np.float64]) -> tuple[float, ...]:
-    """Give the margins at `QUANTILES`.
-
-    Parameters
-    ----------
-    margins : ndarray, shape (n,)
-        Margins, some of which may be infinite.
-
-    Returns
-    -------
-    tuple of float
-        Each a margin that was found, never a mean of two: the distribution function's inverse.
-    """
+    """Give the margins at `QUANTILES`."""
     if len(margins) == 0:
         return ()
     return tuple(float(value) for value in np.quantile(margins, QUANTILES, method="inverted_cdf"))
@@ -144,22 +120,7 @@ def quantiles_of(margins: NDArray[np.float64]) -> tuple[float, ...]:
 def statistics(
     plan: CampaignPlan, folder: CampaignFolder, confidence: float = CONFIDENCE
 ) -> tuple[CandidateStatistics, ...]:
-    """Read the results of a complete campaign, one file after the other.
-
-    Parameters
-    ----------
-    plan : CampaignPlan
-        The campaign.
-    folder : CampaignFolder
-        Its results.
-    confidence : float
-        Confidence of the intervals.
-
-    Returns
-    -------
-    tuple of CandidateStatistics
-        One for each candidate.
-    """
+    """Read the results of a complete campaign, one file after the other."""
     paths: list[list[Path]] = [[] for _ in plan.candidates]
     for chunk in plan.chunks():
         paths[chunk.candidate].append(folder.path_of(chunk))
@@ -241,18 +202,7 @@ def _of_check(
 
 
 def plain(stated: Proportion) -> dict[str, Any]:
-    """Write a proportion as plain data.
-
-    Parameters
-    ----------
-    stated : Proportion
-        The proportion.
-
-    Returns
-    -------
-    dict
-        Counts, estimate and interval.
-    """
+    """Write a proportion as plain data."""
     return {
         "violations": stated.happened,
         "runs": stated.runs,

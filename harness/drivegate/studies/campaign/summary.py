@@ -33,27 +33,7 @@ _BY_ID = {check.id: check for check in CHECKS}
 
 
 def summarised(plan: CampaignPlan, folder: CampaignFolder, confidence: float) -> dict[str, Any]:
-    """Summarise a complete campaign, and write the summary and the worst cases into its folder.
-
-    Parameters
-    ----------
-    plan : CampaignPlan
-        The campaign.
-    folder : CampaignFolder
-        Its results; receives the files.
-    confidence : float
-        Confidence of the intervals.
-
-    Returns
-    -------
-    dict
-        The summary, the same for the same campaign.
-
-    Raises
-    ------
-    InputError
-        When a file cannot be read or written.
-    """
+    """Summarise a complete campaign, and write the summary and the worst cases into its folder."""
     found = statistics(plan, folder, confidence)
     document = {
         "schema": SCHEMA,
@@ -71,18 +51,7 @@ def summarised(plan: CampaignPlan, folder: CampaignFolder, confidence: float) ->
 
 
 def broken_harness(document: dict[str, Any]) -> bool:
-    """Tell whether the plant broke one of its own rules in some run.
-
-    Parameters
-    ----------
-    document : dict
-        A summary.
-
-    Returns
-    -------
-    bool
-        Whether any run has that verdict.
-    """
+    """Tell whether the plant broke one of its own rules in some run."""
     return any(HARNESS_FAULT in candidate["verdicts"] for candidate in document["candidates"])
 
 

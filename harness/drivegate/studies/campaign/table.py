@@ -26,18 +26,7 @@ _TEXTS: Final = ("case", "verdict", "message", "check", "measured", "advisory")
 
 
 def require_parquet(what: str) -> None:
-    """Refuse what needs Parquet where it cannot be written.
-
-    Parameters
-    ----------
-    what : str
-        What needs it.
-
-    Raises
-    ------
-    InputError
-        When pyarrow is not installed.
-    """
+    """Refuse what needs Parquet where it cannot be written."""
     if find_spec("pyarrow") is None:
         raise InputError(
             f"{what} needs the package pyarrow, which is not installed; install drivegate[parquet]"
@@ -47,22 +36,7 @@ def require_parquet(what: str) -> None:
 def table_bytes(
     runs: Sequence[CampaignRun], rows: Sequence[Row], parameters: Sequence[str], checks: Sequence[str]
 ) -> bytes:
-    """Write rows as a Parquet file.
-
-    Parameters
-    ----------
-    runs : sequence of CampaignRun
-        The runs.
-    rows : sequence of Row
-        What each of them came to.
-    parameters, checks : sequence of str
-        Names of the columns between which the campaign differs from others.
-
-    Returns
-    -------
-    bytes
-        The file; it depends on nothing but the rows and on pyarrow's version.
-    """
+    """Write rows as a Parquet file."""
     import pyarrow
     from pyarrow import parquet
 
@@ -74,18 +48,7 @@ def table_bytes(
 
 
 def schema(parameters: Sequence[str], checks: Sequence[str]) -> pyarrow.Schema:
-    """Give the columns of a campaign's files.
-
-    Parameters
-    ----------
-    parameters, checks : sequence of str
-        As in `table_bytes`.
-
-    Returns
-    -------
-    Schema
-        Names and types.
-    """
+    """Give the columns of a campaign's files."""
     import pyarrow
 
     columns = (*_FIXED, *parameters, *_JUDGED, *(MARGIN + check for check in checks), *OBSERVATIONS)
@@ -116,23 +79,7 @@ def _record(run: CampaignRun, row: Row, parameters: Sequence[str], checks: Seque
 
 
 def rows_in(path: Path) -> int:
-    """Count the rows of a file by its end alone.
-
-    Parameters
-    ----------
-    path : Path
-        A file that `table_bytes` made.
-
-    Returns
-    -------
-    int
-        Number of rows.
-
-    Raises
-    ------
-    InputError
-        When the file is damaged.
-    """
+    """Count the rows of a file by its end alone."""
     from pyarrow import ArrowException, parquet
 
     try:
@@ -142,25 +89,7 @@ def rows_in(path: Path) -> int:
 
 
 def columns_of(paths: Sequence[Path], columns: Sequence[str]) -> Iterator[pyarrow.Table]:
-    """Read some columns, one file after the other.
-
-    Parameters
-    ----------
-    paths : sequence of Path
-        The files.
-    columns : sequence of str
-        The columns.
-
-    Yields
-    ------
-    Table
-        The columns of each file.
-
-    Raises
-    ------
-    InputError
-        When a file is damaged.
-    """
+    """Read some columns, one file after the other."""
     from pyarrow import ArrowException, parquet
 
     for path in paths:

@@ -107,31 +107,7 @@ def check_all(
     summary: Callable[[Sequence[Checked]], dict[str, Any]],
     records: Records = Records(),
 ) -> list[Checked]:
-    """Check candidates and write their reports; nothing is written where there is no result.
-
-    Parameters
-    ----------
-    specifications : sequence of str
-        The candidates; of several, each gets a folder of its own inside the output.
-    output : Path
-        The folder to write.
-    effort : Effort
-        How much is searched.
-    summary : callable
-        Makes the document about all candidates, of several.
-    records : Records
-        Files that are read before anything runs.
-
-    Returns
-    -------
-    list of Checked
-        What has become of each, in their order.
-
-    Raises
-    ------
-    InputError
-        When the output cannot be written, or one of the records is not valid.
-    """
+    """Check candidates and write their reports; nothing is written where there is no result."""
     all_checked = [_resolved(specification) for specification in specifications]
     if all(checked.candidate is None for checked in all_checked):
         return all_checked

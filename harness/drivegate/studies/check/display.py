@@ -19,15 +19,7 @@ if TYPE_CHECKING:
 
 
 def show_checked(console: Console, checked: Checked) -> None:
-    """Print the verdict on each check, what failed and where the report is.
-
-    Parameters
-    ----------
-    console : Console
-        Where to.
-    checked : Checked
-        A candidate with a result.
-    """
+    """Print the verdict on each check, what failed and where the report is."""
     document, folder = checked.document, checked.folder
     assert document is not None, "only a candidate with a result is shown"
     assert folder is not None, "a result has its folder"
@@ -87,18 +79,7 @@ def _next_step(specification: str, failed: list[dict[str, Any]], folder: Path) -
 
 
 def scenario_in_short(scenario: dict[str, Any]) -> str:
-    """Tell a scenario in one line.
-
-    Parameters
-    ----------
-    scenario : dict
-        A scenario as plain data.
-
-    Returns
-    -------
-    str
-        Its name, duration, speeds, load and what differs from nominal; of a script its name and length.
-    """
+    """Tell a scenario in one line."""
     if scenario.get("kind") == "script":
         return f"{scenario['name']}: a script of {len(scenario['rows'])} rows"
     load = scenario["load"]

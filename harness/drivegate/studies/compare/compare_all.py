@@ -73,29 +73,7 @@ class ComparisonEnding:
 
 
 def compare_all(specifications: Sequence[str], output: Path, options: ComparisonOptions) -> ComparisonEnding:
-    """Compare candidates and write the report; nothing is written where none of them could be run.
-
-    Parameters
-    ----------
-    specifications : sequence of str
-        The candidates.
-    output : Path
-        The folder to write.
-    options : ComparisonOptions
-        How much is compared, and on what.
-
-    Returns
-    -------
-    ComparisonEnding
-        What it came to.
-
-    Raises
-    ------
-    InputError
-        When the output cannot be written, or the drive cycle is not valid.
-    HarnessFault
-        When the harness itself fails.
-    """
+    """Compare candidates and write the report; nothing is written where none of them could be run."""
     from drivegate_cases.motor.motor import load_motor
     from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 
@@ -197,20 +175,7 @@ def _now() -> str:
 
 
 def write_tables(document: Mapping[str, Any], folder: Path) -> tuple[Path, ...]:
-    """Write every table of a comparison as CSV.
-
-    Parameters
-    ----------
-    document : mapping
-        The comparison document.
-    folder : Path
-        An existing folder; receives a folder of tables.
-
-    Returns
-    -------
-    tuple of Path
-        The files.
-    """
+    """Write every table of a comparison as CSV."""
     (folder / TABLES).mkdir(exist_ok=True)
     tables = {**document["tables"], "timing": document["timing"]["steps"]}
     paths = []
@@ -222,19 +187,7 @@ def write_tables(document: Mapping[str, Any], folder: Path) -> tuple[Path, ...]:
 
 
 def table_text(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Write rows as CSV.
-
-    Parameters
-    ----------
-    rows : sequence of mapping
-        Rows with the same keys, but for those that a row does not have.
-
-    Returns
-    -------
-    str
-        A header and one line for each row. A text that a spreadsheet would take for a formula gets an apostrophe
-        in front.
-    """
+    """Write rows as CSV."""
     columns = list(dict.fromkeys(key for row in rows for key in row))
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")

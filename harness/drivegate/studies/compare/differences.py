@@ -11,22 +11,7 @@ Row = dict[str, Any]
 
 
 def difference_rows(labels: Sequence[str], repeated: Sequence[Row], cycles: Sequence[Row]) -> list[Row]:
-    """Compare every two candidates over drawn plants, noise and the drive cycle.
-
-    Parameters
-    ----------
-    labels : sequence of str
-        The candidates, best first.
-    repeated : sequence of dict
-        Rows of `drivegate.studies.compare.tables.repeated_rows`.
-    cycles : sequence of dict
-        Rows of `drivegate.studies.compare.tables.cycle_rows`.
-
-    Returns
-    -------
-    list of dict
-        First less second, with an interval and what it means in words.
-    """
+    """Compare every two candidates over drawn plants, noise and the drive cycle."""
     pairs = [(first, second) for place, first in enumerate(labels) for second in labels[place + 1 :]]
     rows = []
     for where, runs, keys, counts in _populations(repeated, cycles):

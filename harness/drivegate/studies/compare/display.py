@@ -14,17 +14,7 @@ if TYPE_CHECKING:
 
 
 def show_comparison(console: Console, document: dict[str, Any], pages: Sequence[Path]) -> None:
-    """Print the ranking, what differs for certain, and where the report is.
-
-    Parameters
-    ----------
-    console : Console
-        Where to.
-    document : dict
-        The comparison document.
-    pages : sequence of Path
-        The report.
-    """
+    """Print the ranking, what differs for certain, and where the report is."""
     figures = (
         "required failed",
         "points held",

@@ -53,34 +53,7 @@ def comparison_document(
     checks: bool,
     timing: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Put a comparison together.
-
-    Parameters
-    ----------
-    all_compared : sequence of Compared
-        The candidates, with what was measured.
-    plan : sequence of PlannedRun
-        What they ran.
-    oracle : dict
-        The best possible.
-    motor : Motor
-        The motor.
-    cycle : DriveCycle
-        The drive cycle.
-    effort : str
-        The effort.
-    seed : int
-        The seed.
-    checks : bool
-        Whether checks were made.
-    timing : mapping
-        When, and how long it took.
-
-    Returns
-    -------
-    dict
-        The document; its provenance holds the hash of everything but `timing` and tracebacks.
-    """
+    """Put a comparison together."""
     points = point_rows(all_compared, plan, oracle)
     ranking = ranking_rows(all_compared, points)
     repeated, cycles = repeated_rows(all_compared, plan), cycle_rows(all_compared, plan)

@@ -48,27 +48,7 @@ PHASES: Final = ("accelerating", "cruising", "slowing", "standing")
 
 
 def cycle_scenario(cycle: DriveCycle, motor: Motor, *, noise_seed: int | None = None) -> Scenario:
-    """Make the run of a drive cycle.
-
-    Parameters
-    ----------
-    cycle : DriveCycle
-        The cycle.
-    motor : Motor
-        The motor, in `VEHICLE`.
-    noise_seed : int, optional
-        Seed of the sensors `mcs96`; ideal ones by default.
-
-    Returns
-    -------
-    Scenario
-        The run.
-
-    Raises
-    ------
-    InputError
-        When the cycle brakes harder than a vehicle does.
-    """
+    """Make the run of a drive cycle."""
     period = LONGEST_CONTROL_PERIOD_S
     periods = math.ceil(cycle.duration_s / period - 1e-6)
     rpm_per_km_h = 1.0 / 3.6 / VEHICLE.lever_m / RADIANS_PER_RPM
@@ -86,26 +66,7 @@ def cycle_scenario(cycle: DriveCycle, motor: Motor, *, noise_seed: int | None = 
 
 
 def braking_grade(cycle: DriveCycle, motor: Motor) -> Profile:
-    """Give the driver's brake as a grade of the road.
-
-    Parameters
-    ----------
-    cycle : DriveCycle
-        The cycle.
-    motor : Motor
-        The motor, whose inertia is braked too; its core loss and friction are not counted, so that the brake alone
-        never slows the vehicle below the cycle by more than they do.
-
-    Returns
-    -------
-    tuple of (float, float)
-        Grade over time (s, %).
-
-    Raises
-    ------
-    InputError
-        When the cycle brakes harder than `HARDEST_BRAKING_M_S2`.
-    """
+    """Give the driver's brake as a grade of the road."""
     points: list[tuple[float, float]] = []
     for (start, first), (end, last) in pairwise(cycle.speed_km_h):
         pieces = math.ceil((end - start) / _PIECE_S) if last < first else 1
@@ -139,21 +100,7 @@ def _grade(deceleration: float, speed: float, motor: Motor, *, standing: bool) -
 
 
 def cycle_figures(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
-    """Tell what a candidate spent on a cycle, and how well it followed.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        A run of `cycle_scenario`.
-    run : ClosedLoopRun
-        What was observed, with a trace of every control period.
-
-    Returns
-    -------
-    dict
-        Energy taken from the supply (Wh) in all and by phase, distance (km), Wh/km, tracking error (km/h), mean
-        Σ|i| (A), and samples every `SAMPLE_S`.
-    """
+    """Tell what a candidate spent on a cycle, and how well it followed."""
     period = scenario.control_period_s
     columns = {name: run.trace[:, index] for index, name in enumerate(observation.TRACE_COLUMNS)}
     km_h = RADIANS_PER_RPM * VEHICLE.lever_m * 3.6

@@ -68,18 +68,7 @@ class Compared:
     timing: dict[str, Any] = field(default_factory=dict)
 
     def goes_on_after(self, fault: Fault) -> bool:
-        """Keep a fault, and tell whether the candidate is run any further.
-
-        Parameters
-        ----------
-        fault : Fault
-            What happened.
-
-        Returns
-        -------
-        bool
-            False after a hang, after a fault while loading, and after `MOST_FAULTS` of any kind.
-        """
+        """Keep a fault, and tell whether the candidate is run any further."""
         self.faults.append(fault)
         ends = fault.kind is FaultKind.HANG or fault.phase == "loading" or len(self.faults) >= MOST_FAULTS
         self.complete &= not ends
@@ -87,13 +76,7 @@ class Compared:
 
 
 def prepared() -> Iterator[Event]:
-    """Compile the kernels if they are still to be compiled.
-
-    Yields
-    ------
-    Event
-        Tells that they are being compiled.
-    """
+    """Compile the kernels if they are still to be compiled."""
     marker = missing_marker()
     if marker is not None:
         yield Compiling()
@@ -101,22 +84,7 @@ def prepared() -> Iterator[Event]:
 
 
 def solve_plan(plan: Sequence[PlannedRun], workers: int | None, found: dict[str, Any]) -> Iterator[Event]:
-    """Find what the drive can do at best at every operating point of a plan.
-
-    Parameters
-    ----------
-    plan : sequence of PlannedRun
-        The plan.
-    workers : int, optional
-        Number of processes.
-    found : dict
-        Receives ``points``, one optimum for each operating point, and ``envelope``, the greatest torque by speed.
-
-    Yields
-    ------
-    Event
-        What is done.
-    """
+    """Find what the drive can do at best at every operating point of a plan."""
     points = [oracle_point(planned) for planned in plan if planned.group == "points"]
     by_speed = {point.speed_rpm: point for point in points}
     jobs: list[Job[Any]] = [Job(solved, point) for point in points]
@@ -144,33 +112,7 @@ def run_plan(
     workers: int | None,
     checks: bool,
 ) -> Iterator[Event]:
-    """Run a candidate through a plan, and let the checks judge it.
-
-    Parameters
-    ----------
-    compared : Compared
-        The candidate; receives what was measured.
-    plan : sequence of PlannedRun
-        The plan.
-    seed : int
-        Seed of the checks' search.
-    workers : int, optional
-        Number of processes.
-    checks : bool
-        Whether the checks are made, at the effort `CHECKS_EFFORT`.
-
-    Yields
-    ------
-    Event
-        What is done.
-
-    Raises
-    ------
-    InputError
-        When the candidate is refused.
-    HarnessFault
-        When the harness itself fails.
-    """
+    """Run a candidate through a plan, and let the checks judge it."""
     candidate = compared.candidate
     assert candidate is not None, "only a candidate can be run"
     work = _checks_work(candidate, seed) if checks else []
@@ -226,18 +168,7 @@ def _time(compared: Compared, pool: WorkerPool, planned: PlannedRun) -> None:
 
 
 def labelled(specifications: Iterable[str], names: Iterable[str]) -> list[Compared]:
-    """Give every candidate a label of its own.
-
-    Parameters
-    ----------
-    specifications, names : iterable of str
-        The strings that named the candidates, and their names.
-
-    Returns
-    -------
-    list of Compared
-        In the same order, nothing run yet; of equal names, all but the first are numbered.
-    """
+    """Give every candidate a label of its own."""
     made: list[Compared] = []
     for specification, name in zip(specifications, names, strict=True):
         label, number = name, 1

@@ -42,18 +42,7 @@ class OraclePoint:
 
 
 def oracle_point(planned: PlannedRun) -> OraclePoint:
-    """Give the operating point of a planned run.
-
-    Parameters
-    ----------
-    planned : PlannedRun
-        A run of the group ``points``.
-
-    Returns
-    -------
-    OraclePoint
-        The point.
-    """
+    """Give the operating point of a planned run."""
     assert planned.speed_rpm is not None, "an operating point has a speed"
     assert planned.share is not None, "an operating point has a load"
     motor = planned.scenario.motor
@@ -66,21 +55,7 @@ def oracle_point(planned: PlannedRun) -> OraclePoint:
 
 
 def solved(_loaded: LoadedCandidate, point: OraclePoint) -> dict[str, Any]:
-    """Solve an operating point; this is what a worker process does.
-
-    Parameters
-    ----------
-    _loaded : LoadedCandidate
-        Any candidate, which is not used.
-    point : OraclePoint
-        The point.
-
-    Returns
-    -------
-    dict
-        Feasible edge (electrical degrees), and least Σ|i| (A) and least input power (W) at both torques; None
-        where no angle will do.
-    """
+    """Solve an operating point; this is what a worker process does."""
     drive = point.motor.drive()
     speed = point.speed_rpm * RADIANS_PER_RPM
     edge = feasible_edge(drive, speed, point.torques_nm[1])
@@ -97,22 +72,7 @@ def solved(_loaded: LoadedCandidate, point: OraclePoint) -> dict[str, Any]:
 
 
 def least_at(oracle: dict[str, Any], key: str, torque_nm: float) -> float | None:
-    """Interpolate an optimum at a torque between the two that were solved.
-
-    Parameters
-    ----------
-    oracle : dict
-        Of `solved`.
-    key : str
-        ``least_current_sums_a`` or ``least_input_powers_w``.
-    torque_nm : float
-        Mean electromagnetic torque of a run (N·m).
-
-    Returns
-    -------
-    float or None
-        The optimum there; None where the point is out of reach.
-    """
+    """Interpolate an optimum at a torque between the two that were solved."""
     values = oracle[key]
     if values is None:
         return None
@@ -122,20 +82,7 @@ def least_at(oracle: dict[str, Any], key: str, torque_nm: float) -> float | None
 
 
 def greatest_torque(_loaded: LoadedCandidate, point: OraclePoint) -> float:
-    """Find the greatest torque that some advance angle gives at a speed; this is what a worker process does.
-
-    Parameters
-    ----------
-    _loaded : LoadedCandidate
-        Any candidate, which is not used.
-    point : OraclePoint
-        The point, whose torques do not matter.
-
-    Returns
-    -------
-    float
-        Mean electromagnetic torque (N·m), to about 0.1 %.
-    """
+    """Find the greatest torque that some advance angle gives at a speed; this is what a worker process does."""
     drive = point.motor.drive()
     speed = point.speed_rpm * RADIANS_PER_RPM
     base = point.motor.base_speed_rpm * RADIANS_PER_RPM

@@ -109,24 +109,7 @@ class PlannedRun:
 
 
 def planned_runs(motor: Motor, cycle: DriveCycle, effort: str, seed: int) -> tuple[PlannedRun, ...]:
-    """Plan the runs of a comparison.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-    cycle : DriveCycle
-        The drive cycle.
-    effort : str
-        A key of `EFFORTS`.
-    seed : int
-        Seed of everything drawn.
-
-    Returns
-    -------
-    tuple of PlannedRun
-        In the order in which results are put together.
-    """
+    """Plan the runs of a comparison."""
     size = EFFORTS[effort]
     return (
         *_operating_points(motor, size),
@@ -149,18 +132,7 @@ def _operating_points(motor: Motor, size: ComparisonEffort) -> Iterator[PlannedR
 
 
 def disturbances(motor: Motor) -> tuple[PlannedRun, ...]:
-    """List the runs in which something changes once a search has converged.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor.
-
-    Returns
-    -------
-    tuple of PlannedRun
-        Steps of load, speed and supply, with ideal sensors; the telling ones first.
-    """
+    """List the runs in which something changes once a search has converged."""
     rated = steady_scenario(motor, 900.0, power_share=1.0, constant_power=True)
     full, fast = _point(motor, 1500.0, 1.0), _point(motor, 1400.0, 0.6)
     listed: tuple[tuple[str, Scenario, float], ...] = (

@@ -34,39 +34,14 @@ _HEAVY_PERCENT: Final = 50.0
 
 
 def status_of(compared: Compared) -> str:
-    """Tell what has become of a candidate.
-
-    Parameters
-    ----------
-    compared : Compared
-        The candidate.
-
-    Returns
-    -------
-    str
-        ``compared``, ``faulted`` or ``refused``.
-    """
+    """Tell what has become of a candidate."""
     if compared.error is not None or compared.candidate is None:
         return REFUSED
     return FAULTED if compared.faults else COMPARED
 
 
 def ranking_rows(all_compared: Sequence[Compared], points: Sequence[Row]) -> list[Row]:
-    """Rank the candidates.
-
-    Parameters
-    ----------
-    all_compared : sequence of Compared
-        The candidates.
-    points : sequence of dict
-        Rows of `drivegate.studies.compare.tables.point_rows`.
-
-    Returns
-    -------
-    list of dict
-        Best first, each compared with the best over the points that both hold. Candidates with a fault come behind
-        all others, and refused ones last, without a place.
-    """
+    """Rank the candidates."""
     held = _held(all_compared, points)
     standings = [_standing(compared, points, held[compared.label]) for compared in all_compared]
     rows = _placed(standings, held)
@@ -165,21 +140,7 @@ def _mean(values: Iterable[float]) -> float | None:
 
 
 def region_rows(all_compared: Sequence[Compared], points: Sequence[Row]) -> list[Row]:
-    """Tell who wins where: in bands of speed, at light and at heavy load.
-
-    Parameters
-    ----------
-    all_compared : sequence of Compared
-        The candidates.
-    points : sequence of dict
-        Rows of `drivegate.studies.compare.tables.point_rows`.
-
-    Returns
-    -------
-    list of dict
-        For each region and candidate the number of points held, and where that is all of them the mean input power
-        and Σ|i|, with the distance from the best there.
-    """
+    """Tell who wins where: in bands of speed, at light and at heavy load."""
     labels = [compared.label for compared in all_compared if status_of(compared) == COMPARED]
     rows: list[Row] = []
     for name, inside in _regions():

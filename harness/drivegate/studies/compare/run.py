@@ -38,20 +38,7 @@ Figures = dict[str, Any]
 
 
 def measured(loaded: LoadedCandidate, planned: PlannedRun) -> Figures:
-    """Run a candidate through a planned run; this is what the worker process does.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    planned : PlannedRun
-        The run.
-
-    Returns
-    -------
-    dict
-        What was measured.
-    """
+    """Run a candidate through a planned run; this is what the worker process does."""
     every = 1 if planned.group == "cycle" else TRACE_EVERY
     run = run_scenario(planned.scenario, loaded.controller(), progress=loaded.progress, trace_every=every)
     if planned.group == "cycle":
@@ -64,18 +51,7 @@ def measured(loaded: LoadedCandidate, planned: PlannedRun) -> Figures:
 
 
 def steady_figures(run: ClosedLoopRun) -> Figures:
-    """Tell what the last steady stretch of a run came to.
-
-    Parameters
-    ----------
-    run : ClosedLoopRun
-        The run, with one observed window at least.
-
-    Returns
-    -------
-    dict
-        Whether the speed was held, and means in people's units.
-    """
+    """Tell what the last steady stretch of a run came to."""
     row = run.windows[-1]
     error = float(row[observation.WINDOW_SPEED_ERROR]) / RADIANS_PER_RPM
     return {
@@ -92,41 +68,14 @@ def steady_figures(run: ClosedLoopRun) -> Figures:
 
 
 def converged_after(columns: dict[str, NDArray[np.float64]], figures: Figures) -> float | None:
-    """Tell when a run had converged: from then on the speed is held and the angle stays near its last mean.
-
-    Parameters
-    ----------
-    columns : dict
-        The trace's columns, each of shape (n,).
-    figures : dict
-        Of `steady_figures`.
-
-    Returns
-    -------
-    float or None
-        Time from the run's start (s); None where it never did.
-    """
+    """Tell when a run had converged: from then on the speed is held and the angle stays near its last mean."""
     error = np.abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
     moved = np.abs(columns["advance_deg"] - figures["advance_deg"])
     return _settled(columns["time_s"], (error > HOLDS_RPM) | (moved > SETTLED_DEG))
 
 
 def recovery_figures(columns: dict[str, NDArray[np.float64]], change_s: float) -> Figures:
-    """Tell how a candidate got over a disturbance.
-
-    Parameters
-    ----------
-    columns : dict
-        The trace's columns, each of shape (n,).
-    change_s : float
-        When the disturbance was over (s).
-
-    Returns
-    -------
-    dict
-        Whether the speed was held in the second before it began, worst speed error from one second before its end
-        (rpm), and the time to hold the speed again (s); None where it was not held again.
-    """
+    """Tell how a candidate got over a disturbance."""
     times = columns["time_s"]
     error = np.abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
     after = times >= change_s
@@ -173,21 +122,7 @@ def _trajectory(columns: dict[str, NDArray[np.float64]]) -> dict[str, list[float
 
 
 def timed(loaded: LoadedCandidate, scenario: Scenario) -> Figures:
-    """Time a candidate's steps on what it was told in a run.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    scenario : Scenario
-        The run.
-
-    Returns
-    -------
-    dict
-        Median time of a step (µs), its share of the control period (%), and the size of the state (bytes) where
-        the controller tells it; these depend on the machine.
-    """
+    """Time a candidate's steps on what it was told in a run."""
     controller = loaded.controller()
     run = run_scenario(scenario, controller, progress=loaded.progress, trace_every=1)
     columns = _columns(run)

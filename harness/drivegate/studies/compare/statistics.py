@@ -52,21 +52,7 @@ class PairedDifference:
 def paired_difference(
     first: Sequence[float], second: Sequence[float], *, intervals: int = 1
 ) -> PairedDifference:
-    """Compare paired values.
-
-    Parameters
-    ----------
-    first, second : sequence of float
-        Values of the same runs, in the same order.
-    intervals : int
-        Number of intervals that shall hold together.
-
-    Returns
-    -------
-    PairedDifference
-        First less second, with Student's t interval of the mean (Student, "The probable error of a mean", 1908)
-        at the confidence 1 - (1 - `CONFIDENCE`) / `intervals` (Bonferroni).
-    """
+    """Compare paired values."""
     changes = [a - b for a, b in zip(first, second, strict=True)]
     pairs = len(changes)
     if not pairs:

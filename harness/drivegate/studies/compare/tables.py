@@ -27,23 +27,7 @@ _STEADY: Final = (
 def oracle_rows(
     all_compared: Sequence[Compared], plan: Sequence[PlannedRun], oracle: dict[str, Any]
 ) -> list[Row]:
-    """List the optima of the operating points.
-
-    Parameters
-    ----------
-    all_compared : sequence of Compared
-        The candidates.
-    plan : sequence of PlannedRun
-        The plan.
-    oracle : dict
-        Of `drivegate.studies.compare.engine.solve_plan`.
-
-    Returns
-    -------
-    list of dict
-        Speed, load, feasible edge, least Σ|i| and least input power, at the mean torque of the candidates that
-        hold the point; where none does, at the load's torque without core loss.
-    """
+    """List the optima of the operating points."""
     points = [planned for planned in plan if planned.group == "points"]
     torques: dict[int, list[float]] = {}
     for _, position, _, figures in _runs(all_compared, plan, "points"):
@@ -70,22 +54,7 @@ def _mean_torque(torques: Sequence[float] | None, best: dict[str, Any]) -> float
 def point_rows(
     all_compared: Sequence[Compared], plan: Sequence[PlannedRun], oracle: dict[str, Any]
 ) -> list[Row]:
-    """List what each candidate came to at each operating point, beside the best possible.
-
-    Parameters
-    ----------
-    all_compared : sequence of Compared
-        The candidates.
-    plan : sequence of PlannedRun
-        The plan.
-    oracle : dict
-        Of `drivegate.studies.compare.engine.solve_plan`.
-
-    Returns
-    -------
-    list of dict
-        One row for each candidate and point that it was run at.
-    """
+    """List what each candidate came to at each operating point, beside the best possible."""
     return [
         {
             "candidate": compared.label,
@@ -119,20 +88,7 @@ def _gaps(figures: Row, best: Row) -> Row:
 
 
 def disturbance_rows(all_compared: Sequence[Compared], plan: Sequence[PlannedRun]) -> list[Row]:
-    """List how each candidate got over each disturbance.
-
-    Parameters
-    ----------
-    all_compared : sequence of Compared
-        The candidates.
-    plan : sequence of PlannedRun
-        The plan.
-
-    Returns
-    -------
-    list of dict
-        One row for each candidate and disturbance.
-    """
+    """List how each candidate got over each disturbance."""
     return [
         {
             "candidate": compared.label,
@@ -149,20 +105,7 @@ def disturbance_rows(all_compared: Sequence[Compared], plan: Sequence[PlannedRun
 
 
 def repeated_rows(all_compared: Sequence[Compared], plan: Sequence[PlannedRun]) -> list[Row]:
-    """List the runs with noisy sensors and those on drawn plants.
-
-    Parameters
-    ----------
-    all_compared : sequence of Compared
-        The candidates.
-    plan : sequence of PlannedRun
-        The plan.
-
-    Returns
-    -------
-    list of dict
-        One row for each candidate, scenario and seed.
-    """
+    """List the runs with noisy sensors and those on drawn plants."""
     return [
         {
             "candidate": compared.label,
@@ -179,20 +122,7 @@ def repeated_rows(all_compared: Sequence[Compared], plan: Sequence[PlannedRun]) 
 
 
 def cycle_rows(all_compared: Sequence[Compared], plan: Sequence[PlannedRun]) -> list[Row]:
-    """List what each candidate spent on the drive cycle.
-
-    Parameters
-    ----------
-    all_compared : sequence of Compared
-        The candidates.
-    plan : sequence of PlannedRun
-        The plan.
-
-    Returns
-    -------
-    list of dict
-        One row for each candidate and run of the cycle.
-    """
+    """List what each candidate spent on the drive cycle."""
     return [
         {
             "candidate": compared.label,
@@ -207,18 +137,7 @@ def cycle_rows(all_compared: Sequence[Compared], plan: Sequence[PlannedRun]) -> 
 
 
 def check_rows(all_compared: Sequence[Compared]) -> list[Row]:
-    """List verdict and margin of each check for each candidate.
-
-    Parameters
-    ----------
-    all_compared : sequence of Compared
-        The candidates.
-
-    Returns
-    -------
-    list of dict
-        One row for each candidate and check that was made.
-    """
+    """List verdict and margin of each check for each candidate."""
     return [
         {
             "candidate": compared.label,

@@ -100,29 +100,6 @@ def compared(
     The first one drives the plant, in a process of its own, which writes a record of every step. The second one is
     then told the same, in another process, until it answers otherwise. Both are alike up to there, so nothing is
     lost by asking one after the other.
-
-    Parameters
-    ----------
-    first, second : Candidate
-        The candidates.
-    scenario : Scenario
-        The scenario.
-    rule : Rule
-        When commands count as different.
-    before, after : int
-        Number of steps to keep on either side of the first difference.
-
-    Returns
-    -------
-    StepComparison
-        What it came to.
-
-    Raises
-    ------
-    InputError
-        When a candidate is refused, or the disk has no room for the record.
-    HarnessFault
-        When the harness itself fails.
     """
     with tempfile.TemporaryDirectory(prefix="drivegate") as name:
         refuse_without_room(scenario, Path(name))

@@ -25,24 +25,7 @@ UNITS: Final = {"current_reference": "A", "advance_angle": "rad", "input_power":
 def document_of(
     candidates: tuple[Candidate, Candidate], scenario: Scenario, rule: Rule, comparison: StepComparison
 ) -> dict[str, Any]:
-    """Write a comparison as plain data.
-
-    Parameters
-    ----------
-    candidates : tuple of Candidate
-        The first and the second candidate.
-    scenario : Scenario
-        The scenario.
-    rule : Rule
-        When commands count as different.
-    comparison : StepComparison
-        What it came to.
-
-    Returns
-    -------
-    dict
-        The document, all in SI units but where a key names another one; what is not finite is to become null.
-    """
+    """Write a comparison as plain data."""
     found, fault = comparison.difference, comparison.fault
     verdict = EQUAL if found is None else DIFFERENT
     told = None
@@ -124,34 +107,12 @@ def _field(name: str, first: float, second: float, rule: Rule) -> dict[str, Any]
 
 
 def bits_of(number: float) -> int:
-    """Give the bits of a double.
-
-    Parameters
-    ----------
-    number : float
-        The number.
-
-    Returns
-    -------
-    int
-        Its bits as a signed integer.
-    """
+    """Give the bits of a double."""
     return int.from_bytes(struct.pack("<d", number), "little", signed=True)
 
 
 def in_words(field: dict[str, Any]) -> str:
-    """Tell how far apart two numbers are.
-
-    Parameters
-    ----------
-    field : dict
-        An entry of `commands`.
-
-    Returns
-    -------
-    str
-        Such as ``+1.8e-15 (2 ULP)``; nothing where they are the same.
-    """
+    """Tell how far apart two numbers are."""
     first, second = field["first"], field["second"]
     if field["ulps"] is None:
         neither = not isfinite(first) and not isfinite(second)
@@ -162,18 +123,7 @@ def in_words(field: dict[str, Any]) -> str:
 
 
 def units_in_the_last_place(one: float, other: float) -> int | None:
-    """Count the doubles from one number to another.
-
-    Parameters
-    ----------
-    one, other : float
-        The numbers.
-
-    Returns
-    -------
-    int or None
-        Number of steps from one to the next double, 0 from -0.0 to 0.0; None where one is not finite.
-    """
+    """Count the doubles from one number to another."""
     if not (isfinite(one) and isfinite(other)):
         return None
     return abs(_place(one) - _place(other))

@@ -18,19 +18,7 @@ _PANELS: Final = (("current reference (A)", 0, 1.0), ("advance angle (°)", 1, 1
 
 
 def draw(found: Difference, names: tuple[str, str], plot: Path, title: str) -> None:
-    """Draw both commands around the first difference, their differences, and the speed.
-
-    Parameters
-    ----------
-    found : Difference
-        The difference.
-    names : tuple of str
-        The candidates' names.
-    plot : Path
-        A file whose name ends in ``.png`` or ``.svg``.
-    title : str
-        Title of the figure.
-    """
+    """Draw both commands around the first difference, their differences, and the speed."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

@@ -95,26 +95,12 @@ class Shadowed:
 
 
 def load_only(loaded: LoadedCandidate, _payload: None) -> None:
-    """Make an instance, and see whether it can be made.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    """
+    """Make an instance, and see whether it can be made."""
     loaded.controller()
 
 
 def record_run(loaded: LoadedCandidate, plan: Recording) -> None:
-    """Run a scenario and write the record of every step; this is what the first worker process does.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    plan : Recording
-        File and scenario.
-    """
+    """Run a scenario and write the record of every step; this is what the first worker process does."""
     with plan.path.open("wb") as file:
         controller = RecordingController(loaded.controller(), file, plan.scenario.motor.phases)
         run_scenario(plan.scenario, controller, progress=loaded.progress)
@@ -122,25 +108,7 @@ def record_run(loaded: LoadedCandidate, plan: Recording) -> None:
 
 
 def shadow_run(loaded: LoadedCandidate, plan: Shadowing) -> Shadowed:
-    """Ask a candidate what is on record, until it answers otherwise; this is what the second worker process does.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    plan : Shadowing
-        The record, and where to begin and end.
-
-    Returns
-    -------
-    Shadowed
-        How it answered.
-
-    Raises
-    ------
-    CandidateFault
-        When it has a fault.
-    """
+    """Ask a candidate what is on record, until it answers otherwise; this is what the second worker process does."""
     nameplate = plan.scenario.nameplate()
     controller, progress = loaded.controller(), loaded.progress
     judged, tolerance = (plan.rule.judged, plan.rule.tolerance) if plan.rule else ((), BITWISE)
@@ -184,19 +152,6 @@ def _not_finite(shadow: Shadow, step: int) -> Fault:
 
 
 def play_back(loaded: LoadedCandidate, asked: tuple[Shadowing, int]) -> PlantState:
-    """Find the plant's state at one step; this is what a worker process without a user's candidate does.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        A built-in candidate, which takes no part.
-    asked : tuple of Shadowing and int
-        The record, and the step.
-
-    Returns
-    -------
-    PlantState
-        The state at its start.
-    """
+    """Find the plant's state at one step; this is what a worker process without a user's candidate does."""
     plan, step = asked
     return plant_at(plan.path, plan.scenario, step, loaded.progress)

@@ -72,29 +72,7 @@ class _Playback:
 
 
 def plant_at(path: Path, scenario: Scenario, step: int, progress: SharedProgress | None = None) -> PlantState:
-    """Find the plant's state at one step by giving it the recorded commands again.
-
-    Parameters
-    ----------
-    path : Path
-        The record.
-    scenario : Scenario
-        Its scenario.
-    step : int
-        The step, from 0.
-    progress : SharedProgress, optional
-        Memory in which a parent process follows the run.
-
-    Returns
-    -------
-    PlantState
-        The state at its start.
-
-    Raises
-    ------
-    HarnessFault
-        When the plant does not come so far.
-    """
+    """Find the plant's state at one step by giving it the recorded commands again."""
     playback = _Playback(path, scenario.motor.phases, step)
     plain = scenario.replaced(sensors="ideal", dropouts=(), glitches=())
     try:

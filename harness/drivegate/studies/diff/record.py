@@ -31,20 +31,7 @@ _NUMBER: Final = np.dtype(np.float64)
 
 
 def refuse_without_room(scenario: Scenario, folder: Path) -> None:
-    """Refuse a run whose record would not fit on the disk.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scenario.
-    folder : Path
-        Where the record is to be written.
-
-    Raises
-    ------
-    InputError
-        When there is not enough room.
-    """
+    """Refuse a run whose record would not fit on the disk."""
     needed = scenario.control_periods * row_length(scenario.motor.phases) * _NUMBER.itemsize
     free = shutil.disk_usage(folder).free
     if needed > free:
@@ -56,15 +43,6 @@ def refuse_without_room(scenario: Scenario, folder: Path) -> None:
 
 class RecordingController:
     """A controller that keeps a record of every step of another one.
-
-    Parameters
-    ----------
-    inner : Controller
-        The one that answers.
-    file : BinaryIO
-        Receives the rows, block by block.
-    phases : int
-        Number of phases.
 
     Attributes
     ----------
@@ -91,13 +69,7 @@ class RecordingController:
         return self._inner.fault
 
     def reset(self, nameplate: Nameplate) -> None:
-        """Reset the inner controller.
-
-        Parameters
-        ----------
-        nameplate : Nameplate
-            The drive's nominal data.
-        """
+        """Reset the inner controller."""
         self._inner.reset(nameplate)
         # A reset may make a controller anew.
         self._recorder[0]["step_address"] = self._inner.step_address
@@ -105,13 +77,7 @@ class RecordingController:
         self._recorder[0]["count"] = 0
 
     def finish(self) -> None:
-        """Write what is left.
-
-        Raises
-        ------
-        OSError
-            When the file could not be written.
-        """
+        """Write what is left."""
         self._empty(None, None, None)
         if self._problem is not None:
             raise self._problem
@@ -127,22 +93,7 @@ class RecordingController:
 
 
 def recorded_rows(path: Path, phases: int, end: int | None = None) -> Iterator[NDArray[np.float64]]:
-    """Read a record, block by block.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    phases : int
-        Number of phases.
-    end : int, optional
-        Row to stop before; by default all are read.
-
-    Yields
-    ------
-    ndarray, shape (n, row_length(phases))
-        The next rows.
-    """
+    """Read a record, block by block."""
     length = row_length(phases)
     left = row_count(path, phases) if end is None else end
     with path.open("rb") as file:
@@ -155,56 +106,17 @@ def recorded_rows(path: Path, phases: int, end: int | None = None) -> Iterator[N
 
 
 def row_count(path: Path, phases: int) -> int:
-    """Count the steps in a record.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    phases : int
-        Number of phases.
-
-    Returns
-    -------
-    int
-        Number of rows.
-    """
+    """Count the steps in a record."""
     return path.stat().st_size // (row_length(phases) * _NUMBER.itemsize)
 
 
 def some_rows(path: Path, phases: int, begin: int, end: int) -> NDArray[np.float64]:
-    """Read a few steps of a record.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    phases : int
-        Number of phases.
-    begin, end : int
-        First step, and the step to stop before.
-
-    Returns
-    -------
-    ndarray, shape (n, row_length(phases))
-        The rows.
-    """
+    """Read a few steps of a record."""
     length = row_length(phases)
     offset = begin * length * _NUMBER.itemsize
     return np.fromfile(path, np.float64, (end - begin) * length, offset=offset).reshape(-1, length)
 
 
 def commands_of(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Take the commands out of rows.
-
-    Parameters
-    ----------
-    rows : ndarray, shape (n, row_length(phases))
-        The rows.
-
-    Returns
-    -------
-    ndarray, shape (n, 3)
-        `OUTPUTS` of each.
-    """
+    """Take the commands out of rows."""
     return rows[:, len(SCALARS) : len(SCALARS) + len(OUTPUTS)]

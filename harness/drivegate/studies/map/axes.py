@@ -37,23 +37,7 @@ class MapAxes:
 
     @classmethod
     def of(cls, axes: Mapping[str, Sequence[float]]) -> MapAxes:
-        """Make axes of a table of values.
-
-        Parameters
-        ----------
-        axes : mapping
-            Values by name.
-
-        Returns
-        -------
-        MapAxes
-            The axes.
-
-        Raises
-        ------
-        InputError
-            When there are too many points.
-        """
+        """Make axes of a table of values."""
         made = cls(tuple(axes), tuple(tuple(values) for values in axes.values()))
         if made.points > MOST_POINTS:
             raise InputError(f"the map has {made.points} points, but must have at most {MOST_POINTS}")
@@ -70,18 +54,7 @@ class MapAxes:
         return prod(self.shape)
 
     def coordinates(self, first: int, last: int) -> dict[str, NDArray[np.float64]]:
-        """Give the coordinates of some points.
-
-        Parameters
-        ----------
-        first, last : int
-            Number of the first point, and of the one behind the last.
-
-        Returns
-        -------
-        dict
-            Arrays of shape (last - first,) by name of the axis.
-        """
+        """Give the coordinates of some points."""
         places = np.unravel_index(np.arange(first, last), self.shape)
         return {
             name: np.asarray(values, dtype=np.float64)[place]
@@ -90,20 +63,7 @@ class MapAxes:
 
 
 def axis_within(lowest: float, highest: float, *, above: bool = False) -> Callable[[str], tuple[float, ...]]:
-    """Make a reader of axes whose values lie within limits.
-
-    Parameters
-    ----------
-    lowest, highest : float
-        The limits.
-    above : bool
-        Whether values must be above `lowest`, not at it.
-
-    Returns
-    -------
-    callable
-        Reads ``LOW:HIGH:COUNT``, ``A,B,C`` or a single number; raises `InputError`.
-    """
+    """Make a reader of axes whose values lie within limits."""
 
     def read(text: str) -> tuple[float, ...]:
         values = _values(text)
@@ -141,25 +101,7 @@ def _values(text: str) -> tuple[float, ...] | None:
 
 
 def parameter_axis(text: str, known: Sequence[str]) -> tuple[str, tuple[float, ...]]:
-    """Read the axis of a parameter.
-
-    Parameters
-    ----------
-    text : str
-        As ``KEY=AXIS``.
-    known : sequence of str
-        The parameters that there are.
-
-    Returns
-    -------
-    tuple
-        Key and values.
-
-    Raises
-    ------
-    InputError
-        When it is not written so, or there is no such parameter.
-    """
+    """Read the axis of a parameter."""
     key, equals, axis = text.partition("=")
     if not equals:
         raise InputError(f"--parameter {shown(text)} is no axis, which is written KEY=LOW:HIGH:COUNT")

@@ -42,15 +42,7 @@ _NAMES: Final = {SPEED: "speed (rpm)", TORQUE: "torque (N·m)", ADVANCE: "advanc
 
 
 def write_tables(made: OperatingMap, csv: Path | None, parquet: Path | None) -> None:
-    """Write a map as the tables that are wanted.
-
-    Parameters
-    ----------
-    made : OperatingMap
-        The map.
-    csv, parquet : Path or None
-        The files.
-    """
+    """Write a map as the tables that are wanted."""
     if csv is None and parquet is None:
         return
     table = made.table()
@@ -68,17 +60,7 @@ def write_tables(made: OperatingMap, csv: Path | None, parquet: Path | None) -> 
 
 
 def write_figure(made: OperatingMap, plot: Path, title: str) -> None:
-    """Draw a map: four quantities over speed and torque, or over speed and angle.
-
-    Parameters
-    ----------
-    made : OperatingMap
-        The map; of further axes the figure shows one value, which its title tells.
-    plot : Path
-        A file whose name ends in ``.png`` or ``.svg``.
-    title : str
-        Title of the figure.
-    """
+    """Draw a map: four quantities over speed and torque, or over speed and angle."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

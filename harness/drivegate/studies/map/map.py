@@ -35,14 +35,7 @@ class OperatingMap:
     verdicts: list[str] = field(default_factory=list)
 
     def table(self) -> dict[str, Any]:
-        """Give the map as columns.
-
-        Returns
-        -------
-        dict
-            Coordinates, then what was computed, by name; where a computed column is named like an axis, it comes
-            with ``found_`` before it.
-        """
+        """Give the map as columns."""
         columns: dict[str, Any] = dict(self.plan.axes.coordinates(0, self.plan.axes.points))
         if self.verdicts:
             columns["verdict"] = self.verdicts
@@ -54,29 +47,7 @@ class OperatingMap:
 
 
 def computed(plan: MapPlan, backend: Backend, tell: Callable[[int, int], None]) -> OperatingMap:
-    """Compute a map.
-
-    Parameters
-    ----------
-    plan : MapPlan
-        The map.
-    backend : Backend
-        Where its points are computed.
-    tell : callable
-        Takes the number of points that are done, and 0.
-
-    Returns
-    -------
-    OperatingMap
-        The map; it does not depend on the number of workers.
-
-    Raises
-    ------
-    InputError
-        When the candidate is refused, or a parameter is out of its range.
-    HarnessFault
-        When the harness itself fails.
-    """
+    """Compute a map."""
     for parameter in single_parameters(plan):
         plant_of(plan.motor, parameter)
     points, done = plan.axes.points, 0

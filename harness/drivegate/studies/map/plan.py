@@ -82,31 +82,14 @@ class MapPlan:
         return {"points": POINT_COLUMNS, "best": BEST_COLUMNS, "loop": LOOP_COLUMNS}[self.kind]
 
     def pieces(self) -> list[tuple[int, int]]:
-        """Cut the map into tasks.
-
-        Returns
-        -------
-        list of tuple of int
-            Number of each first point, and of the one behind the last.
-        """
+        """Cut the map into tasks."""
         length = _POINTS_AT_ONCE[self.kind]
         points = self.axes.points
         return [(first, min(first + length, points)) for first in range(0, points, length)]
 
 
 def single_parameters(plan: MapPlan) -> Iterator[dict[str, float]]:
-    """Give the values of a map's parameters one after the other, to see that each can be had.
-
-    Parameters
-    ----------
-    plan : MapPlan
-        The map.
-
-    Yields
-    ------
-    dict
-        One value by its key.
-    """
+    """Give the values of a map's parameters one after the other, to see that each can be had."""
     for name, values in zip(plan.axes.names, plan.axes.values, strict=True):
         if name in PARAMETERS:
             for value in values:
@@ -114,25 +97,7 @@ def single_parameters(plan: MapPlan) -> Iterator[dict[str, float]]:
 
 
 def plant_of(motor: Motor, values: dict[str, float]) -> tuple[Motor, Scales]:
-    """Change a motor as parameters say.
-
-    Parameters
-    ----------
-    motor : Motor
-        The nominal motor.
-    values : dict
-        Values by key: of the motor, or factors of the plant.
-
-    Returns
-    -------
-    tuple
-        The motor, and how its plant differs from it.
-
-    Raises
-    ------
-    InputError
-        When a value is not valid.
-    """
+    """Change a motor as parameters say."""
     own = [f"{key}={value:.17g}" for key, value in values.items() if key in MOTOR_KEYS]
     scales = {key: value for key, value in values.items() if key in SCALES}
     if not scales:
@@ -154,20 +119,7 @@ def _checked_scales(scales: dict[str, float]) -> Scales:
 
 
 def drives_of(plan: MapPlan, at: dict[str, NDArray[np.float64]]) -> Iterator[tuple[slice, Motor, Scales]]:
-    """Cut points where a parameter changes, so that each stretch has one plant.
-
-    Parameters
-    ----------
-    plan : MapPlan
-        The map.
-    at : dict
-        Coordinates of the points by name.
-
-    Yields
-    ------
-    tuple
-        Places of the stretch, its motor, and how its plant differs from that.
-    """
+    """Cut points where a parameter changes, so that each stretch has one plant."""
     names = [name for name in plan.axes.names if name in PARAMETERS]
     length = len(at[SPEED])
     starts = [0]

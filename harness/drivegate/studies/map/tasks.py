@@ -67,20 +67,7 @@ class MapPart:
 
 
 def compute_piece(package: bytes, piece: tuple[int, int]) -> MapPart:
-    """Compute some points; this is what a worker does.
-
-    Parameters
-    ----------
-    package : bytes
-        The pickled plan.
-    piece : tuple of int
-        Number of the first point, and of the one behind the last.
-
-    Returns
-    -------
-    MapPart
-        The points.
-    """
+    """Compute some points; this is what a worker does."""
     plan: MapPlan = pickle.loads(package)
     task = {"points": _points, "best": _best, "loop": _loop}[plan.kind]
     return task(plan, *piece)
@@ -90,16 +77,6 @@ def compile_solver(package: bytes) -> None:
     """Have the solver of steady states compiled in a process of its own, unless it is kept from before.
 
     So that all processes that compute a map run the same code, which they load.
-
-    Parameters
-    ----------
-    package : bytes
-        The pickled plan of a map of steady states.
-
-    Raises
-    ------
-    HarnessFault
-        When it cannot be compiled.
     """
     folder = choose_cache_folder()
     if folder is None:

@@ -58,29 +58,7 @@ KINDS: Final = MappingProxyType(
 
 
 def write_candidate(kind: str, name: str, folder: Path, today: date) -> tuple[Path, ...]:
-    """Write a new candidate.
-
-    Parameters
-    ----------
-    kind : str
-        One of `KINDS`.
-    name : str
-        Its name in reports.
-    folder : Path
-        The folder to make.
-    today : date
-        The day from which its waivers hold.
-
-    Returns
-    -------
-    tuple of Path
-        The files, from the folder.
-
-    Raises
-    ------
-    InputError
-        When the name cannot be one, or the folder cannot be made or has something in it.
-    """
+    """Write a new candidate."""
     if not _NAME.fullmatch(name):
         raise InputError(
             f"the name '{one_line(name)}' must begin with a letter and have letters, digits, '-' and '_' after it, "

@@ -21,19 +21,7 @@ _PANELS: Final = (
 
 
 def draw(stored: Counterexample, ended: Replay, plot: Path, title: str) -> None:
-    """Draw what was observed, and set off what the check was judged on.
-
-    Parameters
-    ----------
-    stored : Counterexample
-        The counterexample.
-    ended : Replay
-        What was observed.
-    plot : Path
-        A file whose name ends in ``.png`` or ``.svg``.
-    title : str
-        Title of the figure.
-    """
+    """Draw what was observed, and set off what the check was judged on."""
     if isinstance(stored.scenario, Script):
         _draw_script(stored.scenario, ended, plot, title)
     elif ended.run is not None:

@@ -67,23 +67,6 @@ def candidate_for(stored: Counterexample, given: str | None) -> Candidate:
     """Choose the candidate to run: the given one, or the one that comes with drivegate and has the file's name.
 
     A file never says what is executed: its candidate's name is looked up among those that come along.
-
-    Parameters
-    ----------
-    stored : Counterexample
-        The counterexample.
-    given : str or None
-        What the user names.
-
-    Returns
-    -------
-    Candidate
-        The candidate.
-
-    Raises
-    ------
-    InputError
-        When none is given and the file's does not come along, or when there is no such candidate.
     """
     if given is not None:
         return resolve_candidate(given)
@@ -108,27 +91,7 @@ def _comes_along(candidate: Candidate) -> bool:
 
 
 def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
-    """Run a counterexample again in a process of its own.
-
-    Parameters
-    ----------
-    stored : Counterexample
-        The counterexample.
-    candidate : Candidate
-        The candidate.
-
-    Returns
-    -------
-    Replay or Fault
-        What was observed, or the candidate's fault.
-
-    Raises
-    ------
-    InputError
-        When the candidate is refused.
-    HarnessFault
-        When the harness itself fails.
-    """
+    """Run a counterexample again in a process of its own."""
     with CandidateWorker(candidate, load_controller) as worker:
         replay = worker.run(Job(run_replay, stored))
         if isinstance(replay, Fault) or isinstance(stored.scenario, Script) or stored.check != REPEATED:
@@ -144,20 +107,7 @@ def _compared(replay: Replay, elsewhere: int) -> Replay:
 
 
 def run_replay(loaded: LoadedCandidate, stored: Counterexample) -> Replay:
-    """Run a counterexample and judge it; this is what the worker process does.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    stored : Counterexample
-        The counterexample.
-
-    Returns
-    -------
-    Replay
-        What was observed.
-    """
+    """Run a counterexample and judge it; this is what the worker process does."""
     if isinstance(stored.scenario, Script):
         return _script_again(loaded, stored.scenario)
     return _scenario_again(loaded, stored.scenario, check_of(stored))
@@ -187,18 +137,7 @@ def _script_again(loaded: LoadedCandidate, script: Script) -> Replay:
 
 
 def check_of(stored: Counterexample) -> Check:
-    """Find the check that a counterexample is about.
-
-    Parameters
-    ----------
-    stored : Counterexample
-        The counterexample.
-
-    Returns
-    -------
-    Check
-        The check.
-    """
+    """Find the check that a counterexample is about."""
     return next(check for check in CHECKS if check.id == stored.check)
 
 
@@ -221,22 +160,7 @@ class _PartialRecord(RunRecord):
 
 
 def judged_window(check: Check, record: RunRecord, margin: Margin | None) -> tuple[float, float]:
-    """Find the steady stretch that alone gives the same margin; the whole run where none decides.
-
-    Parameters
-    ----------
-    check : Check
-        The check.
-    record : RunRecord
-        What it saw.
-    margin : Margin or None
-        What it came to.
-
-    Returns
-    -------
-    tuple of float
-        Start and end (s).
-    """
+    """Find the steady stretch that alone gives the same margin; the whole run where none decides."""
     whole = (0.0, record.scenario.duration_s)
     if margin is None or check.evaluate(_part(record, ())) is not None:
         return whole
@@ -255,18 +179,7 @@ def _part(record: RunRecord, shown: tuple[int, ...]) -> RunRecord:
 
 
 def verdict_on(ended: Replay | Fault) -> str:
-    """Tell whether a check still fails.
-
-    Parameters
-    ----------
-    ended : Replay or Fault
-        How the run ended.
-
-    Returns
-    -------
-    str
-        `STILL_FAILS`, also where the candidate did not come to an end, `FIXED` or `NOT_APPLICABLE`.
-    """
+    """Tell whether a check still fails."""
     if isinstance(ended, Fault):
         return STILL_FAILS
     if ended.margin is None:
@@ -275,22 +188,7 @@ def verdict_on(ended: Replay | Fault) -> str:
 
 
 def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fault) -> dict[str, Any]:
-    """Write what became of a counterexample as plain data.
-
-    Parameters
-    ----------
-    stored : Counterexample
-        The counterexample.
-    candidate : Candidate
-        The candidate that ran.
-    ended : Replay or Fault
-        How the run ended.
-
-    Returns
-    -------
-    dict
-        The document; an infinite margin is null.
-    """
+    """Write what became of a counterexample as plain data."""
     check, verdict = check_of(stored), verdict_on(ended)
     margin = None if isinstance(ended, Fault) else ended.margin
     fault = asdict(ended) | {"kind": ended.kind.value} if isinstance(ended, Fault) else None

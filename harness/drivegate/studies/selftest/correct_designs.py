@@ -27,11 +27,6 @@ def correct_designs() -> tuple[CorrectDesign, ...]:
     """List the controllers that must pass.
 
     The published search fails what its lock-up fails, but follows its own flowchart.
-
-    Returns
-    -------
-    tuple of CorrectDesign
-        The reference, the other designs of a search, and the published search for its flowchart alone.
     """
     return (
         CorrectDesign("reference"),

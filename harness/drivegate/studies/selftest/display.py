@@ -18,15 +18,7 @@ ALSO = "·"
 
 
 def show_matrix(console: Console, matrix: Matrix) -> None:
-    """Print the self-test.
-
-    Parameters
-    ----------
-    console : Console
-        Where to.
-    matrix : Matrix
-        What it came to.
-    """
+    """Print the self-test."""
     _show_faults(console, matrix)
     _show_designs(console, matrix)
     problems = matrix.problems()

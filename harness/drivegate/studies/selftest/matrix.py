@@ -110,13 +110,7 @@ class Matrix:
     designs: tuple[DesignRow, ...]
 
     def problems(self) -> list[str]:
-        """Tell every miss and every false alarm.
-
-        Returns
-        -------
-        list of str
-            One sentence each; none when the self-test passes.
-        """
+        """Tell every miss and every false alarm."""
         return [*self._misses(), *self._false_alarms()]
 
     @property
@@ -135,13 +129,7 @@ class Matrix:
         ]
 
     def document(self) -> dict[str, Any]:
-        """Write the self-test as plain data.
-
-        Returns
-        -------
-        dict
-            The document.
-        """
+        """Write the self-test as plain data."""
         return {
             "schema": SELFTEST_SCHEMA,
             "kind": "selftest",

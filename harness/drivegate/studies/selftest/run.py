@@ -61,25 +61,7 @@ class SelftestEffort:
 
 
 def try_faults(mutations: Sequence[Mutation], effort: SelftestEffort) -> Iterator[FaultRow]:
-    """Put faulty controllers before the checks named for them.
-
-    Parameters
-    ----------
-    mutations : sequence of Mutation
-        The faulty controllers.
-    effort : SelftestEffort
-        How much is searched.
-
-    Yields
-    ------
-    FaultRow
-        What has become of each, in their order; it does not depend on the number of workers.
-
-    Raises
-    ------
-    HarnessFault
-        When the harness itself fails.
-    """
+    """Put faulty controllers before the checks named for them."""
     marker = missing_marker()
     if marker is not None:
         compile_kernels(marker)
@@ -92,20 +74,7 @@ def try_faults(mutations: Sequence[Mutation], effort: SelftestEffort) -> Iterato
 
 
 def planned_trial(mutation: Mutation, effort: SelftestEffort) -> Trial:
-    """Plan what a faulty controller is put through.
-
-    Parameters
-    ----------
-    mutation : Mutation
-        The faulty controller.
-    effort : SelftestEffort
-        How much is searched.
-
-    Returns
-    -------
-    Trial
-        Its jobs, with and without a seed.
-    """
+    """Plan what a faulty controller is put through."""
     candidate = resolve_candidate(FAULTY_PREFIX + mutation.name)
     origins = _JUDGED_BY.get(
         mutation.check, (Origin.DRAWN,) if effort.drawn_only else (Origin.FIXED, Origin.DRAWN)
@@ -145,29 +114,7 @@ def _row(mutation: Mutation, outcome: TrialOutcome | Fault, effort: SelftestEffo
 
 
 def design_check(design: CorrectDesign, seed: int, effort: SelftestEffort) -> Iterator[Event]:
-    """Check a correct design as any candidate is checked.
-
-    Parameters
-    ----------
-    design : CorrectDesign
-        The design.
-    seed : int
-        Seed of the search.
-    effort : SelftestEffort
-        How much is searched; little where the design must pass only some checks.
-
-    Returns
-    -------
-    iterator of Event
-        The events of the check.
-
-    Raises
-    ------
-    InputError
-        When there is no such candidate.
-    HarnessFault
-        When the harness itself fails.
-    """
+    """Check a correct design as any candidate is checked."""
     name = effort.name if design.checks is None else "quick"
     return check_candidate(
         resolve_candidate(design.candidate),
@@ -179,25 +126,7 @@ def design_check(design: CorrectDesign, seed: int, effort: SelftestEffort) -> It
 
 
 def judged_design(design: CorrectDesign, result: CheckResult) -> DesignRow:
-    """Tell from a whole check whether a correct design was accused.
-
-    Parameters
-    ----------
-    design : CorrectDesign
-        The design.
-    result : CheckResult
-        What its check came to.
-
-    Returns
-    -------
-    DesignRow
-        The verdict on it.
-
-    Raises
-    ------
-    HarnessFault
-        When the plant failed, so that nothing is known of the design.
-    """
+    """Tell from a whole check whether a correct design was accused."""
     for outcome in result.checks:
         if outcome.subject == "plant" and outcome.verdict == "fail":
             raise HarnessFault(

@@ -101,18 +101,6 @@ def run_trial(loaded: LoadedCandidate, trial: Trial) -> TrialOutcome:
 
     A failure counts where the controller without the fault passes. What the fixed scenarios show holds for every
     seed.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate that the process was started for; only its way of loading is used.
-    trial : Trial
-        What is to be tried.
-
-    Returns
-    -------
-    TrialOutcome
-        What came of it.
     """
     attempt = _Attempt(
         replace(loaded, candidate=trial.candidate), replace(loaded, candidate=trial.base), trial

@@ -19,20 +19,7 @@ Tell: TypeAlias = Callable[[FaultRow], None]
 
 @contextmanager
 def trial_progress_on(stream: TextIO | None, planned: int) -> Iterator[Tell]:
-    """Show progress as long as the context lasts.
-
-    Parameters
-    ----------
-    stream : file or None
-        Where to; None for nowhere.
-    planned : int
-        Number of faulty controllers.
-
-    Yields
-    ------
-    callable
-        Tells of one faulty controller.
-    """
+    """Show progress as long as the context lasts."""
     if stream is None:
         yield lambda _: None
     elif stream.isatty():
@@ -66,18 +53,7 @@ class _Lines:
 
 
 def in_short(row: FaultRow) -> str:
-    """Tell in a few words what has become of a faulty controller.
-
-    Parameters
-    ----------
-    row : FaultRow
-        What has become of it.
-
-    Returns
-    -------
-    str
-        Its name, its check, and after how many runs that caught it.
-    """
+    """Tell in a few words what has become of a faulty controller."""
     slowest = row.slowest
     if slowest is None:
         return f"{row.name}: missed by {row.check} in {row.runs} runs"

@@ -44,87 +44,28 @@ class Plan:
 
 
 def simulated(candidate: Candidate, scenario: Scenario) -> ClosedLoopRun | Fault:
-    """Run a candidate through a scenario in a process of its own.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        The candidate.
-    scenario : Scenario
-        The scenario.
-
-    Returns
-    -------
-    ClosedLoopRun or Fault
-        What was observed, with a trace of at most `MOST_ROWS` rows, or the candidate's fault.
-
-    Raises
-    ------
-    InputError
-        When the candidate is refused.
-    HarnessFault
-        When the harness itself fails.
-    """
+    """Run a candidate through a scenario in a process of its own."""
     plan = Plan(scenario, trace_every=-(-scenario.control_periods // MOST_ROWS))
     with CandidateWorker(candidate, load_controller) as worker:
         return worker.run(Job(run_plan, plan))
 
 
 def run_plan(loaded: LoadedCandidate, plan: Plan) -> ClosedLoopRun:
-    """Run a scenario; this is what the worker process does.
-
-    Parameters
-    ----------
-    loaded : LoadedCandidate
-        The candidate.
-    plan : Plan
-        The scenario.
-
-    Returns
-    -------
-    ClosedLoopRun
-        What was observed.
-    """
+    """Run a scenario; this is what the worker process does."""
     return run_scenario(
         plan.scenario, loaded.controller(), progress=loaded.progress, trace_every=plan.trace_every
     )
 
 
 def trace_frame(run: ClosedLoopRun) -> pandas.DataFrame:
-    """Give a run's trace as a table.
-
-    Parameters
-    ----------
-    run : ClosedLoopRun
-        The run.
-
-    Returns
-    -------
-    DataFrame
-        One row for each kept control period, with the columns `observation.TRACE_COLUMNS`.
-    """
+    """Give a run's trace as a table."""
     import pandas
 
     return pandas.DataFrame(run.trace, columns=list(observation.TRACE_COLUMNS))
 
 
 def document_of(candidate: Candidate, scenario: Scenario, ended: ClosedLoopRun | Fault) -> dict[str, Any]:
-    """Summarise a run as plain data.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        The candidate.
-    scenario : Scenario
-        The scenario.
-    ended : ClosedLoopRun or Fault
-        How the run ended.
-
-    Returns
-    -------
-    dict
-        The document; `summary` and `windows` are missing where `fault` is not null.
-    """
+    """Summarise a run as plain data."""
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "kind": "simulation",

@@ -39,18 +39,7 @@ TITLE = "Margins of all runs"
 
 
 def alternative(rows: Sequence[CheckMargins]) -> str:
-    """Tell the figure in words, for who cannot see it.
-
-    Parameters
-    ----------
-    rows : sequence of CheckMargins
-        The data.
-
-    Returns
-    -------
-    str
-        The least and the median margin of each check.
-    """
+    """Tell the figure in words, for who cannot see it."""
     told = "; ".join(
         f"{row.check} least {row.margins[0]:.2g}, median {np.median(row.margins):.2g}" for row in rows
     )
@@ -58,18 +47,7 @@ def alternative(rows: Sequence[CheckMargins]) -> str:
 
 
 def caption(rows: Sequence[CheckMargins]) -> str:
-    """Say what the figure shows.
-
-    Parameters
-    ----------
-    rows : sequence of CheckMargins
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Say what the figure shows."""
     beyond = sum(int(np.count_nonzero(np.abs(row.margins) > SHOWN)) for row in rows)
     told = f" {beyond} marks lie beyond the axis and are drawn at its border." if beyond else ""
     return (
@@ -79,18 +57,7 @@ def caption(rows: Sequence[CheckMargins]) -> str:
 
 
 def draw(rows: Sequence[CheckMargins]) -> Figure:
-    """Draw a row of marks for each check.
-
-    Parameters
-    ----------
-    rows : sequence of CheckMargins
-        The data, at least one.
-
-    Returns
-    -------
-    Figure
-        One panel.
-    """
+    """Draw a row of marks for each check."""
     figure, (panel,) = new_figure(0.9 + _ROW_INCH * len(rows), 1)
     for place, row in enumerate(rows):
         shown = np.clip(row.margins, -SHOWN, SHOWN)

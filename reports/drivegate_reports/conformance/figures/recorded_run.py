@@ -19,18 +19,7 @@ _JUDGED: Final = "#F4E3C1"
 
 
 def alternative(signals: RunSignals) -> str:
-    """Tell the figure in words, for who cannot see it.
-
-    Parameters
-    ----------
-    signals : RunSignals
-        The run.
-
-    Returns
-    -------
-    str
-        A sentence for each panel.
-    """
+    """Tell the figure in words, for who cannot see it."""
     error = signals.speed_error_rpm
     return (
         f"Four panels over {signals.scenario.duration_s:g} s. The speed error lies between {error.min():.3g} and "
@@ -44,18 +33,7 @@ def alternative(signals: RunSignals) -> str:
 
 
 def draw(signals: RunSignals) -> Figure:
-    """Draw speed, angle, currents and torque over time.
-
-    Parameters
-    ----------
-    signals : RunSignals
-        The run.
-
-    Returns
-    -------
-    Figure
-        Four panels, with the judged stretch set off.
-    """
+    """Draw speed, angle, currents and torque over time."""
     figure, panels = new_figure(6.6, 4, fitted=False)
     _draw_speed(panels[0], signals)
     _draw_angle(panels[1], signals)

@@ -21,18 +21,7 @@ _MOST_TICKS: Final = 12
 
 
 def alternative(script: Script) -> str:
-    """Tell the figure in words, for who cannot see it.
-
-    Parameters
-    ----------
-    script : Script
-        The script.
-
-    Returns
-    -------
-    str
-        A sentence for each panel.
-    """
+    """Tell the figure in words, for who cannot see it."""
     errors = [row.speed_rpm - row.speed_reference_rpm for row in script.rows]
     sums = [row.current_sum_a for row in script.rows]
     return (
@@ -43,18 +32,7 @@ def alternative(script: Script) -> str:
 
 
 def draw(script: Script) -> Figure:
-    """Draw what the controller was told.
-
-    Parameters
-    ----------
-    script : Script
-        The script.
-
-    Returns
-    -------
-    Figure
-        Two panels over the number of the row.
-    """
+    """Draw what the controller was told."""
     figure, (speed, current) = new_figure(3.6, 2, fitted=False)
     count = len(script.rows)
     edges = np.arange(count + 1) + 0.5

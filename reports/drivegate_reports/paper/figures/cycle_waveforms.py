@@ -74,13 +74,7 @@ class CycleWaveforms:
 
 @cache
 def cycle_waveforms() -> CycleWaveforms:
-    """Compute the waveforms at the point of Fig. 10, since Fig. 1 names none.
-
-    Returns
-    -------
-    CycleWaveforms
-        With an ideal current regulator, so that its chopping does not hide the EMF that it works against.
-    """
+    """Compute the waveforms at the point of Fig. 10, since Fig. 1 names none."""
     point = load_operating_point(POINT)
     drive = ideal_drive()
     speed = point.speed_rpm * RADIANS_PER_RPM
@@ -110,18 +104,7 @@ TITLE = "One phase over a cycle at constant power (Fig. 1)"
 
 
 def alternative(data: CycleWaveforms) -> str:
-    """Tell the figure in words, for who cannot see it.
-
-    Parameters
-    ----------
-    data : CycleWaveforms
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Tell the figure in words, for who cannot see it."""
     return (
         f"Upper panel: the terminal voltage is a square of 48 V; the rotational EMF is a trapezoid of "
         f"{data.emf_v.max():.1f} V that outgrows it {data.meeting_deg:.0f}° after the window opens. From there the "
@@ -131,18 +114,7 @@ def alternative(data: CycleWaveforms) -> str:
 
 
 def caption(data: CycleWaveforms) -> str:
-    """Say what the figure shows.
-
-    Parameters
-    ----------
-    data : CycleWaveforms
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Say what the figure shows."""
     return (
         f"Steady state at {data.speed_rpm:.0f} rpm, {data.torque_nm:g} N·m and {data.advance_deg:g}° with an ideal "
         f"regulator. From 1 to 2 the supply exceeds the rotational EMF and the current rises, up to the reference of "
@@ -153,18 +125,7 @@ def caption(data: CycleWaveforms) -> str:
 
 
 def draw(data: CycleWaveforms) -> Figure:
-    """Draw the voltages over the current.
-
-    Parameters
-    ----------
-    data : CycleWaveforms
-        The data.
-
-    Returns
-    -------
-    Figure
-        Two panels.
-    """
+    """Draw the voltages over the current."""
     figure, panels = new_figure(5.6, 2, (1.5, 1.0))
     _draw_voltages(panels[0], data)
     _draw_current(panels[1], data)

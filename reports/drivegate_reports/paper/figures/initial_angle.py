@@ -83,13 +83,7 @@ class InitialAngles:
 
 @cache
 def initial_angles() -> InitialAngles:
-    """Compute the angles over the speeds of the sweep of Fig. 7.
-
-    Returns
-    -------
-    InitialAngles
-        With ideal current regulators and no core loss.
-    """
+    """Compute the angles over the speeds of the sweep of Fig. 7."""
     sweep = input_current_sweep()
     speeds = sweep.speed_rpm * RADIANS_PER_RPM
     least_power = [least_input_power(ideal_drive(), speed, sweep.power_w / speed).advance for speed in speeds]
@@ -113,18 +107,7 @@ TITLE = "Initial advance angle over speed (Fig. 3)"
 
 
 def alternative(data: InitialAngles) -> str:
-    """Tell the figure in words, for who cannot see it.
-
-    Parameters
-    ----------
-    data : InitialAngles
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Tell the figure in words, for who cannot see it."""
     inside = data.speed_rpm[data.published_deg < data.edge_deg]
     reached = f"below it up to {inside[-1]:.0f} rpm" if inside.size else "never below it"
     return (
@@ -138,18 +121,7 @@ def alternative(data: InitialAngles) -> str:
 
 
 def caption(data: InitialAngles) -> str:
-    """Say what the figure shows.
-
-    Parameters
-    ----------
-    data : InitialAngles
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Say what the figure shows."""
     return (
         f"Constant power of {data.power_w / 1000.0:g} kW with ideal regulators. In the grey region no current up to "
         f"the limit gives the power. `published` starts from 0° + {PUBLISHED_LINE[1]:g}°/rpm above base "
@@ -160,18 +132,7 @@ def caption(data: InitialAngles) -> str:
 
 
 def draw(data: InitialAngles) -> Figure:
-    """Draw the angles over speed.
-
-    Parameters
-    ----------
-    data : InitialAngles
-        The data.
-
-    Returns
-    -------
-    Figure
-        One panel.
-    """
+    """Draw the angles over speed."""
     figure, (panel,) = new_figure(4.6, 1)
     speeds = data.speed_rpm
     panel.fill_between(speeds, 0.0, data.edge_deg, color=GREY, alpha=0.18, linewidth=0)

@@ -71,32 +71,13 @@ class InputCurrentSweep:
 
 
 def line_angle(line: tuple[float, float], speed_rpm: float) -> float:
-    """Return the initial angle of a line above base speed (paper, Fig. 3).
-
-    Parameters
-    ----------
-    line : tuple of float
-        Angle at base speed (deg) and slope (deg/rpm).
-    speed_rpm : float
-        Shaft speed (rpm).
-
-    Returns
-    -------
-    float
-        Angle (electrical deg), at most 90.
-    """
+    """Return the initial angle of a line above base speed (paper, Fig. 3)."""
     return min(line[0] + line[1] * (speed_rpm - reference_motor().base_speed_rpm), 90.0)
 
 
 @cache
 def input_current_sweep() -> InputCurrentSweep:
-    """Compute the steady states of 1.5 kW over the sweep's speeds.
-
-    Returns
-    -------
-    InputCurrentSweep
-        With ideal current regulators and no core loss.
-    """
+    """Compute the steady states of 1.5 kW over the sweep's speeds."""
     sweep = load_power_sweep(SWEEP)
     drive = ideal_drive()
     rows = []
@@ -130,18 +111,7 @@ TITLE = "Initial against optimal angle (Figs. 3 and 7)"
 
 
 def alternative(data: InputCurrentSweep) -> str:
-    """Tell the figure in words, for who cannot see it.
-
-    Parameters
-    ----------
-    data : InputCurrentSweep
-        The data.
-
-    Returns
-    -------
-    str
-        A sentence or two.
-    """
+    """Tell the figure in words, for who cannot see it."""
     current, power = data.current_saving_percent, data.power_saving_percent
     return (
         f"From {data.speed_rpm[0]:.0f} to {data.speed_rpm[-1]:.0f} rpm the optimal angle lies below the initial "
@@ -151,18 +121,7 @@ def alternative(data: InputCurrentSweep) -> str:
 
 
 def caption(data: InputCurrentSweep) -> str:
-    """Say what the figure shows.
-
-    Parameters
-    ----------
-    data : InputCurrentSweep
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Say what the figure shows."""
     return (
         f"Steady states of {data.power_w / 1000.0:g} kW with ideal current regulators and no core loss. Top: the "
         f"initial angle, {INITIAL_LINE[0]:g}° + {INITIAL_LINE[1]:g}°/rpm above base speed, and the angle of least "
@@ -173,18 +132,7 @@ def caption(data: InputCurrentSweep) -> str:
 
 
 def draw(data: InputCurrentSweep) -> Figure:
-    """Draw angles, current sums and watts over speed.
-
-    Parameters
-    ----------
-    data : InputCurrentSweep
-        The data.
-
-    Returns
-    -------
-    Figure
-        Three panels.
-    """
+    """Draw angles, current sums and watts over speed."""
     figure, panels = new_figure(7.6, 3, (1.15, 1.0, 1.0))
     _draw_angles(panels[0], data)
     _draw_pair(panels[1], data.speed_rpm, data.initial_current_sum_a, data.optimal_current_sum_a, "Σ|i| (A)")

@@ -68,18 +68,7 @@ class TorqueCycle:
 
 @cache
 def torque_cycle(advance_deg: float = ADVANCE_DEG) -> TorqueCycle:
-    """Compute the torque at the speed and mean torque of Fig. 6.
-
-    Parameters
-    ----------
-    advance_deg : float
-        Advance angle (electrical deg).
-
-    Returns
-    -------
-    TorqueCycle
-        With ideal current regulators.
-    """
+    """Compute the torque at the speed and mean torque of Fig. 6."""
     point = load_operating_point(POINT)
     speed = point.speed_rpm * RADIANS_PER_RPM
     advance = math.radians(advance_deg)
@@ -102,18 +91,7 @@ TITLE = "Torque at three times base speed (Fig. 6)"
 
 
 def alternative(data: TorqueCycle) -> str:
-    """Tell the figure in words, for who cannot see it.
-
-    Parameters
-    ----------
-    data : TorqueCycle
-        The data.
-
-    Returns
-    -------
-    str
-        A sentence.
-    """
+    """Tell the figure in words, for who cannot see it."""
     return (
         f"Torque over one electrical cycle repeats ten times between {data.lowest_nm:.2f} and "
         f"{data.highest_nm:.2f} N·m around its mean of {data.mean_nm:.2f} N·m: a ripple of "
@@ -122,18 +100,7 @@ def alternative(data: TorqueCycle) -> str:
 
 
 def caption(data: TorqueCycle) -> str:
-    """Say what the figure shows.
-
-    Parameters
-    ----------
-    data : TorqueCycle
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Say what the figure shows."""
     state = "certified periodic" if data.certified else "not exactly periodic"
     return (
         f"Steady state at {data.speed_rpm:.0f} rpm, {data.advance_deg:g}° and {data.current_reference_a:.2f} A with "
@@ -144,18 +111,7 @@ def caption(data: TorqueCycle) -> str:
 
 
 def draw(data: TorqueCycle) -> Figure:
-    """Draw the torque with its mean and extremes.
-
-    Parameters
-    ----------
-    data : TorqueCycle
-        The data.
-
-    Returns
-    -------
-    Figure
-        One panel, with the torque's axis from zero.
-    """
+    """Draw the torque with its mean and extremes."""
     figure, (panel,) = new_figure(3.3, 1)
     panel.fill_between([0.0, 360.0], data.lowest_nm, data.highest_nm, color=BLUE, alpha=0.10, linewidth=0)
     panel.plot(data.angle_deg, data.torque_nm, color=BLUE, linewidth=1.5)

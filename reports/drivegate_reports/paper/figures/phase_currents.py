@@ -61,18 +61,7 @@ class PhaseCurrents:
 
 @cache
 def phase_currents(name: str) -> PhaseCurrents:
-    """Compute the currents at one published operating point.
-
-    Parameters
-    ----------
-    name : str
-        One of `POINTS`.
-
-    Returns
-    -------
-    PhaseCurrents
-        At the least current reference that gives the torque.
-    """
+    """Compute the currents at one published operating point."""
     point = load_operating_point(name)
     drive = banded_drive()
     speed = point.speed_rpm * RADIANS_PER_RPM
@@ -102,18 +91,7 @@ TITLE = "Phase currents (Figs. 9 and 10)"
 
 
 def alternative(figures: tuple[PhaseCurrents, ...]) -> str:
-    """Tell the figure in words, for who cannot see it.
-
-    Parameters
-    ----------
-    figures : tuple of PhaseCurrents
-        The data.
-
-    Returns
-    -------
-    str
-        A sentence for each point.
-    """
+    """Tell the figure in words, for who cannot see it."""
     return " ".join(
         f"At {data.speed_rpm:.0f} rpm the current of each phase rises to {float(np.max(data.current_a)):.1f} A, "
         f"changes by {signed(data.slope_a_per_ms, 1)} A/ms before its window closes, and returns to zero before it "
@@ -123,18 +101,7 @@ def alternative(figures: tuple[PhaseCurrents, ...]) -> str:
 
 
 def caption(figures: tuple[PhaseCurrents, ...]) -> str:
-    """Say what the figure shows.
-
-    Parameters
-    ----------
-    figures : tuple of PhaseCurrents
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Say what the figure shows."""
     peaks = " and ".join(f"{data.peak_emf_v:.1f} V at {data.speed_rpm:.0f} rpm" for data in figures)
     return (
         "One electrical cycle of the steady state at the published operating points, with the hysteresis band, in "
@@ -144,18 +111,7 @@ def caption(figures: tuple[PhaseCurrents, ...]) -> str:
 
 
 def draw(figures: tuple[PhaseCurrents, ...]) -> Figure:
-    """Draw the currents of each point, the first phase's in front.
-
-    Parameters
-    ----------
-    figures : tuple of PhaseCurrents
-        The data, one panel each.
-
-    Returns
-    -------
-    Figure
-        With the published scale of 10 A and 0.5 ms a division.
-    """
+    """Draw the currents of each point, the first phase's in front."""
     figure, panels = new_figure(2.9 * len(figures), len(figures))
     longest = max(float(data.time_ms[-1]) for data in figures)
     for panel, data in zip(panels, figures, strict=True):

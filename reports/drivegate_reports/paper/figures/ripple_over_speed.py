@@ -76,13 +76,7 @@ def _banded(speed_rpm: float, advance_deg: float, power_w: float) -> float:
 
 @cache
 def ripple_over_speed() -> RippleOverSpeed:
-    """Compute the ripple at constant power and below base speed.
-
-    Returns
-    -------
-    RippleOverSpeed
-        Extremes are exact, not taken from a grid.
-    """
+    """Compute the ripple at constant power and below base speed."""
     sweep = input_current_sweep()
     cycle = torque_cycle()
     banded = [
@@ -106,18 +100,7 @@ TITLE = "Torque ripple over the range of speeds (on Fig. 6)"
 
 
 def alternative(data: RippleOverSpeed) -> str:
-    """Tell the figure in words, for who cannot see it.
-
-    Parameters
-    ----------
-    data : RippleOverSpeed
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Tell the figure in words, for who cannot see it."""
     worst = int(np.argmax(data.optimal_percent))
     return (
         "With ideal regulators the ripple at the angle of least current lies between "
@@ -130,18 +113,7 @@ def alternative(data: RippleOverSpeed) -> str:
 
 
 def caption(data: RippleOverSpeed) -> str:
-    """Say what the figure shows.
-
-    Parameters
-    ----------
-    data : RippleOverSpeed
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Say what the figure shows."""
     above = data.speed_rpm[
         (data.optimal_percent >= LIMIT_PERCENT) & (data.speed_rpm <= HIGHEST_PUBLISHED_RPM)
     ]
@@ -162,18 +134,7 @@ def caption(data: RippleOverSpeed) -> str:
 
 
 def draw(data: RippleOverSpeed) -> Figure:
-    """Draw the ripple over speed.
-
-    Parameters
-    ----------
-    data : RippleOverSpeed
-        The data.
-
-    Returns
-    -------
-    Figure
-        One panel.
-    """
+    """Draw the ripple over speed."""
     figure, (panel,) = new_figure(4.0, 1)
     panel.axhline(LIMIT_PERCENT, color=GREY, linewidth=1.0, linestyle=(0, (4, 3)))
     label(panel, 30.0, LIMIT_PERCENT + 0.3, f"published: below {LIMIT_PERCENT:.0f} %", GREY, va="bottom")

@@ -106,13 +106,7 @@ def _search_run(name: str, scenario: Scenario) -> SearchRun:
 
 @cache
 def search_trajectory() -> SearchTrajectory:
-    """Run the searches at 1500 rpm and 9.8 N·m.
-
-    Returns
-    -------
-    SearchTrajectory
-        In closed loop with the nominal plant.
-    """
+    """Run the searches at 1500 rpm and 9.8 N·m."""
     scenario = load_scenario(SCENARIO)
     load = scenario.load
     assert isinstance(load, ConstantTorqueLoad), f"the scenario {SCENARIO} has a load of constant torque"
@@ -138,18 +132,7 @@ TITLE = "Search for the optimal angle (Fig. 5)"
 
 
 def alternative(data: SearchTrajectory) -> str:
-    """Tell the figure in words, for who cannot see it.
-
-    Parameters
-    ----------
-    data : SearchTrajectory
-        The data.
-
-    Returns
-    -------
-    str
-        One or two sentences.
-    """
+    """Tell the figure in words, for who cannot see it."""
     kept, lost = data.reference, data.published
     return (
         f"The reference's advance angle goes from {kept.advance_deg[0]:.0f}° to {kept.advance_deg[-1]:.1f}° and stays; "
@@ -159,18 +142,7 @@ def alternative(data: SearchTrajectory) -> str:
 
 
 def caption(data: SearchTrajectory) -> str:
-    """Say what the figure shows.
-
-    Parameters
-    ----------
-    data : SearchTrajectory
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Say what the figure shows."""
     return (
         f"Closed loop at {data.speed_rpm:.0f} rpm and {data.torque_nm:g} N·m, means over each 100 ms of the search. "
         f"The least Σ|i| lies on the feasible edge, {data.optimum_deg:.1f}°. `reference` stops beside it at "
@@ -182,18 +154,7 @@ def caption(data: SearchTrajectory) -> str:
 
 
 def draw(data: SearchTrajectory) -> Figure:
-    """Draw angle and speed error over time, and the search in the plane of current sum over angle.
-
-    Parameters
-    ----------
-    data : SearchTrajectory
-        The data.
-
-    Returns
-    -------
-    Figure
-        Three panels.
-    """
+    """Draw angle and speed error over time, and the search in the plane of current sum over angle."""
     figure, panels = new_figure(7.6, 3, (1.0, 0.8, 1.25))
     _draw_angles(panels[0], data)
     _draw_errors(panels[1], data)

@@ -73,13 +73,7 @@ class SpeedLimit:
 
 @cache
 def speed_limit() -> SpeedLimit:
-    """Compute what is within reach up to `FASTEST_RPM`.
-
-    Returns
-    -------
-    SpeedLimit
-        At the current limit.
-    """
+    """Compute what is within reach up to `FASTEST_RPM`."""
     motor, drive = reference_motor(), ideal_drive()
     speeds = np.arange(600.0, FASTEST_RPM + 1.0, 200.0)
     edges, best, greatest, ninety = [], [], [], []
@@ -103,18 +97,7 @@ TITLE = "The limit of speed (on Fig. 10 and section Constant Power Operation)"
 
 
 def alternative(data: SpeedLimit) -> str:
-    """Tell the figure in words, for who cannot see it.
-
-    Parameters
-    ----------
-    data : SpeedLimit
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Tell the figure in words, for who cannot see it."""
     return (
         f"Upper panel: the greatest power at the current limit stays above {data.greatest_power_w.min():.0f} W up to "
         f"{data.speed_rpm[-1]:.0f} rpm, the power at 90° comes up to it from below. Lower panel: the angle of greatest "
@@ -124,18 +107,7 @@ def alternative(data: SpeedLimit) -> str:
 
 
 def caption(data: SpeedLimit) -> str:
-    """Say what the figure shows.
-
-    Parameters
-    ----------
-    data : SpeedLimit
-        The data.
-
-    Returns
-    -------
-    str
-        A few sentences.
-    """
+    """Say what the figure shows."""
     return (
         f"At 26 A with ideal regulators. Rated power is within reach far beyond three times base speed, at least up to "
         f"{data.reached_rpm:.0f} rpm, {data.reached_rpm / data.base_speed_rpm:.0f} times base speed. From "
@@ -145,18 +117,7 @@ def caption(data: SpeedLimit) -> str:
 
 
 def draw(data: SpeedLimit) -> Figure:
-    """Draw powers and angles over speed.
-
-    Parameters
-    ----------
-    data : SpeedLimit
-        The data.
-
-    Returns
-    -------
-    Figure
-        Two panels.
-    """
+    """Draw powers and angles over speed."""
     figure, panels = new_figure(5.6, 2)
     _draw_powers(panels[0], data)
     _draw_angles(panels[1], data)
