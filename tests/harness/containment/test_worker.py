@@ -217,7 +217,8 @@ def test_a_candidate_that_closes_its_output_does_no_harm(candidate, jobs):
 
 
 def test_processes_that_a_candidate_starts_end_with_it(candidate, jobs):
-    sleep = ["sleep", "98765"]
+    # No other process of this machine sleeps for as long.
+    sleep = ["sleep", f"98765.{os.getpid()}"]
     with worker_of(candidate(f"subprocess.Popen({sleep}); os._exit(1)")) as worker:
         assert worker.run(Job(jobs.drive, WITH_FAULT)).kind is FaultKind.CRASH
     commands = [process.info["cmdline"] for process in psutil.process_iter(["cmdline"])]
