@@ -7,7 +7,7 @@ import pytest
 
 
 @pytest.fixture(autouse=True, scope="session")
-def surroundings() -> Iterator[None]:
+def unattended() -> Iterator[None]:
     """Take away a terminal's width, which pytest-xdist tells its workers, and answer Ctrl-C.
 
     A shell that starts the tests in the background has them ignore Ctrl-C, and all that they start with them.

@@ -166,11 +166,16 @@ class OnePage:
 
 
 @pytest.fixture
-def engine(monkeypatch):
+def one_page(monkeypatch):
+    """The reports replaced: one page, for which nothing is drawn."""
+    monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group: [OnePage()])
+
+
+@pytest.fixture
+def engine(monkeypatch, one_page):
     """The engine and the reports replaced: a pass, and one page."""
     fake = FakeEngine(outcomes=(outcome("CNV-1", "pass"),))
     monkeypatch.setattr("drivegate.gate.engine.check_candidate", fake)
-    monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group: [OnePage()])
     return fake
 
 

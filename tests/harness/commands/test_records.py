@@ -82,19 +82,19 @@ def test_a_waived_failure_passes_and_the_corpus_is_run(command, small, corpus, w
     assert names == [f"at {speed} rpm" for speed in (600, 800, 1000, 1200, 1400, 1500)]
 
 
-def test_a_waiver_that_has_expired_fails(command, small, waivers, monkeypatch):
+def test_a_waiver_that_has_expired_fails(command, small, one_page, waivers, monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", str(10**11))
     ended = command(*QUICK, "--waivers", waivers)
     assert (ended.code, ended.document["verdict"]) == (1, "waiver expired")
 
 
-def test_a_waiver_that_is_not_needed_fails(command, small, waivers):
+def test_a_waiver_that_is_not_needed_fails(command, small, one_page, waivers):
     waivers.write_text(WAIVER + WAIVER.replace("schema = 1", "").replace("CNV-2", "CNV-1"), encoding="utf-8")
     ended = command(*QUICK, "--waivers", waivers)
     assert (ended.code, ended.document["verdict"]) == (1, "unexpectedly passes")
 
 
-def test_a_result_is_its_own_baseline_and_a_better_one_fails_it(command, small, waivers, tmp_path):
+def test_a_result_is_its_own_baseline_and_a_better_one_fails_it(command, small, one_page, waivers, tmp_path):
     words = (*QUICK, "--waivers", waivers)
     first = command(*words).document
     assert first["baseline"] is None
@@ -117,7 +117,7 @@ def test_a_result_is_its_own_baseline_and_a_better_one_fails_it(command, small, 
     assert lost["p_value"] == pytest.approx(1 / 64)
 
 
-def test_a_counterexample_is_replayed_as_it_was_found(command, small):
+def test_a_counterexample_is_replayed_as_it_was_found(command, small, one_page):
     """What a check found, replayed in a process of its own, gives the same margin to the last bit."""
     document = command(*QUICK, "--no-search").document
     found = by_check(document)["CNV-2"]["found"]
@@ -126,7 +126,7 @@ def test_a_counterexample_is_replayed_as_it_was_found(command, small):
     assert ended.document["now"]["margin"] == ended.document["then"]["margin"] == found["margin"]
 
 
-def test_a_corpus_fails_a_candidate_that_breaks_it(command, small, tmp_path):
+def test_a_corpus_fails_a_candidate_that_breaks_it(command, small, one_page, tmp_path):
     """The corpus holds the one scenario in which the angle leaves its range."""
     source = """
 from drivegate import Command

@@ -27,6 +27,20 @@ def check(text: str, **options: object) -> CheckResult:
     return final.result
 
 
+@pytest.fixture
+def few_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A few short jobs: what is wrong with a candidate from its first steps shows in any of them."""
+    monkeypatch.setattr("drivegate.gate.plan.fixed_scenarios", lambda *range_: fixed_scenarios(*range_)[:3])
+    monkeypatch.setattr("drivegate.gate.plan.SHARDS", 2)
+    monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 2})
+
+
+@pytest.fixture(scope="module")
+def initial() -> CheckResult:
+    """The check of the line of angles alone, by two workers."""
+    return check("initial", workers=2, seed=5)
+
+
 def verdicts(result: CheckResult) -> dict[str, str]:
     return {outcome.id: outcome.verdict for outcome in result.checks}
 
@@ -56,16 +70,16 @@ def test_the_published_search_fails_and_shows_the_lock_up() -> None:
     assert found["FLO-1"] == "pass", "the published search follows its own flowchart"
 
 
-def test_the_initial_angle_alone_converges_but_misses_the_optimum() -> None:
-    found = verdicts(check("initial"))
+def test_the_initial_angle_alone_converges_but_misses_the_optimum(initial: CheckResult) -> None:
+    found = verdicts(initial)
     assert found["CNV-2"] == "fail", found
     assert found["CNV-1"] == found["CNV-3"] == found["CPW-1"] == "pass", found
 
 
-def test_the_result_does_not_depend_on_the_number_of_workers() -> None:
+def test_the_result_does_not_depend_on_the_number_of_workers(initial: CheckResult) -> None:
     documents = []
-    for workers in (1, 2):
-        document = check("initial", workers=workers, seed=5).document()
+    for result in (check("initial", workers=1, seed=5), initial):
+        document = result.document()
         del document["timing"]
         documents.append(json.dumps(document))
     assert documents[0] == documents[1]
@@ -96,7 +110,9 @@ class Controller:
         ("return Command(random.random(), 0.0)", "non-deterministic"),
     ],
 )
-def test_faults_of_a_python_candidate_become_verdicts(tmp_path: Path, body: str, verdict: str) -> None:
+def test_faults_of_a_python_candidate_become_verdicts(
+    tmp_path: Path, few_jobs: None, body: str, verdict: str
+) -> None:
     result = check(candidate(tmp_path, body), workers=2)
     assert (result.verdict, result.exit_code) == (verdict, 1), result.faults
     if verdict != "non-deterministic":
@@ -104,7 +120,7 @@ def test_faults_of_a_python_candidate_become_verdicts(tmp_path: Path, body: str,
         assert set(verdicts(result).values()) <= {"inconclusive", "fail", "not applicable"}, verdicts(result)
 
 
-def test_commands_out_of_range_fail_their_checks_and_are_clamped(tmp_path: Path) -> None:
+def test_commands_out_of_range_fail_their_checks_and_are_clamped(tmp_path: Path, few_jobs: None) -> None:
     found = verdicts(check(candidate(tmp_path, "return Command(1e9, -0.02)"), workers=2))
     assert found["ADV-2"] == found["CMD-1"] == "fail", found
     assert found["PWR-1"] == "pass", "the plant suffered from a command out of range"

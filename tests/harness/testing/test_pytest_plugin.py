@@ -97,6 +97,12 @@ class FakeEngine:
         yield CheckFinished(result)
 
 
+@pytest.fixture(autouse=True)
+def alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep from the suites that are run here which worker of pytest-xdist runs them."""
+    monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)
+
+
 @pytest.fixture
 def engine(monkeypatch: pytest.MonkeyPatch) -> FakeEngine:
     """The engine replaced in this process."""

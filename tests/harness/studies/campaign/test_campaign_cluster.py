@@ -53,7 +53,7 @@ def test_a_killed_worker_costs_no_result_and_the_bytes_are_the_local_ones(
     file = write(
         candidates=["reference", "controllers.py:Counting"],
         cases=["fig5-search"],
-        draws=8,
+        draws=4,
         runs_per_file=2,
         checks=["CMD-1", "ROB-1"],
     )
@@ -61,6 +61,7 @@ def test_a_killed_worker_costs_no_result_and_the_bytes_are_the_local_ones(
     process = start("campaign", file, "--output", "out", "--backend", "dask", "--scheduler", address)
     wait_until(lambda: any((folder / "out").rglob("*.parquet")), process)
     os.kill(workers[0].pid, signal.SIGKILL)
+    assert len(list((folder / "out").rglob("*.parquet"))) < 4, "it was killed when all was done"
     _, err = process.communicate(timeout=200)
     assert process.returncode == 0, err
     local, out = bytes_of(folder / "local"), bytes_of(folder / "out")
