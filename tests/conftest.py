@@ -1,9 +1,21 @@
 """What every test finds around it, alone or beside others, in a terminal or behind a script."""
 
+import os
 import signal
 from collections.abc import Iterator
 
 import pytest
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile the kernels once before workers start, each of which would compile them for itself."""
+    if not getattr(session.config.option, "numprocesses", None) or "NUMBA_DISABLE_JIT" in os.environ:
+        return
+    from drivegate.gate.warm_up import compile_kernels, missing_marker
+
+    marker = missing_marker()
+    if marker is not None:
+        compile_kernels(marker)
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -22,6 +23,7 @@ from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_reports.conformance.report import page
+from drivegate_reports.paper.report import reproduce
 
 Document = dict[str, Any]
 MOTOR, CYCLE = load_motor("paper-5-phase"), load_drive_cycle("ece-15")
@@ -254,6 +256,13 @@ def _made_up_comparison(
         checks=False,
         timing={"started_utc": "2030-01-01", "seconds": 1.0},
     )
+
+
+@pytest.fixture(scope="session")
+def reproduction(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Document]:
+    """Return the folder of a reproduction of the paper, and its document."""
+    folder = tmp_path_factory.mktemp("reproduction")
+    return folder, reproduce(folder)
 
 
 @pytest.fixture(scope="session")

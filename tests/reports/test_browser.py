@@ -15,7 +15,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from drivegate.output.result_reports import report_formats, write_reports
 from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
 from drivegate_reports.comparison import report as comparison
-from drivegate_reports.paper.report import PAGE_FILE, reproduce
+from drivegate_reports.paper.report import PAGE_FILE
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 OPTIONS = [
@@ -54,20 +54,21 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture(scope="module")
 def pages(
-    tmp_path_factory: pytest.TempPathFactory, recorded: dict[str, Any], made_up: Callable[..., dict[str, Any]]
+    tmp_path_factory: pytest.TempPathFactory,
+    recorded: dict[str, Any],
+    reproduction: tuple[Path, dict[str, Any]],
+    made_up: Callable[..., dict[str, Any]],
 ) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pages")
-    conformance, reproduction = folder / "conformance", folder / "reproduction"
-    for part in (conformance, reproduction):
-        part.mkdir()
+    conformance = folder / "conformance"
+    conformance.mkdir()
     (page,) = write_reports(recorded, conformance, report_formats(["conformance"]))
-    reproduce(reproduction)
     document = json.loads(json.dumps(made_up(faulted=True)))
     write_tables(document, folder)
     (folder / COMPARISON_FILE).write_text(json.dumps(document), encoding="utf-8")
     return {
         "conformance": conformance / page,
-        "reproduction": reproduction / PAGE_FILE,
+        "reproduction": reproduction[0] / PAGE_FILE,
         "comparison": comparison.write(document, folder),
     }
 

@@ -18,13 +18,13 @@ from drivegate_reports.paper.report import NUMBERS_FILE, PAGE_FILE, reproduce
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("reproduction")
+def folder(reproduction: tuple[Path, dict[str, Any]]) -> Path:
+    return reproduction[0]
 
 
 @pytest.fixture(scope="module")
-def document(folder: Path) -> dict[str, Any]:
-    return reproduce(folder)
+def document(reproduction: tuple[Path, dict[str, Any]]) -> dict[str, Any]:
+    return reproduction[1]
 
 
 def test_every_figure_is_a_file_and_in_the_page(folder: Path, document: dict[str, Any]) -> None:
