@@ -2,10 +2,10 @@
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
-import time
 
 import click
 import pytest
@@ -29,14 +29,20 @@ def drivegate(*words, **options):
     )
 
 
+def processor_seconds():
+    """Tell the processor time of all processes that have ended, on which what else the machine does has no bearing."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 @pytest.mark.parametrize("words", [["--help"], *([name, "--help"] for name in COMMANDS)])
 def test_help_answers_at_once(words):
     seconds = []
     for _ in range(5):
-        began = time.perf_counter()
+        before = processor_seconds()
         process = drivegate(*words)
         out, err = process.communicate()
-        seconds.append(time.perf_counter() - began)
+        seconds.append(processor_seconds() - before)
         assert (process.returncode, err) == (0, "")
         assert "Usage: drivegate" in out
     assert min(seconds) < 0.3, f"help took {min(seconds):.2f} s"
