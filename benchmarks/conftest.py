@@ -10,7 +10,6 @@ from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.runs.scenario import run_scenario
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
-from drivegate_models.loop import observation
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 
 SIMULATED_SECONDS = 4.0
@@ -34,9 +33,9 @@ def closed_loop_rate(benchmark: Any) -> Callable[[Scenario, Controller], float]:
 
     def measure(scenario: Scenario, subject: Controller) -> float:
         run: ClosedLoopRun = run_scenario(scenario, subject)
-        speed = float(run.run[observation.RUN_SPEED_FINAL])
+        speed = run.observed.speed_final
         assert abs(speed - 157.08) < 0.6, f"the run ended at {speed} rad/s, not at 1500 rpm"
-        assert run.run[observation.RUN_EXCHANGE_ERROR] < 1e-9, "the energy does not close"
+        assert run.observed.exchange_error < 1e-9, "the energy does not close"
         benchmark.pedantic(run_scenario, args=(scenario, subject), rounds=7, warmup_rounds=1)
         rate = scenario.duration_s / float(benchmark.stats.stats.min)
         benchmark.extra_info["times_real_time"] = round(rate, 1)

@@ -16,13 +16,13 @@ from drivegate.containment.pool import WorkerPool
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.gate.shard import judged
 from drivegate.runs.record import rated_torque, recorded
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.scenarios.feasibility import is_feasible
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_models.compilation.kernels import choose_cache_folder
 from drivegate_models.errors import HarnessFault
 from drivegate_models.half_bridge.steady.oracle import least_current_sum, point_at_torque
 from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.units import RADIANS_PER_RPM
 
 MARKER = "all-kernels"
 """Name of the file in the cache folder that tells that every kernel has been compiled."""

@@ -12,8 +12,8 @@ from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, 
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum
+from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.conformance.signals import RunSignals
-from drivegate_reports.paper.drive import RADIANS_PER_RPM
 
 
 @dataclass(frozen=True)

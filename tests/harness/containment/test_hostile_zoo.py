@@ -18,11 +18,11 @@ from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.containment.worker import CandidateWorker
+from drivegate.gate import engine
 from drivegate.gate.plan import REPEATED, planned_work
 from drivegate.gate.repetition import repeated_elsewhere
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate.studies.check.check_all import engine
 from drivegate_models.errors import InputError
 
 HERE = Path(__file__).parents[1]

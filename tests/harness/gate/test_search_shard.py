@@ -38,7 +38,7 @@ def drawn(seed: int, examples: int, **options: Any) -> ShardOutcome:
 @pytest.fixture
 def judged_by_speed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Put a margin that falls with the distance from 1000 rpm in the place of runs and checks."""
-    from drivegate.studies.check.check_all import shard as search_shard
+    from drivegate.gate import shard as search_shard
 
     def judged(scenario: Scenario) -> JudgedRun:
         margin = abs(scenario.speed_rpm[-1][1] - 1003.0) / 1000.0
@@ -81,7 +81,7 @@ def test_climbing_comes_closer_to_the_least_margin_than_drawing_at_random() -> N
 
 @pytest.mark.usefixtures("judged_by_speed")
 def test_what_no_angle_can_satisfy_is_counted_and_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    from drivegate.studies.check.check_all import shard as search_shard
+    from drivegate.gate import shard as search_shard
 
     def slow(scenario: Scenario) -> str | None:
         return None if scenario.speed_rpm[0][1] > 1200.0 else "too slow"
@@ -96,7 +96,7 @@ def test_what_no_angle_can_satisfy_is_counted_and_not_run(monkeypatch: pytest.Mo
 
 @pytest.mark.usefixtures("judged_by_speed")
 def test_a_shard_without_a_fair_scenario_is_empty(monkeypatch: pytest.MonkeyPatch) -> None:
-    from drivegate.studies.check.check_all import shard as search_shard
+    from drivegate.gate import shard as search_shard
 
     monkeypatch.setattr(search_shard, "unfair_because", lambda _scenario: "unfair")
     outcome = drawn(0, 3)

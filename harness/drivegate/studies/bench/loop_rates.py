@@ -9,11 +9,11 @@ from contextlib import contextmanager
 from statistics import median
 from typing import TYPE_CHECKING, Final
 
-from drivegate.runs.scenario import RADIANS_PER_RPM, run_scenario
+from drivegate.runs.scenario import run_scenario
 from drivegate.studies.bench.measurement import Checked, Value, interleaved, rate, timed
 from drivegate.studies.bench.workbench import Workbench, operating_scenario
 from drivegate.studies.bench.yardstick import RECORD
-from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate_cases.scenario.scenario import Scenario
@@ -47,9 +47,9 @@ _COMPARED: Final = {
 
 def checked_run(scenario: Scenario, run: ClosedLoopRun) -> Checked:
     """Tell whether a run came to what it should."""
-    speed = float(run.run[observation.RUN_SPEED_FINAL]) / RADIANS_PER_RPM
+    speed = run.observed.speed_final / RADIANS_PER_RPM
     wanted = float(scenario.speed_rpm[-1][1])
-    residual = float(run.run[observation.RUN_EXCHANGE_ERROR])
+    residual = run.observed.exchange_error
     right = abs(speed - wanted) <= TOLERANCE_RPM[scenario.sensors.kind] and residual <= ENERGY_TOLERANCE
     return Checked(right, f"ends at {speed:.1f} rpm, energy within {residual:.0e}")
 
@@ -94,7 +94,7 @@ def yardstick_ratio(bench: Workbench, candidate: str, speed_rpm: int) -> Value:
     prepared = yardstick.prepared(scenario, None if candidate == "initial" else controller)
     own = run_scenario(scenario, controller, trace_every=1)
     other = prepared(recorded=True)
-    signals = own.trace[:, [observation.TRACE_COLUMNS.index(name) for name in _COMPARED.values()]]
+    signals = np.stack([own.trace[name] for name in _COMPARED.values()], axis=1)
     units = [RADIANS_PER_RPM if name == "speed" else 1.0 for name in _COMPARED]
     recorded = other.rows[:, [RECORD.index(name) for name in _COMPARED]] / units
     differences = np.abs(recorded - signals).max(axis=0) / np.abs(signals).max(axis=0)

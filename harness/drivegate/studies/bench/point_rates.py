@@ -59,9 +59,9 @@ def steady_rate(bench: Workbench, band: float) -> Value:
 
 def oracle_time(bench: Workbench, speed_rpm: float, torque: float) -> Value:
     """Measure how long the angle of least Σ|i| takes at one point."""
-    from drivegate.runs.scenario import RADIANS_PER_RPM
     from drivegate_cases.motor.motor import load_motor
     from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, point_at_torque
+    from drivegate_models.units import RADIANS_PER_RPM
 
     drive = load_motor(_MOTOR).drive()
     speed = speed_rpm * RADIANS_PER_RPM

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.native.bounded_command import COMPILATION, run_bounded
 from drivegate.candidates.native.compiler import c_compiler, include_folder
-from drivegate.runs.scenario import RADIANS_PER_RPM, plant_load, plant_schedule
+from drivegate.runs.scenario import plant_load, plant_schedule
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import HarnessFault, InputError
 from drivegate_models.machine.load import CONSTANT_TORQUE
+from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate.candidates.controller import Controller

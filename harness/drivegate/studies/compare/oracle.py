@@ -9,11 +9,11 @@ from typing import Any, Final
 import numpy as np
 
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.studies.compare.plan import PlannedRun
 from drivegate_cases.motor.motor import Motor
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, least_input_power
+from drivegate_models.units import RADIANS_PER_RPM
 
 _WAYS: Final = 2
 _BISECTIONS: Final = 12

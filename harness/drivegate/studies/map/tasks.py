@@ -19,7 +19,6 @@ from drivegate.containment.contained_runs import contained_runs
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.containment.worker import CandidateWorker
 from drivegate.runs.record import RunRecord, Window, recorded
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S
 from drivegate.studies.map.plan import (
     ADVANCE,
@@ -47,7 +46,7 @@ from drivegate_models.half_bridge.steady import grid as operating_map_kernel
 from drivegate_models.half_bridge.steady.grid import POINT_COLUMNS, solve_points
 from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, point_at_torque
 from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME
-from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
 
 
 @dataclass(frozen=True)
@@ -204,10 +203,10 @@ def _measured(record: RunRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
     window = Window(scenario, dwells(scenario)[-1], record.run.windows[-1])
     margin, _ = window_convergence(window)
     row = window.values
-    torque, speed = float(row[observation.WINDOW_TORQUE]), float(row[observation.WINDOW_SPEED])
+    torque, speed = row.torque, row.speed
     current_sum, input_power = (
-        float(row[observation.WINDOW_CURRENT_SUM]),
-        float(row[observation.WINDOW_INPUT_POWER]),
+        row.current_sum,
+        row.input_power,
     )
     least = nan
     if scenario.initial_speed_rpm > scenario.motor.base_speed_rpm and torque > 0.0 < speed:
@@ -215,16 +214,16 @@ def _measured(record: RunRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
     shaft = window.torque_asked * speed
     values = (
         margin,
-        float(row[observation.WINDOW_SPEED_ERROR]) / RADIANS_PER_RPM,
-        degrees(row[observation.WINDOW_ANGLE]),
-        float(row[observation.WINDOW_REFERENCE]),
+        row.speed_error / RADIANS_PER_RPM,
+        degrees(row.angle),
+        row.reference,
         current_sum,
         least,
         100.0 * (current_sum / least - 1.0),
         input_power,
         shaft,
         shaft / input_power if input_power > 0.0 else nan,
-        100.0 * float(row[observation.WINDOW_RIPPLE]),
-        float(row[observation.WINDOW_PEAK]),
+        100.0 * row.ripple,
+        row.peak,
     )
     return CONVERGED if margin >= 0.0 else NOT_CONVERGED, values

@@ -7,11 +7,11 @@ import pytest
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.runs.scenario import RADIANS_PER_RPM, run_scenario
+from drivegate.runs.scenario import run_scenario
 from drivegate.studies.bench.workbench import operating_scenario
 from drivegate.studies.bench.yardstick import RECORD, Yardstick, build_yardstick, yardstick_folder
 from drivegate_models.errors import HarnessFault, InputError
-from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
 
 YARDSTICK = Path(__file__).parents[4] / "benchmarks" / "c_yardstick"
 TOLERANCE = 1e-9
@@ -41,10 +41,9 @@ def yardstick(tmp_path_factory):
 
 def difference(ours, theirs):
     """Tell the greatest difference of two runs, relative to the greatest value of each signal."""
-    names = list(observation.TRACE_COLUMNS)
     worst = 0.0
     for signal, column in COLUMNS.items():
-        own = ours.trace[:, names.index(column)]
+        own = ours.trace[column]
         other = theirs.rows[:, RECORD.index(signal)] / (RADIANS_PER_RPM if signal == "speed" else 1.0)
         worst = max(worst, np.abs(own - other).max() / np.abs(own).max())
     totals = np.abs(ours.totals - theirs.totals) / np.maximum(np.abs(ours.totals), 1e-9)
