@@ -146,3 +146,10 @@ def rate(amount: float, times: list[float], checked: Checked) -> Value:
 def duration(times: list[float], checked: Checked, scale: float = 1.0) -> Value:
     """Turn times into a duration."""
     return Value(scale * min(times), scale * median(times), len(times), checked)
+
+
+def ratio(ours: list[float], theirs: list[float], checked: Checked) -> Value:
+    """Set times taken in turns against each other: what else runs slows both of a turn, but not every turn."""
+    # The best of each may be from different turns.
+    middle = median(own / other for own, other in zip(ours, theirs, strict=True))
+    return Value(middle, middle, len(ours), checked)

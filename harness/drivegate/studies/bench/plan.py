@@ -12,9 +12,7 @@ from drivegate.studies.bench.loop_rates import (
     SENSORS,
     SIMULATED,
     SPEEDS_RPM,
-    YARDSTICK_SIMULATED,
     loop_rate,
-    yardstick_ratio,
 )
 from drivegate.studies.bench.measurement import Better, NotMeasured, Row, Value
 from drivegate.studies.bench.point_rates import POINTS, oracle_time, steady_rate
@@ -36,8 +34,6 @@ EXEC_BAR: Final = 3.0
 """The same of a program of its own."""
 OVERHEAD_BAR: Final = 5.0
 """Time that calling a candidate in Python is meant to cost a step beyond its own (µs)."""
-YARDSTICK_BAR: Final = 1.2
-"""Time over that of the same algorithm in C that the closed loop is meant to stay below."""
 POINTS_BAR: Final = 50_000.0
 """Steady states a second."""
 HELP_BAR: Final = 0.3
@@ -83,7 +79,12 @@ class Planned:
 
 def planned(*, quick: bool, cold: bool) -> tuple[Planned, ...]:
     """List all that can be measured."""
-    return (*_loops(quick), _overhead(quick), *_yardsticks(quick), *_points(quick), *_processes(quick, cold))
+    return (*_loops(quick), _overhead(quick), *_points(quick), *_processes(quick, cold))
+
+
+def run_setting(seconds: float, quick: bool) -> str:
+    """Say what a run in closed loop simulates."""
+    return f"{seconds * (0.5 if quick else 1.0):g} s at a control period of 0.5 ms"
 
 
 def chosen(plan: Sequence[Planned], names: Sequence[str]) -> tuple[Planned, ...]:
@@ -117,7 +118,7 @@ def _loops(quick: bool) -> list[Planned]:
         Planned(
             f"loop.{candidate}.{speed}.{sensors}",
             f"{candidate}, {speed} rpm, {sensors} sensors",
-            f"{_shortened(SIMULATED[candidate], quick)} s at a control period of 0.5 ms",
+            run_setting(SIMULATED[candidate], quick),
             RATE_UNIT,
             "more",
             bars.get(candidate) if speed == _BARRED_RPM and sensors == "ideal" else None,
@@ -133,33 +134,12 @@ def _overhead(quick: bool) -> Planned:
     return Planned(
         "overhead.python",
         "calling a candidate in Python",
-        f"{_shortened(OVERHEAD_SIMULATED, quick)} s at a control period of 0.5 ms",
+        run_setting(OVERHEAD_SIMULATED, quick),
         "µs a step",
         "less",
         OVERHEAD_BAR,
         python_overhead,
     )
-
-
-def _yardsticks(quick: bool) -> list[Planned]:
-    titles = {"initial": "initial against all of it in C", "reference": "reference against its plant in C"}
-    return [
-        Planned(
-            f"yardstick.{candidate}.{speed}",
-            f"{title}, {speed} rpm",
-            f"{_shortened(YARDSTICK_SIMULATED, quick)} s at a control period of 0.5 ms",
-            "× its time",
-            "less",
-            YARDSTICK_BAR,
-            partial(yardstick_ratio, candidate=candidate, speed_rpm=speed),
-        )
-        for candidate, title in titles.items()
-        for speed in (1000, _BARRED_RPM)
-    ]
-
-
-def _shortened(seconds: float, quick: bool) -> str:
-    return f"{seconds * (0.5 if quick else 1.0):g}"
 
 
 def _points(quick: bool) -> list[Planned]:

@@ -74,15 +74,6 @@ def test_a_kind_whose_compiler_is_missing_says_so(workbench, monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     with pytest.raises(NotMeasured, match="no-such-compiler"):
         loop_rates.loop_rate(workbench, "c", 1500, "ideal")
-    with pytest.raises(NotMeasured, match="no-such-compiler"):
-        workbench.yardstick()
-
-
-def test_a_yardstick_out_of_step_is_no_measure(workbench, monkeypatch):
-    monkeypatch.setattr(loop_rates, "YARDSTICK_SIMULATED", 2.0)
-    assert loop_rates.yardstick_ratio(workbench, "initial", 1500).checked.valid
-    monkeypatch.setattr(loop_rates, "LOCK_STEP_TOLERANCE", 0.0)
-    assert not loop_rates.yardstick_ratio(workbench, "initial", 1500).checked.valid
 
 
 @pytest.mark.parametrize("band", [0.25, 0.0])
