@@ -1,10 +1,10 @@
 """Compare the speed of two installations of drivegate, turn by turn.
 
-    python benchmarks/in_turns.py BEFORE/bin/drivegate AFTER/bin/drivegate --turns 5 --only loop.reference
+    python benchmarks/in_turns.py BEFORE/bin/drivegate AFTER/bin/drivegate --turns 6 --only loop.reference
 
-In each turn both run ``drivegate bench`` with the options given here, and the second sets its numbers beside the
-first's. What else the machine does slows both of a turn, so the median over the turns says more than the best of each;
-the range says how far to trust it. Above 1, the second installation is better.
+In each turn both run ``drivegate bench`` with the options given here, in alternating order, and the one that comes last
+sets its numbers beside those of the other. What else the machine does slows both of a turn, so the median over the
+turns says more than the best of each; the range says how far to trust it. Above 1, AFTER is better.
 """
 
 import argparse
@@ -17,14 +17,14 @@ from statistics import median
 
 
 def turn(programs: list[str], words: list[str], folder: Path) -> dict[str, float]:
-    """Measure with both installations; return for each row how many times as good the second is."""
-    before, after = folder / "before.json", folder / "after.json"
-    kept = (["--output", str(before)], ["--output", str(after), "--compare", str(before)])
+    """Measure with both programs; return for each row how many times as good the last one is."""
+    first, last = str(folder / "first.json"), str(folder / "last.json")
+    kept = (["--output", first], ["--output", last, "--compare", first])
     for program, files in zip(programs, kept, strict=True):
         command = [program, "bench", *words, *files]
         if subprocess.run(command, stdout=subprocess.DEVNULL, check=False).returncode != 0:
             raise SystemExit(f"{program} bench failed, so that nothing is compared")
-    rows = json.loads(after.read_text(encoding="utf-8"))["rows"]
+    rows = json.loads(Path(last).read_text(encoding="utf-8"))["rows"]
     return {row["name"]: row["times_as_good"] for row in rows if row["times_as_good"] is not None}
 
 
@@ -43,12 +43,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("before", help="the earlier installation's drivegate")
     parser.add_argument("after", help="the later installation's drivegate")
-    parser.add_argument("--turns", type=int, default=5, help="how often both are measured")
+    parser.add_argument("--turns", type=int, default=6, help="how often both are measured")
     options, words = parser.parse_known_args()
     turns = []
-    for _ in range(options.turns):
+    for number in range(options.turns):
+        programs, is_reversed = [options.before, options.after], number % 2 == 1
         with tempfile.TemporaryDirectory() as folder:
-            turns.append(turn([options.before, options.after], words, Path(folder)))
+            ratios = turn(programs[::-1] if is_reversed else programs, words, Path(folder))
+        turns.append({name: 1.0 / ratio if is_reversed else ratio for name, ratio in ratios.items()})
     sys.stdout.write(table(turns))
 
 

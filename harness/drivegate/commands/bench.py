@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
-    from drivegate.studies.bench.measurement import Row
     from drivegate.studies.bench.plan import Planned
+    from drivegate.studies.bench.record import Row
     from drivegate.studies.bench.workbench import Workbench
 
 

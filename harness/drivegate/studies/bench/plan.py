@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
 from drivegate.studies.bench.loop_rates import (
     CANDIDATES,
@@ -14,11 +14,12 @@ from drivegate.studies.bench.loop_rates import (
     SPEEDS_RPM,
     loop_rate,
 )
-from drivegate.studies.bench.measurement import Better, NotMeasured, Row, Value
+from drivegate.studies.bench.measurement import Better, NotMeasured, Value
 from drivegate.studies.bench.point_rates import POINTS, oracle_time, steady_rate
 from drivegate.studies.bench.process_times import gate_time, help_words, start_time
 from drivegate.studies.bench.python_overhead import SIMULATED as OVERHEAD_SIMULATED
 from drivegate.studies.bench.python_overhead import python_overhead
+from drivegate.studies.bench.record import Row
 from drivegate.studies.bench.run_memory import run_memory
 from drivegate.studies.bench.workbench import Workbench
 from drivegate_cases.documents.wording import nearest, one_line
@@ -45,6 +46,7 @@ GATE_BARS: Final = {"warm": 60.0, "cold": 120.0}
 
 _POINT = (1500.0, 9.8)
 _BARRED_RPM = 1500
+_TOLD = ("name", "title", "setting", "unit", "better", "bar")
 
 
 @dataclass(frozen=True)
@@ -53,8 +55,18 @@ class Planned:
 
     Attributes
     ----------
-    name, title, setting, unit, better, bar
-        As in `drivegate.studies.bench.measurement.Row`.
+    name : str
+        Its name, such as ``loop.reference.1500.ideal``.
+    title : str
+        What it is, for people.
+    setting : str
+        What the work is; numbers of different settings are not compared.
+    unit : str
+        The number's unit.
+    better : str
+        Which way it is better.
+    bar : float or None
+        What it is meant to reach on an ordinary machine; a bar that is missed is told and is no failure.
     measure : callable
         Does it.
     """
@@ -69,12 +81,19 @@ class Planned:
 
     def row(self, bench: Workbench) -> Row:
         """Measure."""
-        value, reason = None, ""
+        about: dict[str, Any] = {field: getattr(self, field) for field in _TOLD}
         try:
-            value = self.measure(bench)
+            made = self.measure(bench)
         except NotMeasured as error:
-            reason = one_line(str(error))
-        return Row(self.name, self.title, self.setting, self.unit, self.better, self.bar, value, reason)
+            return Row(**about, value=None, median=None, rounds=0, valid=None, check=one_line(str(error)))
+        return Row(
+            **about,
+            value=made.value,
+            median=made.median,
+            rounds=made.rounds,
+            valid=made.checked.valid,
+            check=made.checked.told,
+        )
 
 
 def planned(*, quick: bool, cold: bool) -> tuple[Planned, ...]:
