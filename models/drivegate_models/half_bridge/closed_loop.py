@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
+from typing import Final
+
 from drivegate_models.half_bridge.plant.drive import drifted
 from drivegate_models.half_bridge.plant.phases import advance_phases, make_phases, stored_energy, torque_range
-from drivegate_models.loop.closed_loop import PlantKernels, closed_loop_of
+from drivegate_models.loop import closed_loop
+from drivegate_models.loop.closed_loop import Plant, plant_of
+from drivegate_models.loop.loop_kernel import PlantKernels
 
-run_closed_loop = closed_loop_of(
+PLANT: Final[Plant] = plant_of(
     PlantKernels(
         make_phases=make_phases,
         advance_phases=advance_phases,
@@ -15,4 +20,7 @@ run_closed_loop = closed_loop_of(
         torque_range=torque_range,
     )
 )
-"""Run a controller, already reset, against the plant; see `drivegate_models.loop.closed_loop.closed_loop_of`."""
+"""Decoupled phases on half-bridge legs."""
+
+run_closed_loop = partial(closed_loop.run_closed_loop, PLANT)
+"""Run a controller, already reset, against this plant; see `drivegate_models.loop.closed_loop.run_closed_loop`."""

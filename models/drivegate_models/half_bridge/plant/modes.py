@@ -7,119 +7,20 @@ segment where there is room, and says how the next stretch begins.
 from __future__ import annotations
 
 from math import inf
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.half_bridge.plant.leg import time_to_pass
-from drivegate_models.half_bridge.plant.segments import Stretch, keep_segment
+from drivegate_models.half_bridge.plant.leg import connection, time_to_pass
+from drivegate_models.half_bridge.plant.segments import keep_segment
+from drivegate_models.half_bridge.plant.stretch import Demand, Motion, Stretch, Sums, Winding, with_peak
 from drivegate_models.machine.winding_current import (
     crossing_time,
     current_after,
     current_integrals,
     turning_time,
 )
-
-
-class Winding(NamedTuple):
-    """Constants of leg and winding over one advance."""
-
-    resistance: float
-    """(ohm)."""
-    inverse_inductance: float
-    """(1/H)."""
-    rate: float
-    """R/L (1/s)."""
-    longest: float
-    """Longest stretch for which the series of `winding_current` are used (s)."""
-    switch_drop: float
-    """(V)."""
-    diode_drop: float
-    """(V)."""
-
-
-class Demand(NamedTuple):
-    """What the regulator of a phase is to do in one stretch."""
-
-    reference: float
-    """Current reference i* (A)."""
-    band: float
-    """Half-width h of the current band (A)."""
-    sector: int
-    """Window: 1, -1, or 0 between windows."""
-    gate: int
-    """Switch that is on: 1 upper, -1 lower, 0 none."""
-
-
-class Sums(NamedTuple):
-    """Exact integrals of one phase over one advance, as `ledger` names them; kept in registers, not in memory."""
-
-    magnitude: float
-    square: float
-    shape_current: float
-    """Integral of back-EMF shape times current (A s)."""
-    upper: float
-    lower: float
-    exchanged: float
-    returned: float
-    device: float
-    core: float
-    """Integral of the squared gap voltage while connected (V2 s)."""
-    drag: float
-    """Integral of the squared back-EMF shape while floating (s)."""
-    peak: float
-
-
-class Motion(NamedTuple):
-    """Where a phase stands between two stretches."""
-
-    current: float
-    """(A)."""
-    latch: int
-    """Comparator: 1 on, 0 off."""
-    depart: int
-    """Direction in which a slide has just been left, along the sector's sign: 1, -1, or 0 for none."""
-    conducting: int
-    """Sign of the current that a floating phase has just begun to carry, or 0."""
-    kept: int
-    """Number of segments kept."""
-
-
-@inlined
-def no_sums(peak: float) -> Sums:
-    """Return the integrals at the start of an advance.
-
-    Parameters
-    ----------
-    peak : float
-        Magnitude of the current there (A).
-
-    Returns
-    -------
-    Sums
-        All 0 but for the peak.
-    """
-    return Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, peak)
-
-
-@inlined
-def _with_peak(sums: Sums, peak: float) -> Sums:
-    """Return the same integrals with another peak."""
-    return Sums(
-        sums.magnitude,
-        sums.square,
-        sums.shape_current,
-        sums.upper,
-        sums.lower,
-        sums.exchanged,
-        sums.returned,
-        sums.device,
-        sums.core,
-        sums.drag,
-        peak,
-    )
 
 
 @inlined
@@ -396,4 +297,44 @@ def conduct(
             # The comparator's lower edge is at zero.
             latch = 1
     peak = max(sums.peak, abs(current))
-    return length, is_whole, _with_peak(sums, peak), Motion(current, latch, 0, 0, kept)
+    return length, is_whole, with_peak(sums, peak), Motion(current, latch, 0, 0, kept)
+
+
+@inlined
+def not_sliding(
+    winding: Winding,
+    demand: Demand,
+    stretch: Stretch,
+    upper: float,
+    lower: float,
+    sums: Sums,
+    motion: Motion,
+    rows: NDArray[np.float64],
+) -> tuple[float, bool, Sums, Motion]:
+    """Float or conduct, as gates, diodes and the back-EMF have it.
+
+    Parameters
+    ----------
+    winding, demand, stretch, upper, lower, sums, motion, rows
+        As in `slide`.
+
+    Returns
+    -------
+    length, is_whole, sums, motion
+        As in `slide`.
+    """
+    rail, side = connection(
+        demand.gate,
+        motion.current,
+        motion.conducting,
+        stretch.emf,
+        stretch.emf_rate,
+        upper,
+        lower,
+        winding.switch_drop,
+        winding.diode_drop,
+    )
+    if rail == 0:
+        return float_free(winding, demand, stretch, upper, lower, sums, motion, rows)
+    source = upper if rail > 0 else lower
+    return conduct(winding, demand, stretch, rail, side, source, sums, motion, rows)

@@ -10,26 +10,17 @@ once its back-EMF exceeds the rail. h = 0 is the ideal regulator, whose current 
 
 from __future__ import annotations
 
-from math import floor, inf, pi
-from typing import NamedTuple
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.half_bridge.plant.cycle import next_shape, next_window, shape_at, window_at, wrapped
 from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.plant.leg import connection, ideal_latch
-from drivegate_models.half_bridge.plant.modes import (
-    Demand,
-    Motion,
-    Sums,
-    Winding,
-    conduct,
-    float_free,
-    no_sums,
-    slide,
-)
-from drivegate_models.half_bridge.plant.segments import Stretch
+from drivegate_models.half_bridge.plant.leg import ideal_latch
+from drivegate_models.half_bridge.plant.modes import not_sliding, slide
+from drivegate_models.half_bridge.plant.stretch import Demand, Motion, Stretch, Sums, Winding, no_sums
 from drivegate_models.machine import ledger
 from drivegate_models.machine.winding_current import LONGEST
 
@@ -45,27 +36,6 @@ _LEAST_REFERENCE = 1e-20
 
 
 @inlined
-def _wrapped(angle: float) -> float:
-    """Return an angle in [0, 2 pi) (rad)."""
-    turns = floor(angle * (0.5 / pi))
-    return max(angle - 2.0 * pi * turns, 0.0)
-
-
-@inlined
-def _corner_before(corners: NDArray[np.float64], angle: float) -> int:
-    """Return the index of the corner at or before an angle, by bisection."""
-    low = 0
-    high = corners.size - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if corners[middle] <= angle:
-            low = middle
-        else:
-            high = middle
-    return low
-
-
-@inlined
 def _compared(latch: int, magnitude: float, reference: float, band: float) -> int:
     """Return the latch after both comparators have looked at the current along the sector's sign."""
     if magnitude >= reference + band:
@@ -75,32 +45,6 @@ def _compared(latch: int, magnitude: float, reference: float, band: float) -> in
     return latch
 
 
-class _Shape(NamedTuple):
-    """The straight piece of the back-EMF shape that a phase is in; times from the beginning of the advance (s)."""
-
-    corner: int
-    """Index of its first corner."""
-    turn: float
-    """Angle from the phase's angle at the beginning to the start of the cycle of that corner (rad)."""
-    begin: float
-    end: float
-    start: float
-    """Shape at `begin` (1)."""
-    rate: float
-    """Its rate (1/s)."""
-
-
-class _Window(NamedTuple):
-    """The conduction window that a phase is in, or the gap behind it."""
-
-    sector: int
-    """1, -1, or 0 between windows."""
-    following: int
-    """The next window while between windows."""
-    end: float
-    """(s)."""
-
-
 @inlined
 def _winding(drive: Drive) -> Winding:
     """Return the constants that every stretch needs."""
@@ -108,80 +52,6 @@ def _winding(drive: Drive) -> Winding:
     rate = drive.resistance * inverse_inductance
     longest = LONGEST / rate if rate > 0.0 else inf
     return Winding(drive.resistance, inverse_inductance, rate, longest, drive.switch_drop, drive.diode_drop)
-
-
-@inlined
-def _shape_at(
-    corners: NDArray[np.float64],
-    corner_values: NDArray[np.float64],
-    corner_slopes: NDArray[np.float64],
-    angle: float,
-    electrical: float,
-) -> _Shape:
-    """Return the piece of the back-EMF shape at an angle, which is at time zero."""
-    corner = _corner_before(corners, angle)
-    if electrical == 0.0:
-        value = corner_values[corner] + corner_slopes[corner] * (angle - corners[corner])
-        return _Shape(corner, -angle, 0.0, inf, value, corner_slopes[corner] * electrical)
-    per_radian = 1.0 / electrical
-    return _Shape(
-        corner,
-        -angle,
-        (corners[corner] + -angle) * per_radian,
-        (corners[corner + 1] + -angle) * per_radian,
-        corner_values[corner],
-        corner_slopes[corner] * electrical,
-    )
-
-
-@inlined
-def _next_shape(
-    corners: NDArray[np.float64],
-    corner_values: NDArray[np.float64],
-    corner_slopes: NDArray[np.float64],
-    shape: _Shape,
-    electrical: float,
-) -> _Shape:
-    """Return the piece of the back-EMF shape behind one."""
-    per_radian = 1.0 / electrical
-    corner = shape.corner + 1
-    turn = shape.turn
-    if corner > corners.size - 2:
-        corner = 0
-        turn += 2.0 * pi
-    return _Shape(
-        corner,
-        turn,
-        (corners[corner] + turn) * per_radian,
-        (corners[corner + 1] + turn) * per_radian,
-        corner_values[corner],
-        corner_slopes[corner] * electrical,
-    )
-
-
-@inlined
-def _window_at(angle: float, width: float, electrical: float) -> _Window:
-    """Return the window at an advanced angle, which is at time zero."""
-    per_radian = 1.0 / electrical if electrical > 0.0 else inf
-    position = _wrapped(angle - 0.5 * (pi - width))
-    if position < width:
-        sector, to_edge, following = 1, width - position, -1
-    elif position < pi:
-        sector, to_edge, following = 0, pi - position, -1
-    elif position < pi + width:
-        sector, to_edge, following = -1, pi + width - position, 1
-    else:
-        sector, to_edge, following = 0, 2.0 * pi - position, 1
-    return _Window(sector, following, to_edge * per_radian if electrical > 0.0 else inf)
-
-
-@inlined
-def _next_window(window: _Window, width: float, electrical: float) -> _Window:
-    """Return what follows a window or the gap behind it."""
-    per_radian = 1.0 / electrical
-    if window.sector != 0:
-        return _Window(0, -window.sector, window.end + (pi - width) * per_radian)
-    return _Window(window.following, window.following, window.end + width * per_radian)
 
 
 @inlined
@@ -309,9 +179,9 @@ def advance_phase(
         reference = 0.0
     winding = _winding(drive)
     emf_peak = drive.emf_constant * speed
-    angle = _wrapped(angle)
-    shape = _shape_at(corners, corner_values, corner_slopes, angle, electrical)
-    window = _window_at(angle + advance, drive.window, electrical)
+    angle = wrapped(angle)
+    shape = shape_at(corners, corner_values, corner_slopes, angle, electrical)
+    window = window_at(angle + advance, drive.window, electrical)
     sector = window.sector
     latch = latches[phase]
     gate_was = sectors[phase] * latch if reference > 0.0 else 0
@@ -345,32 +215,15 @@ def advance_phase(
         if slides:
             length, is_whole, sums, motion = slide(winding, demand, stretch, upper, lower, sums, motion, rows)
         else:
-            rail, side = connection(
-                gate,
-                motion.current,
-                motion.conducting,
-                stretch.emf,
-                stretch.emf_rate,
-                upper,
-                lower,
-                drive.switch_drop,
-                drive.diode_drop,
+            length, is_whole, sums, motion = not_sliding(
+                winding, demand, stretch, upper, lower, sums, motion, rows
             )
-            if rail == 0:
-                length, is_whole, sums, motion = float_free(
-                    winding, demand, stretch, upper, lower, sums, motion, rows
-                )
-            else:
-                source = upper if rail > 0 else lower
-                length, is_whole, sums, motion = conduct(
-                    winding, demand, stretch, rail, side, source, sums, motion, rows
-                )
         # The limit itself, not the sum, so that a corner is passed exactly once.
         time = limit if is_whole else time + length
         while time >= shape.end:
-            shape = _next_shape(corners, corner_values, corner_slopes, shape, electrical)
+            shape = next_shape(corners, corner_values, corner_slopes, shape, electrical)
         while time >= window.end:
-            window = _next_window(window, drive.window, electrical)
+            window = next_window(window, drive.window, electrical)
             latch = motion.latch
             if window.sector != 0:
                 latch = _compared(1, window.sector * motion.current, reference, drive.hysteresis_band)

@@ -6,12 +6,13 @@ back-EMF shape is ``SHAPE + SHAPE_RATE * (t - START)``.
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.half_bridge.plant.stretch import Stretch
 
 START: Final = 0
 """Start (s), from the beginning of the advance."""
@@ -35,25 +36,6 @@ RATE: Final = 9
 """R/L while a current flows freely, 0 while it is held (1/s)."""
 FIELDS: Final = 10
 """Length of a row."""
-
-
-class Stretch(NamedTuple):
-    """Where a stretch begins, and the longest that it may last."""
-
-    phase: int
-    """Index of the phase."""
-    time: float
-    """From the beginning of the advance (s)."""
-    length: float
-    """To the next corner of the back-EMF, edge of a window, or end of the advance (s)."""
-    shape: float
-    """Back-EMF shape at its start (1)."""
-    shape_rate: float
-    """Its rate (1/s)."""
-    emf: float
-    """Back-EMF at its start (V)."""
-    emf_rate: float
-    """Its rate (V/s)."""
 
 
 @inlined
