@@ -13,9 +13,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.calling import call_step
+from drivegate_models.compilation.calling import call_step, double_at
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined, unallocating
-from drivegate_models.compilation.native_memory import double_at
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 from drivegate_models.loop.exchange import COMPLETED, STOPPED, Exchange, ask, make_exchange
 

@@ -5,7 +5,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from drivegate_models.compilation.native_memory import double_at
+from drivegate_models.compilation.calling import double_at
 
 
 @numba.njit
