@@ -82,7 +82,7 @@ def command(
 
 def _chosen(names: Sequence[str]) -> tuple[Mutation, ...]:
     from drivegate.candidates.builtin.faults import MUTATIONS, find_mutation
-    from drivegate.candidates.resolution import FAULTY_PREFIX
+    from drivegate.candidates.kinds import FAULTY_PREFIX
 
     if not names:
         return tuple(MUTATIONS.values())

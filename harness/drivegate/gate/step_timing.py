@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller
+from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.checks.margin import Margin, below
 from drivegate.checks.timing import LARGEST_SHARE
@@ -27,7 +28,6 @@ TIMED_STEPS: Final = 4000
 BLOCK: Final = 100
 """Number of steps whose mean time is taken; a decision of a search in 200 steps counts in every other one."""
 _COLUMNS: Final = ("speed_reference_rpm", "measured_speed_rpm", "current_sum_a", "half_supply_v")
-_OTHER_WAYS: Final = {"exec": "a process of its own", "fmu": "FMU", "compose": "blocks"}
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def time_steps(loaded: LoadedCandidate, plan: TimedSteps) -> ShardOutcome:
 def way_of_running(kind: str, controller: Controller) -> str:
     """Tell how a candidate's step runs, without which its time says little."""
     by_itself = "Python" if isinstance(controller, PythonController) else "native"
-    return _OTHER_WAYS.get(kind, by_itself)
+    return KINDS[kind].way_of_running or by_itself
 
 
 def timing_margin(way: str, step_time: float, control_period: float) -> Margin:

@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
 FIXTURE: Final = "conformance"
 
-_FILES = (".toml", ".c", ".so", ".fmu")
-"""Suffixes of candidates that are a file as a whole."""
-
 
 @dataclass(frozen=True)
 class _Wanted:
@@ -120,10 +117,12 @@ def _wanted(config: pytest.Config, marker: pytest.Mark, folder: Path) -> _Wanted
 
 def _from_folder(candidate: str, folder: Path) -> str:
     """Let a file's path start from a folder."""
+    from drivegate.candidates.kinds import WHOLE_FILE_SUFFIXES
+
     source, _, attribute = candidate.rpartition(":")
     if source.endswith(".py"):
         return f"{folder / source}:{attribute}"
-    return str(folder / candidate) if candidate.endswith(_FILES) else candidate
+    return str(folder / candidate) if candidate.endswith(WHOLE_FILE_SUFFIXES) else candidate
 
 
 def _planned(wanted: _Wanted) -> tuple[Candidate, Iterator[Event]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -10,9 +9,10 @@ from typing import Any, Final
 
 import drivegate
 import drivegate_models
-from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
+from drivegate.candidates.builtin.candidates import is_builtin_name
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
+from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.catalogue import CHECKS
@@ -37,8 +37,6 @@ SCHEMA: Final = 1
 STILL_FAILS: Final = "still fails"
 FIXED: Final = "fixed"
 NOT_APPLICABLE: Final = "not applicable"
-
-_PREFIXED: Final = re.compile(r"(faulty|design):[a-z0-9-]+")
 
 
 @dataclass(frozen=True)
@@ -71,7 +69,7 @@ def candidate_for(stored: Counterexample, given: str | None) -> Candidate:
     if given is not None:
         return resolve_candidate(given)
     name = stored.candidate.name
-    if name in BUILTIN_CANDIDATES or _PREFIXED.fullmatch(name):
+    if is_builtin_name(name):
         candidate = resolve_candidate(name)
         if _comes_along(candidate):
             return candidate
@@ -83,7 +81,7 @@ def candidate_for(stored: Counterexample, given: str | None) -> Candidate:
 
 def _comes_along(candidate: Candidate) -> bool:
     """Tell whether all of a candidate's code is drivegate's own; resolving it has run none."""
-    if candidate.kind == "builtin":
+    if KINDS[candidate.kind].comes_along:
         return True
     homes = [Path(package.__file__ or "").resolve().parent for package in (drivegate, drivegate_models)]
     inside = (any(source.is_relative_to(home) for home in homes) for source in candidate.sources)

@@ -9,8 +9,9 @@ from typing import Final
 
 from drivegate.candidates.builtin.faults import Mutation
 from drivegate.candidates.fault import Fault
+from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.candidates.loading import load_controller
-from drivegate.candidates.resolution import FAULTY_PREFIX, resolve_candidate
+from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
 from drivegate.gate.engine import check_candidate

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegate.candidates.builtin.design_candidates import DESIGN_CANDIDATES
+from drivegate.candidates.builtin.candidates import DESIGN_CANDIDATES
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.catalogue import CHECKS

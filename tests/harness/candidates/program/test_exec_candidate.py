@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivegate.candidates.candidate import Program
 from drivegate.candidates.loading import load_controller
-from drivegate.candidates.program.candidate import Program
 from drivegate.candidates.program.process import ProgramProcess
 from drivegate.candidates.program.protocol import (
     HELLO,

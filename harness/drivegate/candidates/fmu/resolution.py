@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 _SUFFIX: Final = ".fmu"
 
 
-def fmu_candidate(specification: str) -> Candidate:
+def from_text(specification: str) -> Candidate:
     """Find the candidate that an FMU is."""
     file = existing_file(Path(specification))
     return _candidate(Path(specification).name, specification, file, (), Declaration())
 
 
-def fmu_from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
+def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
     """Find the FMU that a manifest describes."""
     if Path(manifest.entry).suffix.lower() != _SUFFIX:
         raise InputError(

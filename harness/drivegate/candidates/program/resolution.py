@@ -4,55 +4,32 @@ import os
 import shlex
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
-from drivegate.candidates.candidate import Candidate, existing_file, hash_of
+from drivegate.candidates.candidate import STEP_DEADLINE, Candidate, Program, existing_file, hash_of
 from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.kinds import EXEC_PREFIX
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
 
-STEP_DEADLINE: Final = 1.0
-"""Time that a program has for each step unless its manifest says otherwise (s)."""
-
-_PREFIX = "exec:"
 _EXAMPLE = "exec:python3 controller.py"
 
 
-@dataclass(frozen=True)
-class Program:
-    """What is started for a candidate of kind `exec`.
-
-    Attributes
-    ----------
-    executable : Path
-        The program's file.
-    arguments : tuple of str
-        The words of the command line, the program's name the first.
-    step_deadline : float
-        Time that it has for each step (s).
-    """
-
-    executable: Path
-    arguments: tuple[str, ...]
-    step_deadline: float = STEP_DEADLINE
-
-
-def exec_candidate(specification: str) -> Candidate:
+def from_text(specification: str) -> Candidate:
     """Find the program that a string names; it starts in the present folder."""
-    command = specification.removeprefix(_PREFIX).strip()
+    command = specification.removeprefix(EXEC_PREFIX).strip()
     where = f"the candidate '{one_line(specification)}'"
     words = _words(command, where, f"write {_EXAMPLE}")
     folder = Path.cwd()
-    name = _PREFIX + one_line(_short_command(words, folder))
+    name = EXEC_PREFIX + one_line(_short_command(words, folder))
     return _candidate(name, specification, command, folder, _program(words, folder, where), Declaration(), ())
 
 
-def exec_from_manifest(manifest: "Manifest", specification: str, folder: Path) -> Candidate:
+def from_manifest(manifest: "Manifest", specification: str, folder: Path) -> Candidate:
     """Find the program that a manifest names; it starts in the manifest's folder."""
     where = f"{shown_path(specification)}: the key 'entry'"
     words = _words(manifest.entry, where, "write a command line, such as 'python3 controller.py'")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
-from drivegate.candidates.candidate import Candidate, existing_file, hash_of
+from drivegate.candidates.candidate import Candidate, Composition, existing_file, hash_of
 from drivegate.candidates.module_search import module_sources
 from drivegate.version import __version__
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
@@ -20,23 +20,7 @@ BLOCKS: Final = ("angle_model", "speed_regulator", "search")
 """The blocks of the paper's Fig. 2, by their keys in a manifest."""
 
 
-@dataclass(frozen=True)
-class Composition:
-    """What a composed controller consists of.
-
-    Attributes
-    ----------
-    base : str
-        The built-in controller whose other blocks it has.
-    blocks : tuple of tuple of str
-        Name and entry of each block of its own; an entry is ``module:name`` or ``/path/file.py:name``.
-    """
-
-    base: str
-    blocks: tuple[tuple[str, str], ...]
-
-
-def composed_from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
+def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
     """Find the candidate that a manifest composes."""
     where = shown_path(specification)
     if manifest.entry not in BUILTIN_CANDIDATES:

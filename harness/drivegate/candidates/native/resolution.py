@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from drivegate.candidates.candidate import Candidate, CandidateKind, existing_file, hash_of
+from drivegate.candidates.candidate import Candidate, NativeBuild, existing_file, hash_of
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.native.compiler import Compilation
 from drivegate_cases.documents.wording import one_line, shown_path
@@ -15,7 +14,7 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
 
-_SUFFIXES: Final[dict[str, CandidateKind]] = {".c": "c", ".so": "so"}
+_SUFFIXES: Final = {".c": "c", ".so": "so"}
 
 # These change what the compiler writes, or which programs it starts.
 _REFUSED_FLAGS: Final = (
@@ -33,20 +32,7 @@ _REFUSED_FLAGS: Final = (
 _REFUSED_WORDS: Final = ("-c", "-E", "-S", "-fsyntax-only", "-r", "--help", "--version", "-", "-###")
 
 
-@dataclass(frozen=True)
-class NativeBuild:
-    """Where the code of a native candidate is.
-
-    Attributes
-    ----------
-    library : Path
-        The shared library that a worker process loads.
-    """
-
-    library: Path
-
-
-def native_candidate(specification: str) -> Candidate:
+def from_text(specification: str) -> Candidate:
     """Find the candidate that a C source or a shared library is."""
     file = existing_file(Path(specification))
     name = Path(specification).name
@@ -55,7 +41,7 @@ def native_candidate(specification: str) -> Candidate:
     return _source_candidate(name, specification, file, Compilation(file.parent, (file.name,)))
 
 
-def native_from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
+def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
     """Find the native candidate that a manifest describes."""
     where = shown_path(specification)
     entry = existing_file(folder / manifest.entry)
@@ -121,7 +107,7 @@ def _source_candidate(
 
 def _candidate(
     name: str,
-    kind: CandidateKind,
+    kind: str,
     specification: str,
     file: Path,
     sources: tuple[Path, ...],
