@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from drivegate.output.result_reports import report_formats, write_reports
+from drivegate.output.result_reports import report_formats, write_result
 from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
 from drivegate_reports.comparison import report as comparison
 from drivegate_reports.paper.report import PAGE_FILE, reproduce
@@ -60,7 +60,7 @@ def pages(
     conformance, reproduction = folder / "conformance", folder / "reproduction"
     for part in (conformance, reproduction):
         part.mkdir()
-    (page,) = write_reports(recorded, conformance, report_formats(["conformance"]))
+    page = write_result(recorded, conformance, report_formats(["conformance"])).pages["conformance"]
     reproduce(reproduction)
     document = json.loads(json.dumps(made_up(faulted=True)))
     write_tables(document, folder)

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from drivegate.commands.conduct import ExitCode, Outcome
+from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import json_option
+from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -119,18 +120,19 @@ def _command(program: str, quick: bool, cold: bool, names: tuple[str, ...]) -> s
 
 def _measured(plan: Sequence[Planned], bench: Workbench) -> list[Row]:
     from drivegate.gate.warm_up import compile_kernels, missing_marker
-    from drivegate.studies.bench.progress import bench_progress_on
+    from drivegate.output.progress import progress_on
 
     marker = missing_marker()
     # A gate starts its own processes; everything else is compiled by the first round, which is not timed.
     if marker is not None and any(one.name.startswith("gate.") for one in plan):
         compile_kernels(marker)
     rows = []
-    with bench_progress_on(sys.stderr, len(plan)) as tell:
+    with progress_on(sys.stderr) as display:
+        display.begin("bench", len(plan))
         for done, one in enumerate(plan):
-            tell(done, one.name)
+            display.advance(done, len(plan), one.name)
             rows.append(one.row(bench))
-        tell(len(plan), "done")
+        display.advance(len(plan), len(plan), "done", always=True)
     return rows
 
 

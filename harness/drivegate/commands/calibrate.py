@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from drivegate.commands.conduct import ExitCode, Outcome
+from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import json_option
+from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
     from rich.console import Console

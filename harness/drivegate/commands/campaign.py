@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from drivegate.commands.conduct import ExitCode, Outcome
+from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import bounded, json_option
+from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -69,17 +70,17 @@ def command(
     where.require()
     campaign = read_campaign(file)
 
+    from drivegate.output.progress import progress_on, with_rate
     from drivegate.studies.campaign.engine import make_runs
     from drivegate.studies.campaign.folder import CampaignFolder
     from drivegate.studies.campaign.plan import planned
-    from drivegate.studies.campaign.progress import campaign_progress_on
     from drivegate.studies.campaign.summary import broken_harness, summarised
 
     plan = planned(campaign, Path(file).resolve().parent)
     began = time.monotonic()
     with CampaignFolder(output, plan) as folder:
-        with campaign_progress_on(sys.stderr, campaign.name, plan.runs) as tell:
-            made = make_runs(plan, folder, where, tell)
+        with progress_on(sys.stderr) as display:
+            made = make_runs(plan, folder, where, with_rate(display, campaign.name, plan.runs))
         document = summarised(plan, folder, confidence)
     timing = {"seconds": time.monotonic() - began, "runs_made": made}
     document |= {"output": str(output), "timing": timing}

@@ -86,14 +86,15 @@ def command(
     plan = _planned(kind, candidate, axes, parameters, motor, settings)
 
     from drivegate.containment.backend import Backend
-    from drivegate.studies.campaign.progress import campaign_progress_on
+    from drivegate.output.progress import progress_on, with_rate
     from drivegate.studies.map.files import write_figure, write_tables
     from drivegate.studies.map.map import computed
 
     _warm_up()
     began = time.monotonic()
     title = _title(plan)
-    with campaign_progress_on(sys.stderr, title, plan.axes.points, unit="points") as tell:
+    with progress_on(sys.stderr) as display:
+        tell = with_rate(display, title, plan.axes.points, unit="points")
         made = computed(plan, Backend("local", workers), tell)
     seconds = time.monotonic() - began
     write_tables(made, csv, parquet)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from drivegate.commands.conduct import ExitCode, Outcome
+from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import chosen_scenario, json_option, motor_options
+from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
     from rich.console import Console

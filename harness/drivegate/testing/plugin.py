@@ -173,20 +173,22 @@ def _free_folder(output: Path, candidate: Candidate, wanted: _Wanted, taken: set
 
 def _judge(wanted: _Wanted, output: Path, taken: set[Path]) -> Judged:
     """Check the candidate, and keep its result and counterexamples."""
-    from drivegate.commands.conduct import complain, failure_of
+    from drivegate.output.event_loop import finished
+    from drivegate.output.failure import complain, failure_of
+    from drivegate.output.progress import Display
     from drivegate.output.report_folder import ReportFolder
-    from drivegate.output.result_file import CounterexampleFiles, ResultFile
-    from drivegate.output.subscription import publish
+    from drivegate.output.result_reports import write_result
 
     try:
         candidate, events = _planned(wanted)
         place = _free_folder(output, candidate, wanted, taken)
         with ReportFolder(place) as folder:
-            result = publish(events, (ResultFile(folder.staging), CounterexampleFiles(folder.staging)))
+            document = finished(events, Display()).document()
+            write_result(document, folder.staging, {})
             folder.commit()
     except Exception as error:
         # Every item tells of it, and none tries again.
         failure = failure_of(error)
         complain(failure, error)
         return Judged(wanted.candidate, None, output, failure.message)
-    return Judged(wanted.candidate, result.document(), place)
+    return Judged(wanted.candidate, document, place)
