@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from drivegate.candidates.builtin.faults import MUTATIONS, Mutation, find_mutation
-from drivegate.candidates.resolution import FAULTY_PREFIX
+from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
 
