@@ -10,8 +10,9 @@ from typing import Final
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.flowchart.run import ScriptRuns, run_scripts, script_margin
 from drivegate.checks.flowchart.scripts import fixed_scripts, usual_speed
+from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.containment.messages import Job, LoadedCandidate
-from drivegate.gate.shard import DrawnRuns, FixedRuns, JudgedRun, ShardOutcome, run_drawn, run_fixed
+from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.baseline import Baseline, scenario_key
 from drivegate.results.counterexample import Counterexample

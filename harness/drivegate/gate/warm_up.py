@@ -11,10 +11,10 @@ from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import judged
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.containment.stall_watch import WorkerLimits
-from drivegate.gate.shard import judged
 from drivegate.runs.record import rated_torque, recorded
 from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.scenarios.feasibility import is_feasible

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.declaration import Declaration
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.runs.scenario import RADIANS_PER_RPM, observed_windows, run_scenario
+from drivegate.runs.scenario import RADIANS_PER_RPM, run_scenario
+from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.motor.scales import Scales
 from drivegate_cases.scenario.circumstance import Circumstance, circumstance
 from drivegate_cases.scenario.load import LockedLoad

@@ -11,6 +11,7 @@ import numpy as np
 
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, refused_command
+from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.scenario.load import (
     GRAVITY,
     ConstantPowerLoad,
@@ -20,7 +21,7 @@ from drivegate_cases.scenario.load import (
     VehicleLoad,
 )
 from drivegate_cases.scenario.piecewise import Profile
-from drivegate_cases.scenario.profile import dwells, profile_arrays
+from drivegate_cases.scenario.profile import profile_arrays
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IdealSensors
 from drivegate_models.contract.outer_loop.signals import Sense
@@ -32,23 +33,9 @@ from drivegate_models.machine import load
 if TYPE_CHECKING:
     from drivegate.containment.shared_progress import SharedProgress
 
-SETTLING_TIME = 6.0
-"""Time within which a search has to converge at a steady reference (s)."""
-SHORTEST_WINDOW = 3.0
-"""Shortest time over which convergence is judged (s)."""
-
 RADIANS_PER_RPM = math.pi / 30.0
 _PERCENT = 0.01
 _SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
-
-
-def observed_windows(scenario: Scenario) -> list[tuple[float, float]]:
-    """Find the stretches in which convergence is judged: from `SETTLING_TIME` into each long dwell to its end."""
-    return [
-        (dwell.start + SETTLING_TIME, dwell.end)
-        for dwell in dwells(scenario)
-        if dwell.duration >= SETTLING_TIME + SHORTEST_WINDOW - 1e-9
-    ]
 
 
 def plant_load(scenario: Scenario) -> load.Load:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from drivegate.results.baseline import Comparison
+from drivegate.results.result import Comparison
 from drivegate.scenarios.building import steady_scenario
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import load_scenario

@@ -10,8 +10,9 @@ from drivegate.candidates.controller import Controller
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
-from drivegate.gate.shard import DrawnRuns, JudgedRun, ShardOutcome, content_key, run_drawn
+from drivegate.gate.shard import DrawnRuns, content_key, run_drawn
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.scenario.scenario import Scenario

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, TypeVar
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.resolution import resolve_candidate
@@ -19,8 +19,6 @@ from drivegate.output.report_pages import ReportPages
 from drivegate.output.result_file import RESULT_FILE, CounterexampleFiles, ResultFile, as_json
 from drivegate.output.subscription import publish
 from drivegate_models.errors import HarnessFault
-
-SCHEMA: Final = 1
 
 _Result = TypeVar("_Result")
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.studies.campaign.file import MOTOR_KEYS, SCALES
+from drivegate.scenarios.parameters import MOTOR_KEYS, SCALES
 from drivegate.studies.map.axes import MapAxes
 from drivegate_cases.motor.motor import Motor
 from drivegate_cases.motor.scales import Scales

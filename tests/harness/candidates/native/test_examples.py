@@ -8,7 +8,7 @@ import pytest
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.gate.shard import judged
+from drivegate.checks.judging import judged
 from drivegate.runs.record import RunRecord
 from drivegate.runs.scenario import run_scenario
 from drivegate.scenarios.fixed import fixed_scenarios

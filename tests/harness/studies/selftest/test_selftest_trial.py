@@ -9,10 +9,10 @@ from drivegate.candidates.builtin.faults import find_mutation
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.containment.shared_progress import SharedProgress
-from drivegate.gate.shard import JudgedRun, ShardOutcome
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest import trial as trial_module
 from drivegate.studies.selftest.run import SelftestEffort, planned_trial
