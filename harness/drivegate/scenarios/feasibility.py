@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivegate.runs.scenario import RADIANS_PER_RPM
+from drivegate_cases.motor.motor import RPM as RADIANS_PER_RPM
 from drivegate_cases.motor.motor import Motor
 from drivegate_cases.motor.scales import NOMINAL, Scales
 from drivegate_cases.scenario.load import ConstantPowerLoad, LockedLoad

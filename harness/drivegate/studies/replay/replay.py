@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-import drivegate
 import drivegate_models
+from drivegate import version
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
@@ -84,7 +84,7 @@ def _comes_along(candidate: Candidate) -> bool:
     """Tell whether all of a candidate's code is drivegate's own; resolving it has run none."""
     if candidate.kind == "builtin":
         return True
-    homes = [Path(package.__file__ or "").resolve().parent for package in (drivegate, drivegate_models)]
+    homes = [Path(package.__file__ or "").resolve().parent for package in (version, drivegate_models)]
     inside = (any(source.is_relative_to(home) for home in homes) for source in candidate.sources)
     return bool(candidate.sources) and all(inside)
 
