@@ -11,8 +11,9 @@ from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.record import RunRecord, Window, rated_torque
 from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate_cases.scenario.circumstance import Circumstance
+from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.sensors import IdealSensors
-from drivegate_models.half_bridge.steady.oracle import least_current_sum
+from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum
 from drivegate_models.loop import observation
 
 SPEED_TOLERANCE = 5.0 * RADIANS_PER_RPM
@@ -68,6 +69,17 @@ def window_convergence(window: Window) -> tuple[float, str]:
     return min(judged)
 
 
+def is_feasible(window: Window) -> bool:
+    """Tell whether some advance angle lets the plant give what the load asks for."""
+    scenario, dwell = window.scenario, window.dwell
+    if isinstance(scenario.load, LockedLoad) or window.torque_asked <= 0.0:
+        return True
+    drive = scenario.motor.drive(window.scales)
+    torque = window.torque_asked + drive.friction + drive.viscous_friction * window.speed
+    voltage = dwell.supply_v * (1.0 - abs(dwell.imbalance))
+    return not math.isnan(feasible_edge(drive, window.speed, torque, voltage))
+
+
 def worst_convergence(check: str, windows: Iterable[Window]) -> Margin | None:
     """Judge whether the search has converged in every window."""
     margins = []
@@ -76,7 +88,7 @@ def worst_convergence(check: str, windows: Iterable[Window]) -> Margin | None:
             continue
         value, measured = window_convergence(window)
         # Feasibility takes much longer to tell than convergence, and matters only without it.
-        if value >= 0.0 or window.is_feasible():
+        if value >= 0.0 or is_feasible(window):
             margins.append(Margin(check, value, measured + described(window)))
     return min(margins, key=lambda margin: margin.value, default=None)
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin
 from drivegate.runs.record import RunRecord
 
@@ -61,9 +63,9 @@ class ShardOutcome:
     set_aside: tuple[SetAside, ...] = ()
 
 
-def judged(record: RunRecord) -> JudgedRun:
-    """Apply every check to a run."""
-    margins = (check.evaluate(record) for check in CHECKS)
+def judged(record: RunRecord, checks: Iterable[Check] = CHECKS) -> JudgedRun:
+    """Apply checks to a run."""
+    margins = (check.evaluate(record) for check in checks)
     return JudgedRun(
         record.scenario.to_mapping(),
         tuple(margin for margin in margins if margin is not None),

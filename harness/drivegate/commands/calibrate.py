@@ -9,6 +9,7 @@ import click
 
 from drivegate.commands.conduct import ExitCode, Outcome
 from drivegate.commands.options import json_option
+from drivegate.drives.kinds import DEFAULT_MOTOR
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from drivegate_models.half_bridge.steady.calibration import Calibration, Fact, MotorConstants
 
 SCHEMA = 1
-STORED_MOTOR = "paper-5-phase"
 
 _SHOWN = {
     "emf_constant_v_s_per_rad": (1.0, "EMF constant", "V·s/rad"),
@@ -32,7 +32,7 @@ def command() -> Outcome:
     from drivegate_cases.motor.motor import load_motor
     from drivegate_models.half_bridge.steady.calibration import calibrate, published_facts
 
-    stored = load_motor(STORED_MOTOR)
+    stored = load_motor(DEFAULT_MOTOR)
     # The facts are read with an ideal regulator and without core loss, as in the fit.
     ideal = stored.replaced(hysteresis_band_a=0.0, core_loss_conductance_s=0.0).drive()
     calibration = calibrate(resistance=stored.resistance_ohm)

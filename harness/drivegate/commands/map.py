@@ -12,6 +12,7 @@ import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import chosen_motor, json_option, motor_options
+from drivegate.drives.kinds import DEFAULT_MOTOR
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from drivegate.studies.map.plan import MapPlan
 
 SCHEMA = 1
-DEFAULT_MOTOR = "paper-5-phase"
 _SPEEDS = {"points": "100:2000:39", "best": "550:2000:30", "loop": "550:2000:15"}
 _TORQUES = {"best": "1:25:25", "loop": "2:24:12"}
 

@@ -9,6 +9,7 @@ import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import bounded, chosen_motor, json_option, motor_options
+from drivegate.drives.kinds import DEFAULT_MOTOR
 from drivegate_cases.documents.wording import counted
 from drivegate_models.errors import InputError
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from drivegate_models.half_bridge.steady.steady_state import SteadyState
 
 SCHEMA = 1
-DEFAULT_MOTOR = "paper-5-phase"
 LONGEST_TIME = 3600.0
 """Longest simulated time of all cycles together (s), so that an answer comes within seconds to minutes."""
 

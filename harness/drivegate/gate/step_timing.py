@@ -16,7 +16,8 @@ from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, below
 from drivegate.checks.timing import LARGEST_SHARE
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.runs.scenario import RADIANS_PER_RPM, run_scenario
+from drivegate.drives.running import run_scenario
+from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.runs.scripted import advance, prepared_steps
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.observation import TRACE_COLUMNS

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -32,6 +33,9 @@ from drivegate_models.machine import load
 
 if TYPE_CHECKING:
     from drivegate.containment.shared_progress import SharedProgress
+
+RunClosedLoop: TypeAlias = Callable[..., closed_loop.ClosedLoopRun]
+"""Runs a controller, already reset, against the plant of one kind of drive."""
 
 RADIANS_PER_RPM = math.pi / 30.0
 _PERCENT = 0.01
@@ -105,7 +109,8 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     )
 
 
-def run_scenario(
+def run_in_closed_loop(
+    run_closed_loop: RunClosedLoop,
     scenario: Scenario,
     controller: Controller,
     *,
@@ -113,12 +118,12 @@ def run_scenario(
     power_window: float = 0.0,
     trace_every: int = 0,
 ) -> closed_loop.ClosedLoopRun:
-    """Reset a controller and run it through a scenario."""
+    """Reset a controller and run it through a scenario, against the plant of a closed loop."""
     nameplate = scenario.nameplate()
     drive = scenario.motor.drive(scenario.scales)
     with progress.run() if progress is not None else nullcontext():
         controller.reset(nameplate)
-        run = closed_loop.run_closed_loop(
+        run = run_closed_loop(
             drive,
             plant_load(scenario),
             plant_schedule(scenario),

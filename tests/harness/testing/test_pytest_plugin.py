@@ -16,9 +16,9 @@ import pytest
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.checks.catalogue import CHECKS
+from drivegate.gate import engine as real_engine
 from drivegate.gate.events import CheckFinished, CheckStarted, Event
 from drivegate.results.result import CheckOutcome, CheckResult
-from drivegate.studies.check.check_all import engine as real_engine
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import HarnessFault, InputError
 

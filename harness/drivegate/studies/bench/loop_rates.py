@@ -9,7 +9,8 @@ from contextlib import contextmanager
 from statistics import median
 from typing import TYPE_CHECKING, Final
 
-from drivegate.runs.scenario import RADIANS_PER_RPM, run_scenario
+from drivegate.drives.running import run_scenario
+from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.studies.bench.measurement import Checked, Value, interleaved, rate, timed
 from drivegate.studies.bench.workbench import Workbench, operating_scenario
 from drivegate.studies.bench.yardstick import RECORD

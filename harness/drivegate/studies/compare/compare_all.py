@@ -16,6 +16,7 @@ from typing import Any, Final
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.drives.kinds import DEFAULT_MOTOR
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
 from drivegate.output.result_file import as_json
@@ -25,7 +26,6 @@ COMPARISON_FILE: Final = "comparison.json"
 TABLES: Final = "tables"
 REPORT_GROUP: Final = "drivegate.comparison_reports"
 """Group of entry points, each a function of the comparison document and a folder that returns what it wrote."""
-REFERENCE_MOTOR: Final = "paper-5-phase"
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def compare_all(specifications: Sequence[str], output: Path, options: Comparison
     resolved = [_resolved(specification) for specification in specifications]
     if not any(isinstance(found, Candidate) for found in resolved):
         return ComparisonEnding(None, (), _errors(specifications, resolved))
-    cycle, motor = load_drive_cycle(options.cycle), load_motor(REFERENCE_MOTOR)
+    cycle, motor = load_drive_cycle(options.cycle), load_motor(DEFAULT_MOTOR)
     with ReportFolder(output) as folder:
         document, refused = _compared(specifications, resolved, cycle, motor, options)
         if document is None:

@@ -21,10 +21,10 @@ from drivegate.checks.judged_window import judged_window
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.containment.worker import CandidateWorker
+from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import DIFFERENT, repetition_job
 from drivegate.results.counterexample import Counterexample
-from drivegate.runs.record import recorded
 from drivegate.studies.simulate.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.scenario.scenario import Scenario

@@ -12,8 +12,8 @@ from drivegate.checks.judging import judged
 from drivegate.containment.messages import Job
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.containment.worker import CandidateWorker
+from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
-from drivegate.runs.scenario import run_scenario
 from drivegate.studies.simulate.simulate import Plan, run_plan
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.outer_loop.signals import Nameplate

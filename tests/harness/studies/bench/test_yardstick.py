@@ -7,7 +7,8 @@ import pytest
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.runs.scenario import RADIANS_PER_RPM, run_scenario
+from drivegate.drives.running import run_scenario
+from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.studies.bench.workbench import operating_scenario
 from drivegate.studies.bench.yardstick import RECORD, Yardstick, build_yardstick, yardstick_folder
 from drivegate_models.errors import HarnessFault, InputError
