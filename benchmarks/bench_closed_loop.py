@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from drivegate.candidates.controller import Controller
-from drivegate.drives.running import run_scenario
+from drivegate.runs.scenario import run_scenario
 from drivegate_cases.scenario.scenario import Scenario
 
 # One core's own time, whatever else the machine does.

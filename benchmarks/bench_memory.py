@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from drivegate.candidates.controller import Controller
-from drivegate.drives.running import run_scenario
+from drivegate.runs.scenario import run_scenario
 from drivegate_cases.scenario.scenario import Scenario
 
 

@@ -8,7 +8,7 @@ import pytest
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.drives.running import run_scenario
+from drivegate.runs.scenario import run_scenario
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.loop import observation
 from drivegate_models.loop.closed_loop import ClosedLoopRun

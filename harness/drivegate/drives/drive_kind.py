@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 if TYPE_CHECKING:
+    import numpy as np
     from hypothesis.strategies import SearchStrategy
+    from numpy.typing import NDArray
 
     from drivegate.checks.check import Check
     from drivegate.runs.scenario import RunClosedLoop
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from drivegate_cases.scenario.scenario import Scenario
     from drivegate_models.half_bridge.steady.oracle import Optimum, TorquePoint
 
+FloatArray: TypeAlias = "NDArray[np.float64]"
 Drive: TypeAlias = Any
 """Constants of a plant, as its own kind of drive has them."""
 
@@ -45,6 +48,23 @@ class Oracle(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
+class SteadyStates:
+    """The solver of many steady states.
+
+    Attributes
+    ----------
+    columns : tuple of str
+        Names of what is computed of each.
+    solve : callable
+        From a drive's constants and arrays of speed (rad/s), advance angle (rad) and current reference (A) to rows of
+        those columns, which it writes into its last argument.
+    """
+
+    columns: tuple[str, ...]
+    solve: Callable[[Drive, FloatArray, FloatArray, FloatArray, FloatArray], None]
+
+
+@dataclass(frozen=True, kw_only=True)
 class DriveKind:
     """All that is asked of one kind of drive.
 
@@ -64,6 +84,8 @@ class DriveKind:
         Gives what such a drive can do at best.
     steady_state : callable
         Gives the solver of one steady state.
+    steady_states : callable
+        Gives the solver of many.
     checks : callable
         Gives the checks that judge a run of such a drive.
     fixed_scenarios : callable
@@ -80,6 +102,7 @@ class DriveKind:
     closed_loop: Callable[[], RunClosedLoop]
     oracle: Callable[[], Oracle]
     steady_state: Callable[[], Callable[..., object]]
+    steady_states: Callable[[], SteadyStates]
     checks: Callable[[], tuple[Check, ...]]
     fixed_scenarios: Callable[[Motor, SpeedRange | None], tuple[Scenario, ...]]
     drawn_scenarios: Callable[[Motor, SpeedRange | None, int | None], SearchStrategy[Scenario]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
-from drivegate.drives.drive_kind import DriveKind, Oracle
+from drivegate.drives.drive_kind import Drive, DriveKind, FloatArray, Oracle, SteadyStates
 
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
@@ -41,6 +41,20 @@ def _steady_state() -> Callable[..., object]:
     return steady_state
 
 
+def _steady_states() -> SteadyStates:
+    from drivegate_models.half_bridge.plant.phases import make_phases
+    from drivegate_models.half_bridge.steady.grid import POINT_COLUMNS, solve_points
+    from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME
+
+    def solve(
+        drive: Drive, speeds: FloatArray, advances: FloatArray, references: FloatArray, values: FloatArray
+    ) -> None:
+        work, slices = make_phases(drive, KEPT_TIME), make_phases(drive)
+        solve_points(drive, work, slices, drive.half_supply_voltage, speeds, advances, references, values)
+
+    return SteadyStates(columns=POINT_COLUMNS, solve=solve)
+
+
 def _checks() -> tuple[Check, ...]:
     from drivegate.checks.catalogue import CHECKS
 
@@ -74,6 +88,7 @@ HALF_BRIDGE: Final = DriveKind(
     closed_loop=_closed_loop,
     oracle=_oracle,
     steady_state=_steady_state,
+    steady_states=_steady_states,
     checks=_checks,
     fixed_scenarios=_fixed_scenarios,
     drawn_scenarios=_drawn_scenarios,

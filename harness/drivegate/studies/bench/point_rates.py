@@ -6,7 +6,7 @@ import time
 from math import degrees, radians
 from typing import Final
 
-from drivegate.drives.kinds import DEFAULT_MOTOR
+from drivegate.drives.kinds import DEFAULT_KIND, DEFAULT_MOTOR
 from drivegate.studies.bench.measurement import Checked, Value, duration, rate, timed
 from drivegate.studies.bench.workbench import Workbench
 
@@ -61,18 +61,17 @@ def oracle_time(bench: Workbench, speed_rpm: float, torque: float) -> Value:
     """Measure how long the angle of least Σ|i| takes at one point."""
     from drivegate.runs.scenario import RADIANS_PER_RPM
     from drivegate_cases.motor.motor import load_motor
-    from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, point_at_torque
 
-    drive = load_motor(DEFAULT_MOTOR).drive()
+    oracle, drive = DEFAULT_KIND.oracle(), load_motor(DEFAULT_MOTOR).drive()
     speed = speed_rpm * RADIANS_PER_RPM
-    best = least_current_sum(drive, speed, torque)
-    there = point_at_torque(drive, speed, best.advance, torque)
-    edge = feasible_edge(drive, speed, torque)
+    best = oracle.least_current_sum(drive, speed, torque)
+    there = oracle.point_at_torque(drive, speed, best.advance, torque)
+    edge = oracle.feasible_edge(drive, speed, torque)
     right = (
         best.advance >= edge - _EDGE
         and abs(there.torque - torque) <= 1e-6 * torque
         and abs(there.current_sum - best.current_sum) <= 1e-6 * best.current_sum
     )
     told = f"{degrees(best.advance):.2f}° gives {there.torque:.4f} N·m with {best.current_sum:.3f} A"
-    times = timed(lambda: least_current_sum(drive, speed, torque), time.process_time, bench.rounds)
+    times = timed(lambda: oracle.least_current_sum(drive, speed, torque), time.process_time, bench.rounds)
     return duration(times, Checked(right, told), 1e3)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import pickle
 from dataclasses import dataclass
 from math import degrees, isfinite, nan
-from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,11 +43,10 @@ from drivegate_cases.scenario.profile import dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import choose_cache_folder
 from drivegate_models.errors import HarnessFault
-from drivegate_models.half_bridge.plant.phases import make_phases
-from drivegate_models.half_bridge.steady import grid as operating_map_kernel
-from drivegate_models.half_bridge.steady.grid import POINT_COLUMNS, solve_points
-from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME
 from drivegate_models.loop import observation
+
+SOLVER_MARKER: Final = "map-solver"
+"""Name of the file in the cache folder that tells that the solver of many steady states has been compiled."""
 
 
 @dataclass(frozen=True)
@@ -82,8 +80,7 @@ def compile_solver(package: bytes) -> None:
     folder = choose_cache_folder()
     if folder is None:
         return
-    source = Path(operating_map_kernel.__file__).read_bytes()
-    marker = folder / f"map-solver-{hashlib.sha256(source).hexdigest()[:16]}"
+    marker = folder / SOLVER_MARKER
     if marker.exists():
         return
     with CandidateWorker(resolve_candidate("initial"), load_controller) as worker:
@@ -99,14 +96,11 @@ def _first_point(_loaded: LoadedCandidate, package: bytes) -> None:
 
 def _points(plan: MapPlan, first: int, last: int) -> MapPart:
     at = plan.axes.coordinates(first, last)
-    values = np.full((last - first, len(POINT_COLUMNS)), nan)
+    states = kind_of(plan.motor).steady_states()
+    values = np.full((last - first, len(states.columns)), nan)
     for piece, motor, scales in drives_of(plan, at):
-        drive = motor.drive(scales)
-        solve_points(
-            drive,
-            make_phases(drive, KEPT_TIME),
-            make_phases(drive),
-            drive.half_supply_voltage,
+        states.solve(
+            motor.drive(scales),
             at[SPEED][piece] * RADIANS_PER_RPM,
             np.radians(at[ADVANCE][piece]),
             at[CURRENT][piece],
