@@ -57,7 +57,7 @@ def compile_kernels(marker: Path) -> None:
 
 
 def _use_oracle(_loaded: LoadedCandidate, kind: str) -> None:
-    drive_kind, scenario = DRIVE_KINDS[kind], _short_scenario(kind)
+    drive_kind, scenario = DRIVE_KINDS[kind], _plain_scenario(kind)
     drive_kind.unfair_because(scenario)
     oracle, drive = drive_kind.oracle(), scenario.motor.drive()
     speed = scenario.speed_rpm[0][1] * RADIANS_PER_RPM
@@ -72,20 +72,20 @@ def _load_nothing(_candidate: Candidate) -> Controller:
 
 
 def _use_closed_loop(loaded: LoadedCandidate, kind: str) -> None:
-    recorded(loaded, _short_scenario(kind), load_controller(loaded.candidate))
+    recorded(loaded, _plain_scenario(kind), load_controller(loaded.candidate))
 
 
 def _use_steady_state(_loaded: LoadedCandidate, kind: str) -> None:
-    drive = _short_scenario(kind).motor.drive()
+    drive = _plain_scenario(kind).motor.drive()
     DRIVE_KINDS[kind].steady_state()(drive, 100.0, 10.0, 0.5)
 
 
 def _judge_a_run(loaded: LoadedCandidate, kind: str) -> None:
     judged(
-        recorded(loaded, _short_scenario(kind), load_controller(loaded.candidate)), DRIVE_KINDS[kind].checks()
+        recorded(loaded, _plain_scenario(kind), load_controller(loaded.candidate)), DRIVE_KINDS[kind].checks()
     )
 
 
-def _short_scenario(kind: str) -> Scenario:
+def _plain_scenario(kind: str) -> Scenario:
     drive_kind = DRIVE_KINDS[kind]
     return drive_kind.fixed_scenarios(load_motor(drive_kind.default_motor), None)[1]
