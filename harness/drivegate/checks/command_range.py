@@ -8,7 +8,6 @@ from drivegate.checks.check import Check
 from drivegate.checks.declared_speeds import unless_speeds_from
 from drivegate.checks.margin import Margin, normalised
 from drivegate.runs.record import RunRecord
-from drivegate_models.loop import observation
 
 LARGEST_ANGLE = math.pi / 2.0
 """Greatest advance angle of the contract (rad electrical)."""
@@ -16,21 +15,20 @@ LARGEST_ANGLE = math.pi / 2.0
 
 def angle_below_base(record: RunRecord) -> Margin | None:
     """Judge the advance angle in steps whose own Sense shows less than base speed (paper, Fig. 3)."""
-    run = record.run.run
-    if run[observation.RUN_STEPS_BELOW_BASE] == 0.0:
+    run = record.run.observed
+    if run.steps_below_base == 0.0:
         return None
-    angle = float(run[observation.RUN_ANGLE_BELOW_BASE])
+    angle = run.angle_below_base
     if angle == 0.0:
         return Margin("ADV-1", 1.0, "0° throughout")
-    time = float(run[observation.RUN_FIRST_BELOW_BASE])
     degrees = math.degrees(angle)
-    return Margin("ADV-1", normalised(-degrees, 1.0), f"{degrees:.3g}° at {time:.4g} s")
+    return Margin("ADV-1", normalised(-degrees, 1.0), f"{degrees:.3g}° at {run.first_below_base:.4g} s")
 
 
 def angle_range(record: RunRecord) -> Margin:
     """Judge the range of the advance angle."""
-    lowest = float(record.run.run[observation.RUN_ANGLE_LOWEST])
-    highest = float(record.run.run[observation.RUN_ANGLE_HIGHEST])
+    lowest = record.run.observed.angle_lowest
+    highest = record.run.observed.angle_highest
     value = normalised(min(lowest, LARGEST_ANGLE - highest), LARGEST_ANGLE)
     return Margin("ADV-2", value, f"{math.degrees(lowest):.4g}° to {math.degrees(highest):.4g}°")
 
@@ -38,8 +36,8 @@ def angle_range(record: RunRecord) -> Margin:
 def reference_range(record: RunRecord) -> Margin:
     """Judge the range of the current reference."""
     limit = record.scenario.motor.current_limit_a
-    lowest = float(record.run.run[observation.RUN_REFERENCE_LOWEST])
-    highest = float(record.run.run[observation.RUN_REFERENCE_HIGHEST])
+    lowest = record.run.observed.reference_lowest
+    highest = record.run.observed.reference_highest
     value = normalised(min(lowest, limit - highest), limit)
     return Margin("CMD-1", value, f"{lowest:.4g} A to {highest:.4g} A")
 

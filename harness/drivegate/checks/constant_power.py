@@ -9,9 +9,8 @@ from drivegate.checks.convergence import SPEED_TOLERANCE, described
 from drivegate.checks.declared_speeds import unless_speeds_from
 from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.record import RunRecord, Window
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate_cases.scenario.circumstance import Circumstance
-from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
 
 LOWEST_RPM = 550.0
 """Speed from which constant power is required (rpm)."""
@@ -50,7 +49,7 @@ def _held(check: str, record: RunRecord, windows: list[Window]) -> Margin | None
 
 
 def _speed_error(window: Window) -> float:
-    return float(window.values[observation.WINDOW_SPEED_ERROR])
+    return window.values.speed_error
 
 
 CPW_1 = Check(

@@ -9,12 +9,12 @@ from drivegate.checks.check import Check
 from drivegate.checks.declared_speeds import unless_speeds_from
 from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.record import RunRecord, Window, rated_torque
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.sensors import IdealSensors
 from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum
 from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
 
 SPEED_TOLERANCE = 5.0 * RADIANS_PER_RPM
 """k1 (rad/s)."""
@@ -33,7 +33,7 @@ ABOVE_BASE_SPEED = unless_speeds_from(500.0, math.inf)
 
 def described(window: Window) -> str:
     """Tell where a window was observed."""
-    torque = float(window.values[observation.WINDOW_TORQUE])
+    torque = window.values.torque
     return f" at {window.dwell.speed_rpm:.4g} rpm, {torque:.3g} N·m"
 
 
@@ -44,7 +44,7 @@ def unseen_share(window: Window) -> float:
     The step is the clock's over the time in which edges are counted.
     """
     sensors = window.scenario.sensors
-    torque = float(window.values[observation.WINDOW_TORQUE])
+    torque = window.values.torque
     if isinstance(sensors, IdealSensors) or torque <= 0.0:
         return 0.0
     step = window.speed * sensors.clock_s / sensors.speed_window_s
@@ -55,10 +55,10 @@ def unseen_share(window: Window) -> float:
 def window_convergence(window: Window) -> tuple[float, str]:
     """Judge whether the search has converged in a window (paper, Fig. 4)."""
     values = window.values
-    mean = float(values[observation.WINDOW_CURRENT_SUM])
-    spread = float(values[observation.WINDOW_MEAN_HIGHEST] - values[observation.WINDOW_MEAN_LOWEST])
-    moved = float(values[observation.WINDOW_ANGLE_HIGHEST] - values[observation.WINDOW_ANGLE_LOWEST])
-    error = float(values[observation.WINDOW_SPEED_ERROR])
+    mean = values.current_sum
+    spread = values.mean_highest - values.mean_lowest
+    moved = values.angle_highest - values.angle_lowest
+    error = values.speed_error
     judged = [
         (at_most(error, SPEED_TOLERANCE), f"speed error {error / RADIANS_PER_RPM:.4g} rpm"),
         (at_most(moved, ANGLE_TOLERANCE), f"angle moves by {math.degrees(moved):.3g}°"),
@@ -117,10 +117,10 @@ def reaches_optimum(record: RunRecord) -> Margin | None:
 
 
 def _excess(record: RunRecord, window: Window) -> Margin:
-    torque = float(window.values[observation.WINDOW_TORQUE])
-    mean = float(window.values[observation.WINDOW_CURRENT_SUM])
+    torque = window.values.torque
+    mean = window.values.current_sum
     # Where the reference is not held, the least sum is that of the speed at which the torque really is.
-    mean_speed = float(window.values[observation.WINDOW_SPEED])
+    mean_speed = window.values.speed
     base_speed = record.scenario.motor.base_speed_rpm * RADIANS_PER_RPM
     speed = mean_speed if mean_speed > base_speed else window.speed
     # A load of exactly half the torque is met to the regulator's own error.

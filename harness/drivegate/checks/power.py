@@ -6,7 +6,6 @@ from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.record import RunRecord
 from drivegate.runs.scenario import plant_sensors
-from drivegate_models.loop import observation
 from drivegate_models.machine import ledger
 
 TOLERANCE = 1e-9
@@ -23,7 +22,7 @@ def exchanged_power(record: RunRecord) -> Margin:
     In every control period the energy exchanged with the half-sources, V_half(j) |i_j| summed over the
     phases, less twice what flows back, is what the windings take: copper, shaft, devices, and storage.
     """
-    error = float(record.run.run[observation.RUN_EXCHANGE_ERROR])
+    error = record.run.observed.exchange_error
     exchanged = float(record.run.totals[ledger.EXCHANGED])
     returned = float(record.run.totals[ledger.RETURNED])
     share = 2.0 * returned / exchanged if exchanged > 0.0 else 0.0
@@ -33,17 +32,17 @@ def exchanged_power(record: RunRecord) -> Margin:
 
 def estimated_power(record: RunRecord) -> Margin | None:
     """Judge a candidate's estimate of its input power."""
-    if record.run.run[observation.RUN_POWER_ESTIMATES] == 0.0:
+    if record.run.observed.power_estimates == 0.0:
         if record.declaration.estimates_power:
             return Margin("PWR-2", -1.0, "declared, but every estimate is NaN")
         return None
-    error = float(record.run.run[observation.RUN_POWER_ERROR_RELATIVE])
+    error = record.run.observed.power_error_relative
     margin = Margin("PWR-2", at_most(error, TOLERANCE), _relative(error))
     step = plant_sensors(record.scenario).current_step
     if step == 0.0:
         return margin
     lowest = min(voltage for _, voltage in record.scenario.supply_profile)
-    deviation = float(record.run.run[observation.RUN_POWER_ERROR])
+    deviation = record.run.observed.power_error
     by_step = Margin("PWR-2", at_most(deviation, step * lowest), f"{deviation:.3g} W at most")
     return max(margin, by_step, key=lambda judged: judged.value)
 

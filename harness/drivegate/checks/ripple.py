@@ -12,7 +12,6 @@ from drivegate.checks.margin import Margin, below
 from drivegate.runs.record import RunRecord, Window, rated_torque
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_models.half_bridge.steady.oracle import point_at_torque
-from drivegate_models.loop import observation
 
 LARGEST_RIPPLE = 0.13
 """Limit of the peak-to-peak ripple over the mean torque (paper, Fig. 6)."""
@@ -39,8 +38,8 @@ def _ideal_ripple(check: str, record: RunRecord, windows: list[Window]) -> Margi
     ideal = record.drive._replace(hysteresis_band=0.0)
     margins = []
     for window in windows:
-        angle = float(window.values[observation.WINDOW_ANGLE])
-        torque = float(window.values[observation.WINDOW_TORQUE])
+        angle = window.values.angle
+        torque = window.values.torque
         where = f"at {math.degrees(angle):.2f}°, {window.dwell.speed_rpm:.4g} rpm and {torque:.3g} N·m"
         point = point_at_torque(ideal, window.speed, min(max(angle, 0.0), math.pi / 2.0), torque)
         if not point.static or torque <= 0.0:
@@ -80,8 +79,8 @@ def closed_loop_ripple(record: RunRecord) -> Margin | None:
 
 def _closed_loop_margin(window: Window) -> Margin:
     rated = rated_torque(window.scenario, window.speed)
-    ripple = float(window.values[observation.WINDOW_RIPPLE])
-    one_sided = float(window.values[observation.WINDOW_RIPPLE_ONE_SIDED])
+    ripple = window.values.ripple
+    one_sided = window.values.ripple_one_sided
     told = f"{100.0 * ripple:.3g} %, one-sided {100.0 * one_sided:.3g} %{described(window)}"
     light = window.torque_asked < rated * (1.0 - _ROUNDING)
     return Margin("RIP-3", below(ripple, LARGEST_CLOSED_LOOP_RIPPLE), told, advisory=light)

@@ -24,7 +24,7 @@ def _motor() -> type[Motor]:
 
 
 def _closed_loop() -> RunClosedLoop:
-    from drivegate_models.loop.closed_loop import run_closed_loop
+    from drivegate_models.half_bridge.closed_loop import run_closed_loop
 
     return run_closed_loop
 

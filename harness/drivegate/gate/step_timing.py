@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,9 @@ from drivegate.checks.margin import Margin, below
 from drivegate.checks.timing import LARGEST_SHARE
 from drivegate.containment.messages import LoadedCandidate
 from drivegate.drives.running import run_scenario
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.runs.scripted import advance, prepared_steps
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.loop.observation import TRACE_COLUMNS
+from drivegate_models.units import RADIANS_PER_RPM
 
 CHECK: Final = "TIM-1"
 TIMED_STEPS: Final = 4000
@@ -78,9 +77,9 @@ def timing_margin(way: str, step_time: float, control_period: float) -> Margin:
     return Margin(CHECK, below(step_time, LARGEST_SHARE * control_period), told)
 
 
-def _signals(trace: NDArray[np.float64]) -> NDArray[np.float64]:
+def _signals(trace: NDArray[Any]) -> NDArray[np.float64]:
     """Return the Senses of a trace as signals in SI units; the sum told is that of the step before."""
-    signals = trace[:, [TRACE_COLUMNS.index(name) for name in _COLUMNS]]
+    signals = np.stack([trace[name] for name in _COLUMNS], axis=1)
     signals[:, :2] *= RADIANS_PER_RPM
     signals[1:, 2] = signals[:-1, 2]
     signals[0, 2] = 0.0

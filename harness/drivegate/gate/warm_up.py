@@ -19,11 +19,11 @@ from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.drives.running import recorded
 from drivegate.runs.record import rated_torque
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import choose_cache_folder
 from drivegate_models.errors import HarnessFault
+from drivegate_models.units import RADIANS_PER_RPM
 
 MARKER = "all-kernels"
 """Name of the file in the cache folder that tells that every kernel has been compiled."""

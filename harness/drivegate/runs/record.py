@@ -7,11 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivegate.candidates.declaration import Declaration
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.motor.scales import Scales
 from drivegate_cases.scenario.circumstance import Circumstance, circumstance
@@ -20,6 +16,8 @@ from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, 
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.loop.closed_loop import ClosedLoopRun
+from drivegate_models.loop.observation import WindowObservation
+from drivegate_models.units import RADIANS_PER_RPM
 
 _SAME = 1e-6
 
@@ -34,13 +32,13 @@ class Window:
         The scenario that it belongs to.
     dwell : Dwell
         The constant conditions it belongs to.
-    values : ndarray, shape (observation.WINDOW_ENTRIES,)
+    values : WindowObservation
         What was observed.
     """
 
     scenario: Scenario
     dwell: Dwell
-    values: NDArray[np.float64]
+    values: WindowObservation
 
     @property
     def speed(self) -> float:

@@ -1,27 +1,35 @@
 """A controller and the plant in closed loop, in simulated time alone.
 
-One compiled loop serves every kind of controller: it calls the controller's step by address, once a control
-period, and advances the plant exactly by that period. Memory does not grow with the length of a run.
+The loop calls the controller's step by address, once a control period, and advances the plant exactly by that
+period. It knows no particular drive: `closed_loop_of` makes the loop of a drive from the kernels of its plant.
+Memory does not grow with the length of a run.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import floor, inf, isfinite, nan, pi
-from typing import Any, NamedTuple
+from math import pi
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
-from drivegate_models.half_bridge.plant.drive import Drive, drifted
-from drivegate_models.half_bridge.plant.phase import COMPLETED
-from drivegate_models.half_bridge.plant.phases import Phases, advance_phases, make_phases, stored_energy
-from drivegate_models.half_bridge.plant.torque import torque_extremes
 from drivegate_models.loop import observation
-from drivegate_models.loop.schedule import Schedule, follow
+from drivegate_models.loop.exchange import COMPLETED, Exchange, ask, digested_command, make_exchange
+from drivegate_models.loop.observation import (
+    Applied,
+    RunObservation,
+    WindowObservation,
+    observe_command,
+    observe_energy,
+    observe_power_estimate,
+    observe_window,
+    write_trace,
+)
+from drivegate_models.loop.ripple_watch import fresh_watch, observe_ripple, widened_watch
+from drivegate_models.loop.schedule import Conditions, Schedule, conditions_at
 from drivegate_models.loop.sensors import (
     Sensors,
     ideal_sensors,
@@ -30,87 +38,113 @@ from drivegate_models.loop.sensors import (
     shown_supply,
     turn_encoder,
 )
+from drivegate_models.loop.shaft import speed_after, within_a_turn
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load, load_torque
 
-FINISHED = 0
-"""Status: the run reached its end."""
-STOPPED = 1
-"""Status: the controller's bridge asked to stop; it knows why."""
-NOT_FINITE = 2
-"""Status: the controller's command was not finite; the last Sense shows what it saw."""
-PLANT_FAULT = 3
-"""Status: the plant reported a fault of the harness."""
+PLANT_FAULT: Final = 3
+"""Status of a run, besides those of `exchange`: the plant reported a fault of the harness."""
 
-_RADIANS_TO_RPM = 30.0 / pi
-_DEGREES = 180.0 / pi
+_BEGIN, _END, _RIPPLE_BEGIN = range(3)
 
 
-class Exchange(NamedTuple):
-    """The records through which loop and controller talk, and the loop's progress."""
+@dataclass(frozen=True)
+class PlantKernels:
+    """What the closed loop needs of a plant: five functions, compiled but for the first.
 
-    sense: NDArray[Any]
-    """Shape (1,) of contract.SENSE."""
-    command: NDArray[Any]
-    """Shape (1,) of contract.COMMAND."""
-    command_bits: NDArray[np.int64]
-    """The command's bits, shape (4,)."""
-    sensed_currents: NDArray[np.float64]
-    """Shape (m,) (A)."""
-    progress: NDArray[np.int64]
-    """Shape (1,): number of steps done, watched by the parent process."""
-    sense_address: int
-    """Address of `sense`."""
-    command_address: int
-    """Address of `command`."""
+    Attributes
+    ----------
+    make_phases : callable
+        ``(drive, longest_advance=0.0)`` gives phases at rest: a named tuple with `currents` (A), `magnitudes` (A s),
+        both of shape (m,), `rows` and `row_counts`, where the segments of an advance are kept.
+    advance_phases : callable
+        ``(drive, phases, angle, speed, upper, lower, reference, advance, duration, totals)`` advances them in SI
+        units and returns 0.
+    stored_energy : callable
+        ``(drive, currents)`` gives the energy in the windings (J).
+    drifted : callable
+        ``(drive, resistance_factor, emf_factor)`` gives the drive at another temperature.
+    torque_range : callable
+        ``(drive, phases, positions, duration, lowest, highest)`` widens a range by the torque over the last advance
+        (N m); `positions` is room of shape (m,).
+    """
+
+    make_phases: Callable[..., Any]
+    advance_phases: Callable[..., int]
+    stored_energy: Callable[..., float]
+    drifted: Callable[..., Any]
+    torque_range: Callable[..., tuple[float, float]]
 
 
-class RippleWatch(NamedTuple):
-    """The electrical period whose torque is being followed."""
+class _Timing(NamedTuple):
+    """When things happen in a run."""
 
-    positions: NDArray[np.int64]
-    """Room for the search of extremes, shape (m,)."""
-    values: NDArray[np.float64]
-    """Lowest and highest torque (N m), impulse (N m s), time (s), whether it began in full; shape (5,)."""
+    control_period: float
+    steps: int
+    initial_speed: float
+    base_speed: float
+    block: int
+    """Control periods over which the current sum is averaged."""
+    trace_every: int
+    """Keep every n-th control period; n is at least 1."""
+    windows: NDArray[np.int64]
+    """First step, step behind the last, and first step whose ripple is followed, of each window; shape (w, 3)."""
 
 
-_LOWEST, _HIGHEST, _IMPULSE, _TIME, _WHOLE = range(5)
+class _Records(NamedTuple):
+    """What a run fills in."""
+
+    run: NDArray[Any]
+    windows: NDArray[Any]
+    trace: NDArray[Any]
+    totals: NDArray[np.float64]
+
+
+class _Room(NamedTuple):
+    """Room for the loop's computations."""
+
+    course_positions: NDArray[np.int64]
+    row_positions: NDArray[np.int64]
+    products: NDArray[np.float64]
+    period: NDArray[np.float64]
+    block_sums: NDArray[np.float64]
+
+
+class _Measured(NamedTuple):
+    """What the controller saw, kept here since it may write over its Sense."""
+
+    speed: float
+    supply: float
+    current_sum: float
 
 
 @inlined
-def _follow_ripple(
-    watch: RippleWatch, drive: Drive, phases: Phases, period: float, impulse: float, wraps: bool, row: Any
-) -> None:
-    """Add one control period to the electrical period that is followed, and close it where the angle wraps."""
-    values = watch.values
-    lowest, highest = torque_extremes(
-        phases.rows,
-        phases.row_counts,
-        watch.positions,
-        drive.emf_constant,
-        drive.resistance / drive.inductance,
-        period,
-        values[_LOWEST],
-        values[_HIGHEST],
+def _write_sense(
+    exchange: Exchange,
+    sensors: Sensors,
+    phases: Any,
+    conditions: Conditions,
+    time: float,
+    speed: float,
+    current_sum: float,
+    control_period: float,
+) -> _Measured:
+    """Write the Sense of a control period, and return what is in it."""
+    measured_speed = shown_speed(sensors, time, speed)
+    measured_supply = shown_supply(sensors, time, conditions.supply)
+    measured_sum = show_currents(
+        sensors, time, phases.currents, phases.magnitudes, control_period, exchange.sensed_currents
     )
-    values[_LOWEST] = lowest
-    values[_HIGHEST] = highest
-    values[_IMPULSE] += impulse
-    values[_TIME] += period
-    if wraps:
-        mean = values[_IMPULSE] / values[_TIME]
-        if values[_WHOLE] > 0.0 and mean > 0.0:
-            ripple = (highest - lowest) / mean
-            one_sided = max(highest - mean, mean - lowest) / mean
-            row[observation.WINDOW_RIPPLE] = max(row[observation.WINDOW_RIPPLE], ripple)
-            row[observation.WINDOW_RIPPLE_ONE_SIDED] = max(
-                row[observation.WINDOW_RIPPLE_ONE_SIDED], one_sided
-            )
-        values[_LOWEST] = inf
-        values[_HIGHEST] = -inf
-        values[_IMPULSE] = 0.0
-        values[_TIME] = 0.0
-        values[_WHOLE] = 1.0
+    if sensors.ideal and measured_sum > 0.0:
+        # The sum over the phases as the ledger has it, not the sum of its differences.
+        measured_sum = current_sum
+    sense = exchange.sense
+    sense[0].time = time
+    sense[0].speed_reference = conditions.speed_reference
+    sense[0].speed = measured_speed
+    sense[0].current_magnitude_sum = measured_sum
+    sense[0].half_supply_voltage = measured_supply
+    return _Measured(measured_speed, measured_supply, measured_sum)
 
 
 @inlined
@@ -127,242 +161,136 @@ def _mean_product(products: NDArray[np.float64], step: int, product: float) -> f
     return total / known
 
 
-_WORD = 0xFFFFFFFF
-_FNV_PRIME = 16777619
+@inlined
+def _watched_window(windows: NDArray[np.int64], step: int) -> int:
+    """Return the last window whose ripple is followed in a step, or -1."""
+    watched = -1
+    for window in range(windows.shape[0]):
+        if windows[window, _RIPPLE_BEGIN] <= step < windows[window, _END]:
+            watched = window
+    return watched
 
 
 @inlined
-def _digested(digest: int, bits: int) -> int:
-    """Add a 64-bit word to a digest: two rounds of FNV-1a over its halves, each mixed downward, in 63 bits."""
-    low = digest & _WORD
-    high = digest >> 32
-    low = ((low ^ (bits & _WORD)) * _FNV_PRIME) & _WORD
-    low ^= low >> 15
-    high = ((high ^ low ^ ((bits >> 32) & _WORD)) * _FNV_PRIME) & _WORD
-    high = (high ^ (high >> 15)) & 0x7FFFFFFF
-    return (high << 32) | low
-
-
-@unallocating
-def _run(
-    drive: Drive,
-    phases: Phases,
-    recorded: Phases,
-    load: Load,
-    schedule: Schedule,
-    sensors: Sensors,
-    exchange: Exchange,
-    step_address: int,
-    state_address: int,
-    initial_speed: float,
-    base_speed: float,
-    control_period: float,
-    steps: int,
-    window_steps: NDArray[np.int64],
-    watch: RippleWatch,
-    products: NDArray[np.float64],
-    positions: NDArray[np.int64],
-    totals: NDArray[np.float64],
-    period: NDArray[np.float64],
-    block_sums: NDArray[np.float64],
-    run: NDArray[np.float64],
-    windows: NDArray[np.float64],
-    trace: NDArray[np.float64],
-    trace_every: int,
-) -> tuple[int, int]:
-    sense = exchange.sense
-    command = exchange.command
-    speed = initial_speed
-    angle = 0.0
-    current_sum = 0.0
-    digest = 0
-    inertia = drive.inertia + load.inertia
-    block = max(round(observation.MEAN_TIME / control_period), 1)
-    stored = stored_energy(drive, phases.currents)
-    traced = 0
-    for k in range(steps):
-        time = k * control_period
-        wanted = follow(schedule.speed, positions, 0, time)
-        factor = follow(schedule.load, positions, 1, time)
-        supply = follow(schedule.supply, positions, 2, time)
-        imbalance = follow(schedule.imbalance, positions, 3, time)
-        resistance_factor = follow(schedule.resistance, positions, 4, time)
-        emf_factor = follow(schedule.emf, positions, 5, time)
-        plant = drifted(drive, resistance_factor, emf_factor)
-        if load.kind == LOCKED:
-            speed = wanted
-
-        measured_speed = shown_speed(sensors, time, speed)
-        measured_supply = shown_supply(sensors, time, supply)
-        measured_sum = show_currents(
-            sensors, time, phases.currents, phases.magnitudes, control_period, exchange.sensed_currents
-        )
-        if sensors.ideal and measured_sum > 0.0:
-            # The sum over the phases as the ledger has it, not the sum of its differences.
-            measured_sum = current_sum
-        sense[0].time = time
-        sense[0].speed_reference = wanted
-        sense[0].speed = measured_speed
-        sense[0].current_magnitude_sum = measured_sum
-        sense[0].half_supply_voltage = measured_supply
-        command[0].current_reference = nan
-        command[0].advance_angle = nan
-        command[0].input_power = nan
-        exchange.progress[0] = k + 1
-        call_step(step_address, state_address, exchange.sense_address, exchange.command_address)
-        if command[0].struct_size < 0:
-            run[observation.RUN_STEPS] = k
-            return STOPPED, digest
-        reference = command[0].current_reference
-        advance = command[0].advance_angle
-        estimate = command[0].input_power
-        if not (isfinite(reference) and isfinite(advance)) or abs(estimate) == inf:
-            run[observation.RUN_STEPS] = k
-            return NOT_FINITE, digest
-        for word in range(1, 4):
-            digest = _digested(digest, exchange.command_bits[word])
-
-        if reference < run[observation.RUN_REFERENCE_LOWEST]:
-            run[observation.RUN_REFERENCE_LOWEST] = reference
-        if reference > run[observation.RUN_REFERENCE_HIGHEST]:
-            run[observation.RUN_REFERENCE_HIGHEST] = reference
-        if advance < run[observation.RUN_ANGLE_LOWEST]:
-            run[observation.RUN_ANGLE_LOWEST] = advance
-        if advance > run[observation.RUN_ANGLE_HIGHEST]:
-            run[observation.RUN_ANGLE_HIGHEST] = advance
-        if measured_speed < base_speed:
-            run[observation.RUN_STEPS_BELOW_BASE] += 1.0
-            if abs(advance) > run[observation.RUN_ANGLE_BELOW_BASE]:
-                run[observation.RUN_ANGLE_BELOW_BASE] = abs(advance)
-                run[observation.RUN_FIRST_BELOW_BASE] = time
-        product = _mean_product(products, k, measured_supply * measured_sum)
-        if estimate == estimate:
-            run[observation.RUN_POWER_ESTIMATES] += 1.0
-            error = abs(estimate - product)
-            if error > run[observation.RUN_POWER_ERROR]:
-                run[observation.RUN_POWER_ERROR] = error
-            relative = error / max(product, 1.0)
-            if relative > run[observation.RUN_POWER_ERROR_RELATIVE]:
-                run[observation.RUN_POWER_ERROR_RELATIVE] = relative
-        reference = min(max(reference, 0.0), drive.current_limit)
-        advance = min(max(advance, 0.0), 0.5 * pi)
-
-        for entry in range(ledger.ENTRIES):
-            period[entry] = 0.0
-        watched = -1
-        for window in range(window_steps.shape[0]):
-            if window_steps[window, 2] <= k < window_steps[window, 1]:
-                watched = window
-        moving = recorded if watched >= 0 else phases
-        status = advance_phases(
-            plant,
-            moving,
-            angle,
-            speed,
-            supply * (1.0 + imbalance),
-            supply * (1.0 - imbalance),
-            reference,
-            advance,
-            control_period,
-            period,
-        )
-        if status != COMPLETED:
-            run[observation.RUN_STEPS] = k
-            return PLANT_FAULT, digest
-
-        peak = max(totals[ledger.PEAK], period[ledger.PEAK])
-        for entry in range(ledger.ENTRIES):
-            totals[entry] += period[entry]
-        totals[ledger.PEAK] = peak
-        impulse = period[ledger.IMPULSE]
-        drag = period[ledger.CORE_DRAG_IMPULSE]
-        exchanged = period[ledger.EXCHANGED]
-        returned = period[ledger.RETURNED]
-        now_stored = stored_energy(drive, phases.currents)
-        spent = (
-            plant.resistance * period[ledger.SQUARE]
-            + speed * impulse
-            + period[ledger.DEVICE]
-            + (now_stored - stored)
-        )
-        throughput = exchanged + stored + now_stored
-        if throughput > 0.0:
-            mismatch = abs(exchanged - 2.0 * returned - spent) / throughput
-            if mismatch > run[observation.RUN_EXCHANGE_ERROR]:
-                run[observation.RUN_EXCHANGE_ERROR] = mismatch
-        stored = now_stored
-        source = (
-            period[ledger.UPPER]
-            + period[ledger.LOWER]
-            + period[ledger.CORE_SOURCE]
-            + period[ledger.SWITCHING]
-        )
-        current_sum = period[ledger.MAGNITUDE] / control_period
-        run[observation.RUN_SHAFT_ENERGY] += speed * impulse
-        run[observation.RUN_INPUT_ENERGY] += source
-        asked = load_torque(load, factor, speed)
-
-        for window in range(window_steps.shape[0]):
-            if window_steps[window, 0] <= k < window_steps[window, 1]:
-                row = windows[window]
-                row[observation.WINDOW_STEPS] += 1.0
-                deviation = abs(speed - wanted)
-                if deviation > row[observation.WINDOW_SPEED_ERROR]:
-                    row[observation.WINDOW_SPEED_ERROR] = deviation
-                if advance < row[observation.WINDOW_ANGLE_LOWEST]:
-                    row[observation.WINDOW_ANGLE_LOWEST] = advance
-                if advance > row[observation.WINDOW_ANGLE_HIGHEST]:
-                    row[observation.WINDOW_ANGLE_HIGHEST] = advance
-                row[observation.WINDOW_CURRENT_SUM] += current_sum
-                row[observation.WINDOW_TORQUE] += impulse / control_period
-                row[observation.WINDOW_INPUT_POWER] += source / control_period
-                row[observation.WINDOW_EXCHANGED_POWER] += exchanged / control_period
-                row[observation.WINDOW_ANGLE] += advance
-                row[observation.WINDOW_REFERENCE] += reference
-                row[observation.WINDOW_SPEED] += speed
-                block_sums[window] += current_sum
-                if (k + 1 - window_steps[window, 0]) % block == 0:
-                    mean = block_sums[window] / block
-                    block_sums[window] = 0.0
-                    if mean < row[observation.WINDOW_MEAN_LOWEST]:
-                        row[observation.WINDOW_MEAN_LOWEST] = mean
-                    if mean > row[observation.WINDOW_MEAN_HIGHEST]:
-                        row[observation.WINDOW_MEAN_HIGHEST] = mean
-                if period[ledger.PEAK] > row[observation.WINDOW_PEAK]:
-                    row[observation.WINDOW_PEAK] = period[ledger.PEAK]
-        if traced < trace.shape[0] and k % trace_every == 0:
-            trace[traced, 0] = time
-            trace[traced, 1] = wanted * _RADIANS_TO_RPM
-            trace[traced, 2] = speed * _RADIANS_TO_RPM
-            trace[traced, 3] = current_sum
-            trace[traced, 4] = reference
-            trace[traced, 5] = advance * _DEGREES
-            trace[traced, 6] = impulse / control_period
-            trace[traced, 7] = asked
-            trace[traced, 8] = source / control_period
-            trace[traced, 9] = supply
-            trace[traced, 10] = measured_speed * _RADIANS_TO_RPM
-            traced += 1
-
-        turn_encoder(sensors, k, time, control_period, speed)
-        turned = angle + drive.pole_pairs * speed * control_period
-        if watched >= 0:
-            _follow_ripple(
-                watch, plant, recorded, control_period, impulse, turned >= 2.0 * pi, windows[watched]
+def _observe_windows(
+    timing: _Timing, records: _Records, room: _Room, step: int, speed_reference: float, applied: Applied
+) -> None:
+    """Add one control period to every window that it lies in."""
+    windows = timing.windows
+    for window in range(windows.shape[0]):
+        if windows[window, _BEGIN] <= step < windows[window, _END]:
+            room.block_sums[window] = observe_window(
+                records.windows[window],
+                applied,
+                speed_reference,
+                room.block_sums[window],
+                step + 1 - windows[window, _BEGIN],
+                timing.block,
             )
-        else:
-            watch.values[_WHOLE] = 0.0
-        angle = turned - 2.0 * pi * floor(turned * (0.5 / pi))
-        if load.kind != LOCKED:
-            resisting = asked + drive.friction + drive.viscous_friction * speed
-            change = (impulse - drag - resisting * control_period) / inertia
-            # Load and friction hold a shaft at standstill; they never drive it backward.
-            following = max(speed + change, 0.0)
-            run[observation.RUN_KINETIC_RESIDUAL] += 0.5 * inertia * (following - speed) ** 2
-            speed = following
-    run[observation.RUN_STEPS] = steps
-    run[observation.RUN_SPEED_FINAL] = speed
-    return FINISHED, digest
+
+
+def _loop_of(kernels: PlantKernels) -> Any:
+    """Return the compiled loop of a kind of drive; numba takes the plant's kernels as constants of it."""
+    advance_phases = kernels.advance_phases
+    stored_energy = kernels.stored_energy
+    drifted = kernels.drifted
+    torque_range = kernels.torque_range
+
+    def run(
+        drive: Any,
+        phases: Any,
+        recorded: Any,
+        load: Load,
+        schedule: Schedule,
+        sensors: Sensors,
+        exchange: Exchange,
+        timing: _Timing,
+        records: _Records,
+        room: _Room,
+    ) -> tuple[int, int]:
+        observed = records.run[0]
+        period = room.period
+        length = timing.control_period
+        inertia = drive.inertia + load.inertia
+        stored = stored_energy(drive, phases.currents)
+        speed = timing.initial_speed
+        angle = 0.0
+        current_sum = 0.0
+        digest = 0
+        traced = 0
+        watch = fresh_watch(False)
+        for k in range(timing.steps):
+            time = k * length
+            conditions = conditions_at(schedule, room.course_positions, time)
+            plant = drifted(drive, conditions.resistance_factor, conditions.emf_factor)
+            if load.kind == LOCKED:
+                speed = conditions.speed_reference
+            measured = _write_sense(exchange, sensors, phases, conditions, time, speed, current_sum, length)
+            status = ask(exchange, k)
+            if status != COMPLETED:
+                observed.steps = k
+                return status, digest
+            digest = digested_command(digest, exchange)
+            command = exchange.command
+            reference = command[0].current_reference
+            advance = command[0].advance_angle
+            observe_command(observed, reference, advance, time, measured.speed, timing.base_speed)
+            product = _mean_product(room.products, k, measured.supply * measured.current_sum)
+            observe_power_estimate(observed, command[0].input_power, product)
+            # The inverter keeps to its limits whatever it is commanded; the checks judge the command as it was.
+            reference = min(max(reference, 0.0), drive.current_limit)
+            advance = min(max(advance, 0.0), 0.5 * pi)
+
+            for entry in range(ledger.ENTRIES):
+                period[entry] = 0.0
+            watched = _watched_window(timing.windows, k)
+            moving = recorded if watched >= 0 else phases
+            upper = conditions.supply * (1.0 + conditions.imbalance)
+            lower = conditions.supply * (1.0 - conditions.imbalance)
+            if advance_phases(plant, moving, angle, speed, upper, lower, reference, advance, length, period):
+                observed.steps = k
+                return PLANT_FAULT, digest
+            ledger.add_period(records.totals, period)
+            now_stored = stored_energy(drive, phases.currents)
+            observe_energy(observed, plant.resistance, speed, stored, now_stored, period)
+            stored = now_stored
+            current_sum = period[ledger.MAGNITUDE] / length
+            applied = Applied(
+                reference,
+                advance,
+                speed,
+                current_sum,
+                period[ledger.IMPULSE] / length,
+                load_torque(load, conditions.load_factor, speed),
+                ledger.source_energy(period) / length,
+                period[ledger.EXCHANGED] / length,
+                period[ledger.PEAK],
+            )
+            _observe_windows(timing, records, room, k, conditions.speed_reference, applied)
+            if traced < records.trace.shape[0] and k % timing.trace_every == 0:
+                write_trace(records.trace[traced], time, conditions, applied, measured.speed)
+                traced += 1
+
+            turn_encoder(sensors, k, time, length, speed)
+            turned = angle + drive.pole_pairs * speed * length
+            if watched >= 0:
+                lowest, highest = torque_range(
+                    plant, recorded, room.row_positions, length, watch.lowest, watch.highest
+                )
+                watch = widened_watch(watch, lowest, highest, period[ledger.IMPULSE], length)
+                if turned >= 2.0 * pi:
+                    observe_ripple(records.windows[watched], watch)
+                    watch = fresh_watch(True)
+            else:
+                watch = fresh_watch(False)
+            angle = within_a_turn(turned)
+            if load.kind != LOCKED:
+                speed = speed_after(drive, observed, inertia, speed, applied.load_torque, period, length)
+        observed.steps = timing.steps
+        observed.speed_final = speed
+        return COMPLETED, digest
+
+    return unallocating(run)
 
 
 @dataclass(frozen=True)
@@ -370,17 +298,17 @@ class ClosedLoopRun:
     """What is kept of one run."""
 
     status: int
-    """`FINISHED`, `STOPPED`, `NOT_FINITE` or `PLANT_FAULT`."""
+    """`exchange.COMPLETED`, `exchange.STOPPED`, `exchange.NOT_FINITE` or `PLANT_FAULT`."""
     digest: int
     """Digest of every command, bit for bit."""
     totals: NDArray[np.float64]
     """Exact integrals over the run, shape (ledger.ENTRIES,)."""
-    run: NDArray[np.float64]
-    """Shape (observation.RUN_ENTRIES,)."""
-    windows: NDArray[np.float64]
-    """Shape (w, observation.WINDOW_ENTRIES); sums are turned into means."""
-    trace: NDArray[np.float64]
-    """Kept control periods, shape (n, len(observation.TRACE_COLUMNS))."""
+    observed: RunObservation
+    """What was observed over the whole run."""
+    windows: tuple[WindowObservation, ...]
+    """What was observed in each window."""
+    trace: NDArray[Any]
+    """Kept control periods, shape (n,) of observation.TRACE_RECORD."""
     last_sense: NDArray[Any]
     """The Sense of the last step, shape (1,) of contract.SENSE."""
     last_currents: NDArray[np.float64]
@@ -391,152 +319,165 @@ class ClosedLoopRun:
     @property
     def steps(self) -> int:
         """Number of control periods done."""
-        return int(self.run[observation.RUN_STEPS])
+        return int(self.observed.steps)
 
 
-_MEANS = (
-    observation.WINDOW_CURRENT_SUM,
-    observation.WINDOW_TORQUE,
-    observation.WINDOW_INPUT_POWER,
-    observation.WINDOW_EXCHANGED_POWER,
-    observation.WINDOW_ANGLE,
-    observation.WINDOW_REFERENCE,
-    observation.WINDOW_SPEED,
-)
+def closed_loop_of(kernels: PlantKernels) -> Callable[..., ClosedLoopRun]:
+    """Make the function that runs a controller against a kind of drive.
+
+    Parameters
+    ----------
+    kernels : PlantKernels
+        The plant.
+
+    Returns
+    -------
+    callable
+        `run_closed_loop`, as documented in it.
+    """
+    loop = _loop_of(kernels)
+
+    def run_closed_loop(
+        drive: Any,
+        load: Load,
+        schedule: Schedule,
+        *,
+        step_address: int,
+        state_address: int,
+        initial_speed: float,
+        base_speed: float,
+        control_period: float,
+        duration: float,
+        windows: list[tuple[float, float]],
+        sensors: Sensors | None = None,
+        power_window: float = 0.0,
+        sense: NDArray[Any] | None = None,
+        sensed_currents: NDArray[np.float64] | None = None,
+        progress: NDArray[np.int64] | None = None,
+        trace_every: int = 0,
+    ) -> ClosedLoopRun:
+        """Run a controller, already reset, against the plant.
+
+        Parameters
+        ----------
+        drive : named tuple
+            The plant's constants.
+        load : Load
+            The load.
+        schedule : Schedule
+            What happens during the run.
+        step_address, state_address : int
+            Addresses of the controller's step function and of its state.
+        initial_speed : float
+            Shaft speed at the start (rad/s).
+        base_speed : float
+            Speed below which no advance is allowed (rad/s); only observed.
+        control_period : float
+            (s).
+        duration : float
+            (s).
+        windows : list of tuple of float
+            Start and end of each observed window (s).
+        sensors : Sensors, optional
+            What the controller sees the plant through, made for this run; ideal by default.
+        power_window : float
+            Time over which the controller's estimate of its input power is a mean (s); 0 for the last period alone.
+        sense : ndarray of SENSE, shape (1,), optional
+            The record to hand to the controller, where another process is to see it.
+        sensed_currents : ndarray, shape (m,) or longer, optional
+            Where its phase currents belong (A).
+        progress : ndarray of int64, shape (1,), optional
+            Receives the number of steps begun.
+        trace_every : int
+            Keep every n-th control period in the trace; 0 keeps none.
+
+        Returns
+        -------
+        ClosedLoopRun
+            Observations of the run.
+        """
+        exchange = make_exchange(
+            drive.phases,
+            step_address=step_address,
+            state_address=state_address,
+            sense=sense,
+            sensed_currents=sensed_currents,
+            progress=progress,
+        )
+        timing = _timing(initial_speed, base_speed, control_period, duration, windows, trace_every)
+        kept = -(-timing.steps // trace_every) if trace_every > 0 else 0
+        records = _Records(
+            observation.empty_run(),
+            observation.empty_windows(len(windows)),
+            np.zeros(kept, observation.TRACE_RECORD),
+            np.zeros(ledger.ENTRIES),
+        )
+        phases = kernels.make_phases(drive)
+        room = kernels.make_phases(drive, control_period)
+        status, digest = loop(
+            drive,
+            phases,
+            phases._replace(rows=room.rows, row_counts=room.row_counts),
+            load,
+            schedule,
+            ideal_sensors(drive.phases) if sensors is None else sensors,
+            exchange,
+            timing,
+            records,
+            _room(drive.phases, len(windows), round(power_window / control_period)),
+        )
+        return _finished(int(status), int(digest), exchange, records, drive.phases, trace_every)
+
+    return run_closed_loop
 
 
-def run_closed_loop(
-    drive: Drive,
-    load: Load,
-    schedule: Schedule,
-    *,
-    step_address: int,
-    state_address: int,
+def _timing(
     initial_speed: float,
     base_speed: float,
     control_period: float,
     duration: float,
     windows: list[tuple[float, float]],
-    sensors: Sensors | None = None,
-    power_window: float = 0.0,
-    sense: NDArray[Any] | None = None,
-    sensed_currents: NDArray[np.float64] | None = None,
-    progress: NDArray[np.int64] | None = None,
-    trace_every: int = 0,
-) -> ClosedLoopRun:
-    """Run a controller, already reset, against the plant.
-
-    Parameters
-    ----------
-    drive : Drive
-        The plant's constants.
-    load : Load
-        The load.
-    schedule : Schedule
-        What happens during the run.
-    step_address, state_address : int
-        Addresses of the controller's step function and of its state.
-    initial_speed : float
-        Shaft speed at the start (rad/s).
-    base_speed : float
-        Speed below which no advance is allowed (rad/s); only observed.
-    control_period : float
-        (s).
-    duration : float
-        (s).
-    windows : list of tuple of float
-        Start and end of each observed window (s).
-    sensors : Sensors, optional
-        What the controller sees the plant through, made for this run; ideal by default.
-    power_window : float
-        Time over which the controller's estimate of its input power is a mean (s); 0 for the last period alone.
-    sense : ndarray of SENSE, shape (1,), optional
-        The record to hand to the controller, where another process is to see it.
-    sensed_currents : ndarray, shape (m,) or longer, optional
-        Where its phase currents belong (A).
-    progress : ndarray of int64, shape (1,), optional
-        Receives the number of steps done.
-    trace_every : int
-        Keep every n-th control period in the trace; 0 keeps none.
-
-    Returns
-    -------
-    ClosedLoopRun
-        Observations of the run.
-    """
-    steps = round(duration / control_period)
-    phases = make_phases(drive)
-    room = make_phases(drive, control_period)
-    recorded = phases._replace(rows=room.rows, row_counts=room.row_counts)
-    sense = np.zeros(1, SENSE) if sense is None else sense
-    currents = np.zeros(drive.phases) if sensed_currents is None else sensed_currents
-    command = np.zeros(1, COMMAND)
-    sense[0]["struct_size"] = SENSE.itemsize
-    sense[0]["phase_count"] = drive.phases
-    sense[0]["phase_currents"] = currents.ctypes.data
-    command[0]["struct_size"] = COMMAND.itemsize
-    exchange = Exchange(
-        sense=sense,
-        command=command,
-        command_bits=command.view(np.int64),
-        sensed_currents=currents,
-        progress=np.zeros(1, np.int64) if progress is None else progress,
-        sense_address=sense.ctypes.data,
-        command_address=command.ctypes.data,
-    )
-    run = np.zeros(observation.RUN_ENTRIES)
-    run[[observation.RUN_REFERENCE_LOWEST, observation.RUN_ANGLE_LOWEST]] = inf
-    run[[observation.RUN_REFERENCE_HIGHEST, observation.RUN_ANGLE_HIGHEST]] = -inf
-    rows = np.zeros((len(windows), observation.WINDOW_ENTRIES))
-    rows[:, [observation.WINDOW_ANGLE_LOWEST, observation.WINDOW_MEAN_LOWEST]] = inf
-    rows[:, [observation.WINDOW_ANGLE_HIGHEST, observation.WINDOW_MEAN_HIGHEST]] = -inf
-    window_steps = np.array(
-        [
-            [round(time / control_period) for time in (start, end, max(start, end - observation.RIPPLE_TIME))]
-            for start, end in windows
-        ],
-        np.int64,
-    ).reshape(-1, 3)
-    watch = RippleWatch(np.zeros(drive.phases, np.int64), np.array([inf, -inf, 0.0, 0.0, 0.0]))
-    kept = -(-steps // trace_every) if trace_every > 0 else 0
-    trace = np.zeros((kept, len(observation.TRACE_COLUMNS)))
-    totals = np.zeros(ledger.ENTRIES)
-    status, digest = _run(
-        drive,
-        phases,
-        recorded,
-        load,
-        schedule,
-        ideal_sensors(drive.phases) if sensors is None else sensors,
-        exchange,
-        step_address,
-        state_address,
+    trace_every: int,
+) -> _Timing:
+    """Turn times into control periods."""
+    steps = [
+        [round(time / control_period) for time in (start, end, max(start, end - observation.RIPPLE_TIME))]
+        for start, end in windows
+    ]
+    return _Timing(
+        control_period,
+        round(duration / control_period),
         initial_speed,
         base_speed,
-        control_period,
-        steps,
-        window_steps,
-        watch,
-        np.zeros(max(round(power_window / control_period), 1)),
-        np.zeros(len(Schedule._fields), np.int64),
-        totals,
-        np.zeros(ledger.ENTRIES),
-        np.zeros(len(windows)),
-        run,
-        rows,
-        trace,
+        max(round(observation.MEAN_TIME / control_period), 1),
         max(trace_every, 1),
+        np.array(steps, np.int64).reshape(-1, 3),
     )
-    rows[:, _MEANS] /= np.maximum(rows[:, [observation.WINDOW_STEPS]], 1.0)
-    done = int(run[observation.RUN_STEPS])
+
+
+def _room(phases: int, windows: int, products: int) -> _Room:
+    return _Room(
+        np.zeros(len(Schedule._fields), np.int64),
+        np.zeros(phases, np.int64),
+        np.zeros(max(products, 1)),
+        np.zeros(ledger.ENTRIES),
+        np.zeros(windows),
+    )
+
+
+def _finished(
+    status: int, digest: int, exchange: Exchange, records: _Records, phases: int, trace_every: int
+) -> ClosedLoopRun:
+    observed = observation.observed_run(records.run)
+    trace = records.trace
     return ClosedLoopRun(
         status=status,
-        digest=int(digest),
-        totals=totals,
-        run=run,
-        windows=rows,
-        trace=trace[: -(-done // trace_every)] if trace_every > 0 else trace,
-        last_sense=sense.copy(),
-        last_currents=currents[: drive.phases].copy(),
-        last_command=command,
+        digest=digest,
+        totals=records.totals,
+        observed=observed,
+        windows=observation.observed_windows(records.windows),
+        trace=trace[: -(-int(observed.steps) // trace_every)] if trace_every > 0 else trace,
+        last_sense=exchange.sense.copy(),
+        last_currents=exchange.sensed_currents[:phases].copy(),
+        last_command=exchange.command,
     )

@@ -12,8 +12,8 @@ from drivegate.drives.kinds import kind_of
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
+from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.conformance.signals import RunSignals
-from drivegate_reports.paper.drive import RADIANS_PER_RPM
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from typing import Any
 import pytest
 
 from drivegate.drives.running import run_scenario
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.scenarios.building import base_speed_scenario, steady_scenario, vehicle_scenario
 from drivegate.scenarios.changes import (
     pulsed,
@@ -23,7 +22,7 @@ from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.steady.oracle import feasible_edge
-from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
 
 MOTOR = load_motor("paper-5-phase")
 
@@ -103,8 +102,8 @@ def test_a_reference_may_not_fall_faster_than_the_shaft_coasts(
 
     ended = scenario.replaced(duration_s=round(1.0 + max(over_s, 0.1), 1))
     run = run_scenario(ended, altered("initial", idle_from_the_ramp))
-    below = float(run.run[observation.RUN_SPEED_FINAL]) < 900.0 * RADIANS_PER_RPM
-    assert below is slow_enough, f"the shaft ends at {run.run[observation.RUN_SPEED_FINAL]} rad/s"
+    below = run.observed.speed_final < 900.0 * RADIANS_PER_RPM
+    assert below is slow_enough, f"the shaft ends at {run.observed.speed_final} rad/s"
 
 
 @pytest.mark.parametrize(("fall", "slow_enough"), [(10.0, True), (14.0, False)])

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import drivegate_models
-from drivegate_models.compilation.kernels import kernels as compilation
+from drivegate_models.compilation import kernels as compilation
 from drivegate_models.machine.winding_current import phi4
 
 

@@ -59,8 +59,8 @@ def steady_rate(bench: Workbench, band: float) -> Value:
 
 def oracle_time(bench: Workbench, speed_rpm: float, torque: float) -> Value:
     """Measure how long the angle of least Σ|i| takes at one point."""
-    from drivegate.runs.scenario import RADIANS_PER_RPM
     from drivegate_cases.motor.motor import load_motor
+    from drivegate_models.units import RADIANS_PER_RPM
 
     oracle, drive = DEFAULT_KIND.oracle(), load_motor(DEFAULT_MOTOR).drive()
     speed = speed_rpm * RADIANS_PER_RPM

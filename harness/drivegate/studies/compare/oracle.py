@@ -11,9 +11,9 @@ import numpy as np
 from drivegate.containment.messages import LoadedCandidate
 from drivegate.drives.drive_kind import Drive, Oracle
 from drivegate.drives.kinds import kind_of
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.studies.compare.plan import PlannedRun
 from drivegate_cases.motor.motor import Motor
+from drivegate_models.units import RADIANS_PER_RPM
 
 _WAYS: Final = 2
 _BISECTIONS: Final = 12

@@ -21,7 +21,6 @@ from drivegate.drives.drive_kind import Drive
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.runs.record import RunRecord, Window
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S
 from drivegate.studies.map.plan import (
     ADVANCE,
@@ -43,7 +42,7 @@ from drivegate_cases.scenario.profile import dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import choose_cache_folder
 from drivegate_models.errors import HarnessFault
-from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
 
 SOLVER_MARKER: Final = "map-solver"
 """Name of the file in the cache folder that tells that the solver of many steady states has been compiled."""
@@ -200,10 +199,10 @@ def _measured(record: RunRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
     window = Window(scenario, dwells(scenario)[-1], record.run.windows[-1])
     margin, _ = window_convergence(window)
     row = window.values
-    torque, speed = float(row[observation.WINDOW_TORQUE]), float(row[observation.WINDOW_SPEED])
+    torque, speed = row.torque, row.speed
     current_sum, input_power = (
-        float(row[observation.WINDOW_CURRENT_SUM]),
-        float(row[observation.WINDOW_INPUT_POWER]),
+        row.current_sum,
+        row.input_power,
     )
     least = nan
     if scenario.initial_speed_rpm > scenario.motor.base_speed_rpm and torque > 0.0 < speed:
@@ -211,16 +210,16 @@ def _measured(record: RunRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
     shaft = window.torque_asked * speed
     values = (
         margin,
-        float(row[observation.WINDOW_SPEED_ERROR]) / RADIANS_PER_RPM,
-        degrees(row[observation.WINDOW_ANGLE]),
-        float(row[observation.WINDOW_REFERENCE]),
+        row.speed_error / RADIANS_PER_RPM,
+        degrees(row.angle),
+        row.reference,
         current_sum,
         least,
         100.0 * (current_sum / least - 1.0),
         input_power,
         shaft,
         shaft / input_power if input_power > 0.0 else nan,
-        100.0 * float(row[observation.WINDOW_RIPPLE]),
-        float(row[observation.WINDOW_PEAK]),
+        100.0 * row.ripple,
+        row.peak,
     )
     return CONVERGED if margin >= 0.0 else NOT_CONVERGED, values

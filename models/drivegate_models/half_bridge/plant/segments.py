@@ -6,7 +6,7 @@ back-EMF shape is ``SHAPE + SHAPE_RATE * (t - START)``.
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,18 +37,34 @@ FIELDS: Final = 10
 """Length of a row."""
 
 
+class Stretch(NamedTuple):
+    """Where a stretch begins, and the longest that it may last."""
+
+    phase: int
+    """Index of the phase."""
+    time: float
+    """From the beginning of the advance (s)."""
+    length: float
+    """To the next corner of the back-EMF, edge of a window, or end of the advance (s)."""
+    shape: float
+    """Back-EMF shape at its start (1)."""
+    shape_rate: float
+    """Its rate (1/s)."""
+    emf: float
+    """Back-EMF at its start (V)."""
+    emf_rate: float
+    """Its rate (V/s)."""
+
+
 @inlined
 def keep_segment(
     rows: NDArray[np.float64],
-    phase: int,
+    stretch: Stretch,
     index: int,
-    start: float,
     length: float,
     current: float,
     slope: float,
     curvature: float,
-    shape: float,
-    shape_rate: float,
     voltage: float,
     voltage_rate: float,
     rate: float,
@@ -59,10 +75,12 @@ def keep_segment(
     ----------
     rows : ndarray, shape (m, n, FIELDS)
         Receives it.
-    phase, index : int
-        Where.
-    start, length, current, slope, curvature, shape, shape_rate, voltage, voltage_rate, rate : float
-        The fields, in the units of their indices above.
+    stretch : Stretch
+        Its phase, start and back-EMF.
+    index : int
+        Number of segments kept of that phase.
+    length, current, slope, curvature, voltage, voltage_rate, rate : float
+        The other fields, in the units of their indices above.
 
     Returns
     -------
@@ -71,13 +89,14 @@ def keep_segment(
     """
     if index >= rows.shape[1]:
         return index
-    rows[phase, index, START] = start
+    phase = stretch.phase
+    rows[phase, index, START] = stretch.time
     rows[phase, index, LENGTH] = length
     rows[phase, index, CURRENT] = current
     rows[phase, index, SLOPE] = slope
     rows[phase, index, CURVATURE] = curvature
-    rows[phase, index, SHAPE] = shape
-    rows[phase, index, SHAPE_RATE] = shape_rate
+    rows[phase, index, SHAPE] = stretch.shape
+    rows[phase, index, SHAPE_RATE] = stretch.shape_rate
     rows[phase, index, VOLTAGE] = voltage
     rows[phase, index, VOLTAGE_RATE] = voltage_rate
     rows[phase, index, RATE] = rate

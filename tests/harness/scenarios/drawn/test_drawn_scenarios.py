@@ -9,7 +9,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.scenarios.drawn.families import (
     FAMILY_GROUPS,
     Family,
@@ -25,6 +24,7 @@ from drivegate_cases.scenario.load import VehicleLoad
 from drivegate_cases.scenario.piecewise import breakpoints, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
+from drivegate_models.units import RADIANS_PER_RPM
 
 MOTOR = load_motor("paper-5-phase")
 FAMILIES = [family for group in FAMILY_GROUPS for family in group]

@@ -1,22 +1,16 @@
 """The loop by hand in C does what the compiled loop does, so that their times may be compared."""
 
-from pathlib import Path
-
-import numpy as np
 import pytest
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.studies.bench.workbench import operating_scenario
-from drivegate.studies.bench.yardstick import RECORD, Yardstick, build_yardstick, yardstick_folder
 from drivegate_models.errors import HarnessFault, InputError
-from drivegate_models.loop import observation
+from yardstick import RECORD, Yardstick, build_yardstick
+from yardstick_ratio import compiled_yardstick, difference
 
-YARDSTICK = Path(__file__).parents[4] / "benchmarks" / "c_yardstick"
 TOLERANCE = 1e-9
-COLUMNS = {"speed": "speed_rpm", "current_reference": "current_reference_a", "current_sum": "current_sum_a"}
 LOSSY = {
     "switch_drop_v": 1.1,
     "diode_drop_v": 0.8,
@@ -36,20 +30,8 @@ MOTORS = {
 
 
 @pytest.fixture(scope="module")
-def yardstick(tmp_path_factory):
-    return Yardstick(build_yardstick(YARDSTICK, tmp_path_factory.mktemp("yardstick")))
-
-
-def difference(ours, theirs):
-    """Tell the greatest difference of two runs, relative to the greatest value of each signal."""
-    names = list(observation.TRACE_COLUMNS)
-    worst = 0.0
-    for signal, column in COLUMNS.items():
-        own = ours.trace[:, names.index(column)]
-        other = theirs.rows[:, RECORD.index(signal)] / (RADIANS_PER_RPM if signal == "speed" else 1.0)
-        worst = max(worst, np.abs(own - other).max() / np.abs(own).max())
-    totals = np.abs(ours.totals - theirs.totals) / np.maximum(np.abs(ours.totals), 1e-9)
-    return max(worst, totals.max())
+def yardstick(tmp_path_factory) -> Yardstick:
+    return compiled_yardstick(tmp_path_factory.mktemp("yardstick"))
 
 
 @pytest.mark.parametrize("speed", [500, 1000, 1500, 2000])
@@ -62,6 +44,18 @@ def test_it_is_in_lock_step_with_the_compiled_loop(yardstick, candidate, speed):
     assert len(theirs.rows) == scenario.control_periods == 2000
     apart = difference(ours, theirs)
     assert apart <= TOLERANCE, f"{candidate} at {speed} rpm: they are {apart:.1e} apart"
+
+
+@pytest.mark.parametrize("signal", ["speed", "current_reference", "current_sum", "totals"])
+def test_a_difference_in_any_signal_is_told(yardstick, signal):
+    scenario = operating_scenario(1500, "ideal", 0.5)
+    ours = run_scenario(scenario, load_controller(resolve_candidate("initial")), trace_every=1)
+    theirs = yardstick.prepared(scenario)(recorded=True)
+    if signal == "totals":
+        theirs.totals[3] *= 1.01
+    else:
+        theirs.rows[500, RECORD.index(signal)] *= 1.01
+    assert difference(ours, theirs) > 1e-3
 
 
 @pytest.mark.parametrize("motor", MOTORS)
@@ -88,12 +82,3 @@ def test_sources_that_do_not_compile_are_told_in_one_sentence(tmp_path):
     (tmp_path / "yardstick.c").write_text("int yardstick_run(void) { return nothing; }\n")
     with pytest.raises(InputError, match=r"does not compile with -std=c11 -O3.*nothing"):
         build_yardstick(tmp_path, tmp_path)
-
-
-def test_it_is_found_where_the_command_runs_in_the_sources_of_drivegate(monkeypatch, tmp_path):
-    monkeypatch.chdir(YARDSTICK.parents[1])
-    found = yardstick_folder(None)
-    assert found is not None
-    assert found.resolve() == YARDSTICK
-    monkeypatch.chdir(tmp_path)
-    assert yardstick_folder(None) is None

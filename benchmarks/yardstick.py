@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.native.bounded_command import COMPILATION, run_bounded
 from drivegate.candidates.native.compiler import c_compiler, include_folder
-from drivegate.runs.scenario import RADIANS_PER_RPM, plant_load, plant_schedule
+from drivegate.runs.scenario import plant_load, plant_schedule
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import HarnessFault, InputError
 from drivegate_models.machine.load import CONSTANT_TORQUE
+from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate.candidates.controller import Controller
@@ -24,10 +25,10 @@ if TYPE_CHECKING:
 
 FLAGS: Final = ("-std=c11", "-O3", "-march=native", "-ffp-contract=fast")
 """Flags that the yardstick is compiled with."""
+FOLDER: Final = Path(__file__).resolve().parent / "c_yardstick"
+"""Its folder."""
 SOURCE: Final = "yardstick.c"
-"""Name of its source in its folder."""
-IN_SOURCES: Final = Path("benchmarks", "c_yardstick")
-"""Its folder in drivegate's sources."""
+"""Name of its source there."""
 RECORD: Final = ("speed", "current_reference", "advance", "current_sum", "impulse", "source")
 """What it can record of each control period, in SI units."""
 
@@ -174,18 +175,6 @@ class PreparedRun:
         if status != 0:
             raise HarnessFault("the yardstick's run came to no end")
         return YardstickRun(np.array(result.totals), result.speed, result.worst_mismatch, rows)
-
-
-def yardstick_folder(given: Path | None) -> Path | None:
-    """Find the folder of the yardstick."""
-    if given is None:
-        return IN_SOURCES if (IN_SOURCES / SOURCE).is_file() else None
-    if not (given / SOURCE).is_file():
-        raise InputError(
-            f"{shown_path(given)} holds no {SOURCE}; --yardstick takes the folder {IN_SOURCES.as_posix()} of "
-            "drivegate's sources"
-        )
-    return given
 
 
 def build_yardstick(folder: Path, scratch: Path) -> Path:
