@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.bench.loop_rates import checked_run
 from drivegate.studies.bench.measurement import Checked, NotMeasured, Value, interleaved, rate, ratio, timed
 from drivegate.studies.bench.workbench import Workbench, operating_scenario

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.bench.loop_rates import checked_run
 from drivegate.studies.bench.measurement import Checked, NotMeasured, Value, interleaved, ratio
 from drivegate.studies.bench.workbench import Workbench, operating_scenario

@@ -4,7 +4,7 @@ import pytest
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.bench.workbench import operating_scenario
 from drivegate_models.errors import HarnessFault, InputError
 from yardstick import RECORD, Yardstick, build_yardstick

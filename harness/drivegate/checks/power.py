@@ -48,29 +48,35 @@ def estimated_power(record: RunRecord) -> Margin | None:
 
 
 PWR_1 = Check(
-    "PWR-1",
-    "The power exchanged with the half-sources equals their voltage times the magnitudes of the phase currents, "
-    "and the net input power is that less twice what flows back.",
-    "P4",
-    "plant",
-    "required",
-    "1e-9 relative in every control period",
-    "every run",
-    "1 - greatest |exchanged - 2 returned - spent| / throughput / 1e-9",
-    "Every comparison of currents and powers rests on it. It is drivegate's own obligation, not the candidate's.",
-    exchanged_power,
+    id="PWR-1",
+    requirement=(
+        "The power exchanged with the half-sources equals their voltage times the magnitudes of the phase currents, "
+        "and the net input power is that less twice what flows back."
+    ),
+    source="P4",
+    subject="plant",
+    level="required",
+    limit="1e-9 relative in every control period",
+    scenarios="every run",
+    formula="1 - greatest |exchanged - 2 returned - spent| / throughput / 1e-9",
+    why="Every comparison of currents and powers rests on it. It is drivegate's own obligation, not the candidate's.",
+    evaluate=exchanged_power,
 )
 PWR_2 = Check(
-    "PWR-2",
-    "An estimate of the input power equals half supply voltage times current magnitude sum of the Sense given, "
-    "of that step alone or their mean over the time that the candidate declares.",
-    "P4",
-    "candidate",
-    "required",
-    "1e-9 relative, or one step of the converter",
-    "every run of a candidate that estimates its input power",
-    "1 - greatest |estimate - V Σ|i|| / (V Σ|i|) / 1e-9; through a converter also 1 - greatest difference / "
-    "(supply voltage × step of current)",
-    "The search of the paper takes this product for the input power; a wrong one leads it to a wrong angle.",
-    estimated_power,
+    id="PWR-2",
+    requirement=(
+        "An estimate of the input power equals half supply voltage times current magnitude sum of the Sense given, "
+        "of that step alone or their mean over the time that the candidate declares."
+    ),
+    source="P4",
+    subject="candidate",
+    level="required",
+    limit="1e-9 relative, or one step of the converter",
+    scenarios="every run of a candidate that estimates its input power",
+    formula=(
+        "1 - greatest |estimate - V Σ|i|| / (V Σ|i|) / 1e-9; through a converter also 1 - greatest difference / "
+        "(supply voltage × step of current)"
+    ),
+    why="The search of the paper takes this product for the input power; a wrong one leads it to a wrong angle.",
+    evaluate=estimated_power,
 )

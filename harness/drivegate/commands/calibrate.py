@@ -8,12 +8,12 @@ import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import json_option
+from drivegate.drives.kinds import DEFAULT_MOTOR
 from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-STORED_MOTOR = "paper-5-phase"
 
 
 @click.command("calibrate")
@@ -23,7 +23,7 @@ def command() -> Outcome:
     from drivegate.studies.calibrate.calibrate import calibration_document
     from drivegate_cases.motor.motor import load_motor
 
-    stored = load_motor(STORED_MOTOR)
+    stored = load_motor(DEFAULT_MOTOR)
     document = calibration_document(stored)
     code = ExitCode.PASSED if document["agrees"] else ExitCode.FAILED
 

@@ -9,11 +9,11 @@ import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import chosen_motor, json_option, motor_options
+from drivegate.drives.kinds import DEFAULT_MOTOR
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-DEFAULT_MOTOR = "paper-5-phase"
 
 
 @click.command("map")

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.fault import Fault
+from drivegate.checks.judged_window import judged_window
 from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.drives.running import recorded
 from drivegate.results.result import CheckOutcome, Recording
-from drivegate.runs.record import recorded
-from drivegate.studies.replay.replay import judged_window
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.python.bridge import PythonController
+from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, below
 from drivegate.checks.timing import LARGEST_SHARE
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.gate.shard import JudgedRun, ShardOutcome
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.runs.scripted import advance, prepared_steps
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM

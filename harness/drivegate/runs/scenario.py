@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, refused_command
+from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.scenario.load import (
     GRAVITY,
     ConstantPowerLoad,
@@ -19,12 +21,11 @@ from drivegate_cases.scenario.load import (
     VehicleLoad,
 )
 from drivegate_cases.scenario.piecewise import Profile
-from drivegate_cases.scenario.profile import dwells, profile_arrays
+from drivegate_cases.scenario.profile import profile_arrays
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IdealSensors
 from drivegate_models.contract.outer_loop.signals import Sense
 from drivegate_models.errors import HarnessFault
-from drivegate_models.half_bridge.closed_loop import run_closed_loop
 from drivegate_models.loop import sensors
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
@@ -35,22 +36,11 @@ from drivegate_models.units import RADIANS_PER_RPM
 if TYPE_CHECKING:
     from drivegate.containment.shared_progress import SharedProgress
 
-SETTLING_TIME = 6.0
-"""Time within which a search has to converge at a steady reference (s)."""
-SHORTEST_WINDOW = 3.0
-"""Shortest time over which convergence is judged (s)."""
+RunClosedLoop: TypeAlias = Callable[..., ClosedLoopRun]
+"""Runs a controller, already reset, against the plant of one kind of drive."""
 
 _PERCENT = 0.01
 _SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
-
-
-def observed_windows(scenario: Scenario) -> list[tuple[float, float]]:
-    """Find the stretches in which convergence is judged: from `SETTLING_TIME` into each long dwell to its end."""
-    return [
-        (dwell.start + SETTLING_TIME, dwell.end)
-        for dwell in dwells(scenario)
-        if dwell.duration >= SETTLING_TIME + SHORTEST_WINDOW - 1e-9
-    ]
 
 
 def plant_load(scenario: Scenario) -> load.Load:
@@ -120,7 +110,8 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     )
 
 
-def run_scenario(
+def run_in_closed_loop(
+    run_closed_loop: RunClosedLoop,
     scenario: Scenario,
     controller: Controller,
     *,
@@ -128,7 +119,7 @@ def run_scenario(
     power_window: float = 0.0,
     trace_every: int = 0,
 ) -> ClosedLoopRun:
-    """Reset a controller and run it through a scenario."""
+    """Reset a controller and run it through a scenario, against the plant of a closed loop."""
     nameplate = scenario.nameplate()
     drive = scenario.motor.drive(scenario.scales)
     with progress.run() if progress is not None else nullcontext():

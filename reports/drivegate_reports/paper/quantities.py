@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from drivegate.candidates.builtin.loading import BuiltinController
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.publication.facts import Fact, Quantity
 from drivegate_cases.scenario.operating_point import load_operating_point

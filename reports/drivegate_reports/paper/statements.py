@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from drivegate.candidates.builtin.loading import BuiltinController
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate_cases.motor.scales import Scales
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import load_scenario

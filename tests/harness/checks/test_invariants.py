@@ -13,8 +13,8 @@ from drivegate.checks.command_range import angle_below_base
 from drivegate.checks.convergence import converges
 from drivegate.checks.power import estimated_power, exchanged_power
 from drivegate.checks.ripple import LARGEST_RIPPLE, ripple_at_converged_angle
+from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
-from drivegate.runs.scenario import run_scenario
 from drivegate.scenarios.drawn.families import base_speed_scenarios, drawn_scenarios, steady_scenarios
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario, load_scenario

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.scenarios.building import base_speed_scenario, steady_scenario, vehicle_scenario
 from drivegate.scenarios.changes import (
     pulsed,
@@ -32,20 +32,20 @@ def steady(speed_rpm: float, share: float = 1.0, *, power: bool = False) -> Scen
 
 
 def test_every_fixed_scenario_is_fair() -> None:
-    unfair = [scenario.name for scenario in fixed_scenarios() if not is_fair(scenario)]
+    unfair = [scenario.name for scenario in fixed_scenarios(MOTOR) if not is_fair(scenario)]
     assert not unfair
 
 
 def test_fixed_scenarios_differ_and_begin_with_the_lock_up() -> None:
-    names = [scenario.name for scenario in fixed_scenarios()]
+    names = [scenario.name for scenario in fixed_scenarios(MOTOR)]
     assert names[:2] == ["lock-up", "fig5-search"]
     assert len(set(names)) == len(names), sorted(names)
 
 
 def test_a_speed_range_chooses_among_the_fixed_scenarios_and_always_leaves_one() -> None:
-    chosen = fixed_scenarios((600.0, 1000.0))
+    chosen = fixed_scenarios(MOTOR, (600.0, 1000.0))
     assert {speed for scenario in chosen for _, speed in scenario.speed_rpm} == {600.0, 700.0, 900.0, 1000.0}
-    (only,) = fixed_scenarios((1001.0, 1009.0))
+    (only,) = fixed_scenarios(MOTOR, (1001.0, 1009.0))
     assert only.speed_rpm == ((0.0, 1005.0),)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.bench.measurement import Checked, Value, rate, timed
 from drivegate.studies.bench.workbench import Workbench, operating_scenario
 from drivegate_models.units import RADIANS_PER_RPM

@@ -13,7 +13,8 @@ import numpy as np
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.kinds import WHOLE_FILE_SUFFIXES
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.studies.campaign.file import SPREADABLE, Campaign
+from drivegate.scenarios.parameters import SPREADABLE
+from drivegate.studies.campaign.file import Campaign
 from drivegate.studies.campaign.parameters import drawn, with_parameters
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate_cases.documents.wording import one_line

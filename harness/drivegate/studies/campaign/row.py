@@ -12,8 +12,9 @@ from drivegate.checks.check import judged_elsewhere
 from drivegate.checks.determinism import DET_1
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.runs.record import RunRecord, recorded
-from drivegate.scenarios.feasibility import is_fair
+from drivegate.drives.kinds import kind_of
+from drivegate.drives.running import recorded
+from drivegate.runs.record import RunRecord
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import HarnessFault
 from drivegate_models.machine import ledger
@@ -99,7 +100,7 @@ class Row:
 
 def run_row(loaded: LoadedCandidate, asked: RowRequest) -> Row:
     """Make a run and judge it; this is what the candidate's process does."""
-    if not is_fair(asked.scenario):
+    if not kind_of(asked.scenario.motor).is_fair(asked.scenario):
         return Row(SET_ASIDE)
     try:
         record = recorded(loaded, asked.scenario, loaded.controller())

@@ -14,6 +14,7 @@ from typing import Any, Final
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.drives.kinds import DEFAULT_MOTOR
 from drivegate.output.event_loop import followed
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
@@ -22,7 +23,6 @@ from drivegate.output.result_file import as_json
 
 COMPARISON_FILE: Final = "comparison.json"
 TABLES: Final = "tables"
-REFERENCE_MOTOR: Final = "paper-5-phase"
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def compare_all(specifications: Sequence[str], output: Path, options: Comparison
     resolved = [_resolved(specification) for specification in specifications]
     if not any(isinstance(found, Candidate) for found in resolved):
         return ComparisonEnding(None, (), _errors(specifications, resolved))
-    cycle, motor = load_drive_cycle(options.cycle), load_motor(REFERENCE_MOTOR)
+    cycle, motor = load_drive_cycle(options.cycle), load_motor(DEFAULT_MOTOR)
     with ReportFolder(output) as folder:
         document, refused = _compared(specifications, resolved, cycle, motor, options)
         if document is None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.runs.scripted import advance, prepared_steps
 from drivegate.scenarios.changes import CHANGE_S
 from drivegate.studies.compare.drive_cycle_run import cycle_figures

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.diff.plant_playback import PlantState, plant_at
 from drivegate.studies.diff.record import RecordingController, recorded_rows
 from drivegate_cases.scenario.scenario import Scenario

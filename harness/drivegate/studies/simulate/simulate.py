@@ -11,7 +11,8 @@ from drivegate.candidates.fault import Fault
 from drivegate.candidates.loading import load_controller
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.containment.worker import CandidateWorker
-from drivegate.runs.scenario import observed_windows, run_scenario
+from drivegate.drives.running import run_scenario
+from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.machine import ledger

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.builtin.loading import BuiltinController
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.half_bridge.controllers.builtin import SEARCH_PERIOD, SEARCHES

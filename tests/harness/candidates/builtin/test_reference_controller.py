@@ -8,8 +8,8 @@ import pytest
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.convergence import converges, converges_again, reaches_optimum
+from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
-from drivegate.runs.scenario import run_scenario
 from drivegate.scenarios.fixed import steady_scenario
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario

@@ -8,7 +8,7 @@ from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.composed.loading import ComposedController, load_controller
 from drivegate.candidates.fault import CandidateFault
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES

@@ -29,7 +29,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.messages import Job
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.containment.worker import CandidateWorker
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.outer_loop.records import Nameplate, Sense
 from drivegate_models.errors import InputError

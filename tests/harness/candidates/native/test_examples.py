@@ -8,13 +8,14 @@ import pytest
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.gate.shard import judged
+from drivegate.checks.judging import judged
+from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
-from drivegate.runs.scenario import run_scenario
 from drivegate.scenarios.fixed import fixed_scenarios
+from drivegate_cases.motor.motor import load_motor
 
 EXAMPLES = Path(__file__).parents[4] / "examples"
-SCENARIOS = {scenario.name: scenario for scenario in fixed_scenarios()}
+SCENARIOS = {scenario.name: scenario for scenario in fixed_scenarios(load_motor("paper-5-phase"))}
 REQUIRED = (
     "ADV-1",
     "ADV-2",

@@ -8,12 +8,12 @@ import pytest
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import judged
 from drivegate.containment.messages import Job
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.containment.worker import CandidateWorker
-from drivegate.gate.shard import judged
+from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
-from drivegate.runs.scenario import run_scenario
 from drivegate.studies.simulate.simulate import Plan, run_plan
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.outer_loop.signals import Nameplate

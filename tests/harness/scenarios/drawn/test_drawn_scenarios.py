@@ -9,7 +9,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from drivegate.runs.scenario import SETTLING_TIME, SHORTEST_WINDOW, observed_windows
 from drivegate.scenarios.drawn.families import (
     FAMILY_GROUPS,
     Family,
@@ -18,6 +17,7 @@ from drivegate.scenarios.drawn.families import (
     overspeed_scenarios,
 )
 from drivegate.scenarios.feasibility import coasts, is_fast_while_loaded
+from drivegate.scenarios.windows import SETTLING_TIME, SHORTEST_WINDOW, observed_windows
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.load import VehicleLoad

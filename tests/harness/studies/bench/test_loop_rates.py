@@ -7,7 +7,7 @@ import pytest
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.bench import loop_rates, point_rates, python_overhead, run_memory
 from drivegate.studies.bench.measurement import NotMeasured
 from drivegate.studies.bench.workbench import operating_scenario

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drivegate.candidates.builtin.loading import BuiltinController
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.compare.drive_cycle_run import VEHICLE, braking_grade, cycle_figures, cycle_scenario
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.drive_cycle import DriveCycle, load_drive_cycle

@@ -7,7 +7,7 @@ import pytest
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.diff.diff import FIRST, SECOND, compared
 from drivegate.studies.diff.document import units_in_the_last_place
 from drivegate.studies.diff.jobs import Rule
