@@ -16,22 +16,23 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from yardstick import FLAGS
+
 HERE = Path(__file__).resolve().parent
 PAGE = HERE.parent / "docs" / "speed.md"
 BEGIN, END = "<!-- tables: begin -->", "<!-- tables: end -->"
 OWN = "loop.reference.1500.ideal"
 MOST_LOAD = 0.5
-COMMAND_LINE = "from drivegate.commands.command_line import main; main()"
 
 
 def measured(words: list[str]) -> dict[str, Any]:
-    """Run ``drivegate bench`` and return its document."""
+    """Run the bench and return its document."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "bench.json"
-        command = [sys.executable, "-c", COMMAND_LINE, "bench", *words, "--output", str(file)]
+        command = [sys.executable, str(HERE / "source_bench.py"), *words, "--output", str(file)]
         ended = subprocess.run(command, stdout=subprocess.DEVNULL, check=False)
         if ended.returncode != 0:
-            raise SystemExit(f"drivegate bench ended with exit code {ended.returncode}; no table is written")
+            raise SystemExit(f"the bench ended with exit code {ended.returncode}; no table is written")
         document: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
         return document
 
@@ -66,7 +67,7 @@ def heading(document: dict[str, Any]) -> list[str]:
         f"{machine['processor']}, {machine['processors']} processors, {machine['system']}, load average {loads} after;",
         f"drivegate {document['provenance']['drivegate']}, Python {document['provenance']['python']}, "
         f"numba {packages['numba']}, numpy {packages['numpy']}.",
-        f"The yardstick is compiled with `cc {document['yardstick_flags']}`.",
+        f"The yardstick is compiled with `cc {' '.join(FLAGS)}`.",
         "",
     ]
 

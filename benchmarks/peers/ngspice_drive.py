@@ -73,11 +73,12 @@ def main():
     if program is None:
         sys.stderr.write("ngspice is not installed: not measured\n")
         return
+    from drivegate.drives.kinds import DEFAULT_MOTOR
     from drivegate_cases.motor.motor import load_motor
     from drivegate_models.half_bridge.plant.phases import make_phases
     from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME, solve_steady_state
 
-    motor = load_motor("paper-5-phase")
+    motor = load_motor(DEFAULT_MOTOR)
     drive = motor.drive()
     state = solve_steady_state(
         drive,

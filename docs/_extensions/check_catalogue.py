@@ -28,8 +28,10 @@ from sphinx.util.docutils import SphinxDirective
 
 from drivegate.candidates.builtin.faults import MUTATIONS
 from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
+from drivegate.drives.kinds import DEFAULT_MOTOR
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.scenarios.fixed import fixed_scenarios
+from drivegate_cases.motor.motor import load_motor
 
 Cell: TypeAlias = str | Sequence[nodes.Node]
 """A text, or the inline nodes of a paragraph."""
@@ -157,7 +159,8 @@ class FixedScenarios(SphinxDirective):
             The table.
         """
         rows: list[list[Cell]] = [
-            [[nodes.literal(text=scenario.name)], scenario.description] for scenario in fixed_scenarios()
+            [[nodes.literal(text=scenario.name)], scenario.description]
+            for scenario in fixed_scenarios(load_motor(DEFAULT_MOTOR))
         ]
         return [_table([2, 3], rows, ["scenario", "what it is"])]
 

@@ -108,7 +108,11 @@ def compile_library(sources: list[Path], library: Path, fmi: int, phases: int, t
     command += [f"-DCONTROLLER_PHASES={phases}", f'-DFMU_TOKEN="{token}"']
     command += [
         f"-I{folder}"
-        for folder in (HERE, header_folder("drivegate_models", ""), header_folder("fmpy", "c-code"))
+        for folder in (
+            HERE,
+            header_folder("drivegate_models", "contract/outer_loop"),
+            header_folder("fmpy", "c-code"),
+        )
     ]
     command += [str(file) for file in (*sources, HERE / "instance.c", HERE / f"fmi{fmi}.c")]
     subprocess.run([*command, "-o", str(library), "-lm"], check=True)

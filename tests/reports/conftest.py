@@ -12,8 +12,8 @@ import pytest
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.drives.running import run_scenario
 from drivegate.gate.recording import thinned
-from drivegate.runs.scenario import run_scenario
 from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.engine import Compared
 from drivegate.studies.compare.plan import EFFORTS, PlannedRun, planned_runs

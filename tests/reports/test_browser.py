@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from drivegate.output.result_reports import report_formats, write_reports
+from drivegate.output.result_reports import report_formats, write_result
 from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
 from drivegate_reports.comparison import report as comparison
 from drivegate_reports.paper.report import PAGE_FILE
@@ -62,7 +62,7 @@ def pages(
     folder = tmp_path_factory.mktemp("pages")
     conformance = folder / "conformance"
     conformance.mkdir()
-    (page,) = write_reports(recorded, conformance, report_formats(["conformance"]))
+    page = write_result(recorded, conformance, report_formats(["conformance"])).pages["conformance"]
     document = json.loads(json.dumps(made_up(faulted=True)))
     write_tables(document, folder)
     (folder / COMPARISON_FILE).write_text(json.dumps(document), encoding="utf-8")

@@ -4,18 +4,66 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Final, TypeAlias
 
 from drivegate.candidates.declaration import Declaration
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 
-if TYPE_CHECKING:
-    from drivegate.candidates.composed.candidate import Composition
-    from drivegate.candidates.native.candidate import NativeBuild
-    from drivegate.candidates.program.candidate import Program
+STEP_DEADLINE: Final = 1.0
+"""Time that a program has for each step unless its manifest says otherwise (s)."""
 
-CandidateKind: TypeAlias = Literal["builtin", "python", "c", "so", "fmu", "exec", "compose"]
+
+@dataclass(frozen=True)
+class NativeBuild:
+    """Where the code of a native candidate is.
+
+    Attributes
+    ----------
+    library : Path
+        The shared library that a worker process loads.
+    """
+
+    library: Path
+
+
+@dataclass(frozen=True)
+class Program:
+    """What is started for a candidate of kind `exec`.
+
+    Attributes
+    ----------
+    executable : Path
+        The program's file.
+    arguments : tuple of str
+        The words of the command line, the program's name the first.
+    step_deadline : float
+        Time that it has for each step (s).
+    """
+
+    executable: Path
+    arguments: tuple[str, ...]
+    step_deadline: float = STEP_DEADLINE
+
+
+@dataclass(frozen=True)
+class Composition:
+    """What a composed controller consists of.
+
+    Attributes
+    ----------
+    base : str
+        The built-in controller whose other blocks it has.
+    blocks : tuple of tuple of str
+        Name and entry of each block of its own; an entry is ``module:name`` or ``/path/file.py:name``.
+    """
+
+    base: str
+    blocks: tuple[tuple[str, str], ...]
+
+
+Details: TypeAlias = NativeBuild | Program | Composition
+"""What only one kind needs."""
 
 
 @dataclass(frozen=True)
@@ -26,8 +74,8 @@ class Candidate:
     ----------
     name : str
         What waivers match and reports show.
-    kind : {"builtin", "python", "c", "so", "fmu", "exec", "compose"}
-        How the candidate is loaded.
+    kind : str
+        Name of its kind's row in `drivegate.candidates.kinds.KINDS`.
     specification : str
         The string that named it.
     entry : str
@@ -46,14 +94,14 @@ class Candidate:
     """
 
     name: str
-    kind: CandidateKind
+    kind: str
     specification: str
     entry: str
     folder: Path
     sources: tuple[Path, ...]
     content_hash: str
     declaration: Declaration
-    details: "NativeBuild | Program | Composition | None" = None
+    details: Details | None = None
 
 
 def existing_file(path: Path) -> Path:

@@ -1,16 +1,21 @@
 """The manifest `candidate.toml`: what a candidate is made of, and what it declares of itself."""
 
 from math import pi, radians
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
+from drivegate.candidates.kinds import KINDS
 from drivegate_cases.documents.document import Document, Section
 
-Kind = Literal["python", "builtin", "c", "so", "fmu", "exec", "compose"]
+# A type checker cannot read a Literal that is made of the registry.
+if TYPE_CHECKING:
+    KindName = str
+else:
+    KindName = Literal[tuple(KINDS)]
 
-_KINDS_WITH_FLAGS = ("c",)
+_KIND_OF_KEY = {key: kind.name for kind in KINDS.values() for key in kind.manifest_keys}
 
 Text = Annotated[str, Field(min_length=1)]
 Positive = Annotated[float, Field(gt=0)]
@@ -59,7 +64,7 @@ class Manifest(Document):
     """A candidate of any kind, described in a file."""
 
     name: Text = Field(description="name of the candidate, which waivers match")
-    kind: Kind = Field(description="kind of candidate")
+    kind: KindName = Field(description="kind of candidate")
     entry: Text = Field(description="class, function, file or command to start the candidate by")
     sources: tuple[Text, ...] = Field(default=(), description="files that the candidate's hash covers")
     include: tuple[Text, ...] = Field(default=(), description="folders of headers")
@@ -88,10 +93,15 @@ class Manifest(Document):
 
     @model_validator(mode="after")
     def _only_a_composition_has_blocks(self) -> Self:
-        if self.kind == "compose" and self.blocks is None:
-            raise ValueError("the kind 'compose' needs a table [blocks] with the blocks that are replaced")
-        if self.kind != "compose" and self.blocks is not None:
-            raise ValueError(f"the table [blocks] is for the kind 'compose', but the kind is '{self.kind}'")
+        composed = _KIND_OF_KEY["blocks"]
+        if self.kind == composed and self.blocks is None:
+            raise ValueError(
+                f"the kind '{composed}' needs a table [blocks] with the blocks that are replaced"
+            )
+        if self.kind != composed and self.blocks is not None:
+            raise ValueError(
+                f"the table [blocks] is for the kind '{composed}', but the kind is '{self.kind}'"
+            )
         return self
 
     @model_validator(mode="after")
@@ -105,18 +115,10 @@ class Manifest(Document):
         return self
 
     @model_validator(mode="after")
-    def _only_what_is_compiled_has_flags(self) -> Self:
-        for key in ("include", "flags"):
-            if getattr(self, key) and self.kind not in _KINDS_WITH_FLAGS:
-                raise ValueError(f"the key '{key}' is for the kind 'c', but the kind is '{self.kind}'")
-        return self
-
-    @model_validator(mode="after")
-    def _only_a_program_has_a_deadline(self) -> Self:
-        if self.step_deadline_s is not None and self.kind != "exec":
-            raise ValueError(
-                f"the key 'step_deadline_s' is for the kind 'exec', but the kind is '{self.kind}'"
-            )
+    def _has_no_key_of_another_kind(self) -> Self:
+        for key, kind in _KIND_OF_KEY.items():
+            if getattr(self, key) and kind != self.kind:
+                raise ValueError(f"the key '{key}' is for the kind '{kind}', but the kind is '{self.kind}'")
         return self
 
     @model_validator(mode="after")

@@ -26,7 +26,7 @@ def judged_elsewhere(_record: RunRecord) -> Margin | None:
     return None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Check:
     """A requirement and how it is judged.
 

@@ -8,7 +8,6 @@ from drivegate.checks.check import Check
 from drivegate.checks.declared_speeds import unless_speeds_from
 from drivegate.checks.margin import Margin, normalised
 from drivegate.runs.record import RunRecord
-from drivegate_models.loop import observation
 
 LARGEST_ANGLE = math.pi / 2.0
 """Greatest advance angle of the contract (rad electrical)."""
@@ -16,21 +15,20 @@ LARGEST_ANGLE = math.pi / 2.0
 
 def angle_below_base(record: RunRecord) -> Margin | None:
     """Judge the advance angle in steps whose own Sense shows less than base speed (paper, Fig. 3)."""
-    run = record.run.run
-    if run[observation.RUN_STEPS_BELOW_BASE] == 0.0:
+    run = record.run.observed
+    if run.steps_below_base == 0.0:
         return None
-    angle = float(run[observation.RUN_ANGLE_BELOW_BASE])
+    angle = run.angle_below_base
     if angle == 0.0:
         return Margin("ADV-1", 1.0, "0° throughout")
-    time = float(run[observation.RUN_FIRST_BELOW_BASE])
     degrees = math.degrees(angle)
-    return Margin("ADV-1", normalised(-degrees, 1.0), f"{degrees:.3g}° at {time:.4g} s")
+    return Margin("ADV-1", normalised(-degrees, 1.0), f"{degrees:.3g}° at {run.first_below_base:.4g} s")
 
 
 def angle_range(record: RunRecord) -> Margin:
     """Judge the range of the advance angle."""
-    lowest = float(record.run.run[observation.RUN_ANGLE_LOWEST])
-    highest = float(record.run.run[observation.RUN_ANGLE_HIGHEST])
+    lowest = record.run.observed.angle_lowest
+    highest = record.run.observed.angle_highest
     value = normalised(min(lowest, LARGEST_ANGLE - highest), LARGEST_ANGLE)
     return Margin("ADV-2", value, f"{math.degrees(lowest):.4g}° to {math.degrees(highest):.4g}°")
 
@@ -38,46 +36,46 @@ def angle_range(record: RunRecord) -> Margin:
 def reference_range(record: RunRecord) -> Margin:
     """Judge the range of the current reference."""
     limit = record.scenario.motor.current_limit_a
-    lowest = float(record.run.run[observation.RUN_REFERENCE_LOWEST])
-    highest = float(record.run.run[observation.RUN_REFERENCE_HIGHEST])
+    lowest = record.run.observed.reference_lowest
+    highest = record.run.observed.reference_highest
     value = normalised(min(lowest, limit - highest), limit)
     return Margin("CMD-1", value, f"{lowest:.4g} A to {highest:.4g} A")
 
 
 ADV_1 = Check(
-    "ADV-1",
-    "The advance angle is 0 whenever the speed in that step's own Sense is below base speed.",
-    "P5",
-    "candidate",
-    "required",
-    "exactly 0° below 500 rpm",
-    "runs that come below base speed",
-    "1 when every such angle is exactly 0, else minus the largest of them in degrees",
-    "Below base speed the supply exceeds the EMF, and an advanced current only costs torque.",
-    angle_below_base,
-    unless_speeds_from(0.0, math.nextafter(500.0, 0.0)),
+    id="ADV-1",
+    requirement="The advance angle is 0 whenever the speed in that step's own Sense is below base speed.",
+    source="P5",
+    subject="candidate",
+    level="required",
+    limit="exactly 0° below 500 rpm",
+    scenarios="runs that come below base speed",
+    formula="1 when every such angle is exactly 0, else minus the largest of them in degrees",
+    why="Below base speed the supply exceeds the EMF, and an advanced current only costs torque.",
+    evaluate=angle_below_base,
+    reason_not_applicable=unless_speeds_from(0.0, math.nextafter(500.0, 0.0)),
 )
 ADV_2 = Check(
-    "ADV-2",
-    "The advance angle stays within 0° to 90°.",
-    "P10",
-    "candidate",
-    "required",
-    "0° to 90°",
-    "every run",
-    "distance from the nearer end / 90°, before the plant clamps the angle",
-    "At 90° the greatest speed is reached; beyond it the torque falls again.",
-    angle_range,
+    id="ADV-2",
+    requirement="The advance angle stays within 0° to 90°.",
+    source="P10",
+    subject="candidate",
+    level="required",
+    limit="0° to 90°",
+    scenarios="every run",
+    formula="distance from the nearer end / 90°, before the plant clamps the angle",
+    why="At 90° the greatest speed is reached; beyond it the torque falls again.",
+    evaluate=angle_range,
 )
 CMD_1 = Check(
-    "CMD-1",
-    "The current reference stays within 0 to the limit.",
-    "P3",
-    "candidate",
-    "required",
-    "0 to 26 A",
-    "every run",
-    "distance from the nearer end / 26 A, before the plant clamps the reference",
-    "The phase current is limited by its reference alone, and there is no braking with a negative one.",
-    reference_range,
+    id="CMD-1",
+    requirement="The current reference stays within 0 to the limit.",
+    source="P3",
+    subject="candidate",
+    level="required",
+    limit="0 to 26 A",
+    scenarios="every run",
+    formula="distance from the nearer end / 26 A, before the plant clamps the reference",
+    why="The phase current is limited by its reference alone, and there is no braking with a negative one.",
+    evaluate=reference_range,
 )

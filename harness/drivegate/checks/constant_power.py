@@ -9,9 +9,8 @@ from drivegate.checks.convergence import SPEED_TOLERANCE, described
 from drivegate.checks.declared_speeds import unless_speeds_from
 from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.record import RunRecord, Window
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate_cases.scenario.circumstance import Circumstance
-from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
 
 LOWEST_RPM = 550.0
 """Speed from which constant power is required (rpm)."""
@@ -50,32 +49,34 @@ def _held(check: str, record: RunRecord, windows: list[Window]) -> Margin | None
 
 
 def _speed_error(window: Window) -> float:
-    return float(window.values[observation.WINDOW_SPEED_ERROR])
+    return window.values.speed_error
 
 
 CPW_1 = Check(
-    "CPW-1",
-    "Constant power: 1.5 kW is held within k1 at every speed from 550 to 1500 rpm.",
-    "P5, P10",
-    "candidate",
-    "required",
-    "k1 = 5 rpm",
-    "every steady stretch of 9 s or more that asks for 1.5 kW, on the nominal drive",
-    "1 - |speed error| / k1",
-    "Constant power over the whole high-speed range is what the advance angle is for.",
-    holds_constant_power,
-    unless_speeds_from(LOWEST_RPM, HIGHEST_RPM),
+    id="CPW-1",
+    requirement="Constant power: 1.5 kW is held within k1 at every speed from 550 to 1500 rpm.",
+    source="P5, P10",
+    subject="candidate",
+    level="required",
+    limit="k1 = 5 rpm",
+    scenarios="every steady stretch of 9 s or more that asks for 1.5 kW, on the nominal drive",
+    formula="1 - |speed error| / k1",
+    why="Constant power over the whole high-speed range is what the advance angle is for.",
+    evaluate=holds_constant_power,
+    reason_not_applicable=unless_speeds_from(LOWEST_RPM, HIGHEST_RPM),
 )
 CPW_2 = Check(
-    "CPW-2",
-    "Constant power beyond three times base speed: 1.5 kW is held within k1 at speeds up to 2000 rpm.",
-    "P10",
-    "candidate",
-    "advisory",
-    "k1 = 5 rpm",
-    "every steady stretch of 9 s or more that asks for 1.5 kW above 1500 rpm, on the nominal drive",
-    "1 - |speed error| / k1",
-    "The paper puts the limit of its drive beyond three times base speed, without a number.",
-    holds_constant_power_beyond,
-    unless_speeds_from(math.nextafter(HIGHEST_RPM, HIGHEST_ADVISED_RPM), HIGHEST_ADVISED_RPM),
+    id="CPW-2",
+    requirement="Constant power beyond three times base speed: 1.5 kW is held within k1 at speeds up to 2000 rpm.",
+    source="P10",
+    subject="candidate",
+    level="advisory",
+    limit="k1 = 5 rpm",
+    scenarios="every steady stretch of 9 s or more that asks for 1.5 kW above 1500 rpm, on the nominal drive",
+    formula="1 - |speed error| / k1",
+    why="The paper puts the limit of its drive beyond three times base speed, without a number.",
+    evaluate=holds_constant_power_beyond,
+    reason_not_applicable=unless_speeds_from(
+        math.nextafter(HIGHEST_RPM, HIGHEST_ADVISED_RPM), HIGHEST_ADVISED_RPM
+    ),
 )

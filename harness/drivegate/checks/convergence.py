@@ -9,11 +9,12 @@ from drivegate.checks.check import Check
 from drivegate.checks.declared_speeds import unless_speeds_from
 from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.record import RunRecord, Window, rated_torque
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate_cases.scenario.circumstance import Circumstance
+from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.sensors import IdealSensors
-from drivegate_models.half_bridge.steady.oracle import least_current_sum
+from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum
 from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
 
 SPEED_TOLERANCE = 5.0 * RADIANS_PER_RPM
 """k1 (rad/s)."""
@@ -32,7 +33,7 @@ ABOVE_BASE_SPEED = unless_speeds_from(500.0, math.inf)
 
 def described(window: Window) -> str:
     """Tell where a window was observed."""
-    torque = float(window.values[observation.WINDOW_TORQUE])
+    torque = window.values.torque
     return f" at {window.dwell.speed_rpm:.4g} rpm, {torque:.3g} N·m"
 
 
@@ -43,7 +44,7 @@ def unseen_share(window: Window) -> float:
     The step is the clock's over the time in which edges are counted.
     """
     sensors = window.scenario.sensors
-    torque = float(window.values[observation.WINDOW_TORQUE])
+    torque = window.values.torque
     if isinstance(sensors, IdealSensors) or torque <= 0.0:
         return 0.0
     step = window.speed * sensors.clock_s / sensors.speed_window_s
@@ -54,10 +55,10 @@ def unseen_share(window: Window) -> float:
 def window_convergence(window: Window) -> tuple[float, str]:
     """Judge whether the search has converged in a window (paper, Fig. 4)."""
     values = window.values
-    mean = float(values[observation.WINDOW_CURRENT_SUM])
-    spread = float(values[observation.WINDOW_MEAN_HIGHEST] - values[observation.WINDOW_MEAN_LOWEST])
-    moved = float(values[observation.WINDOW_ANGLE_HIGHEST] - values[observation.WINDOW_ANGLE_LOWEST])
-    error = float(values[observation.WINDOW_SPEED_ERROR])
+    mean = values.current_sum
+    spread = values.mean_highest - values.mean_lowest
+    moved = values.angle_highest - values.angle_lowest
+    error = values.speed_error
     judged = [
         (at_most(error, SPEED_TOLERANCE), f"speed error {error / RADIANS_PER_RPM:.4g} rpm"),
         (at_most(moved, ANGLE_TOLERANCE), f"angle moves by {math.degrees(moved):.3g}°"),
@@ -68,6 +69,17 @@ def window_convergence(window: Window) -> tuple[float, str]:
     return min(judged)
 
 
+def is_feasible(window: Window) -> bool:
+    """Tell whether some advance angle lets the plant give what the load asks for."""
+    scenario, dwell = window.scenario, window.dwell
+    if isinstance(scenario.load, LockedLoad) or window.torque_asked <= 0.0:
+        return True
+    drive = scenario.motor.drive(window.scales)
+    torque = window.torque_asked + drive.friction + drive.viscous_friction * window.speed
+    voltage = dwell.supply_v * (1.0 - abs(dwell.imbalance))
+    return not math.isnan(feasible_edge(drive, window.speed, torque, voltage))
+
+
 def worst_convergence(check: str, windows: Iterable[Window]) -> Margin | None:
     """Judge whether the search has converged in every window."""
     margins = []
@@ -76,7 +88,7 @@ def worst_convergence(check: str, windows: Iterable[Window]) -> Margin | None:
             continue
         value, measured = window_convergence(window)
         # Feasibility takes much longer to tell than convergence, and matters only without it.
-        if value >= 0.0 or window.is_feasible():
+        if value >= 0.0 or is_feasible(window):
             margins.append(Margin(check, value, measured + described(window)))
     return min(margins, key=lambda margin: margin.value, default=None)
 
@@ -105,10 +117,10 @@ def reaches_optimum(record: RunRecord) -> Margin | None:
 
 
 def _excess(record: RunRecord, window: Window) -> Margin:
-    torque = float(window.values[observation.WINDOW_TORQUE])
-    mean = float(window.values[observation.WINDOW_CURRENT_SUM])
+    torque = window.values.torque
+    mean = window.values.current_sum
     # Where the reference is not held, the least sum is that of the speed at which the torque really is.
-    mean_speed = float(window.values[observation.WINDOW_SPEED])
+    mean_speed = window.values.speed
     base_speed = record.scenario.motor.base_speed_rpm * RADIANS_PER_RPM
     speed = mean_speed if mean_speed > base_speed else window.speed
     # A load of exactly half the torque is met to the regulator's own error.
@@ -124,45 +136,53 @@ def _excess(record: RunRecord, window: Window) -> Margin:
 
 
 CNV_1 = Check(
-    "CNV-1",
-    "Within 6 s of a steady reference the search has converged: from then on the true speed error stays within "
-    "k1, the 100 ms means of Σ|i| within k2, and the advance angle within 1°.",
-    "P6",
-    "candidate",
-    "required",
-    "k1 = 5 rpm, k2 = 0.5 % of Σ|i|, 1°",
-    "every first loaded steady stretch of 9 s or more above base speed, on the nominal drive",
-    "least of 1 - |speed error| / k1, 1 - (max - min of the 100 ms means of Σ|i|) / k2, "
-    "1 - (max - min of the angle) / 1°",
-    "A search that goes on for ever shakes torque and speed, and one that loses the speed does not drive.",
-    converges,
-    ABOVE_BASE_SPEED,
+    id="CNV-1",
+    requirement=(
+        "Within 6 s of a steady reference the search has converged: from then on the true speed error stays within "
+        "k1, the 100 ms means of Σ|i| within k2, and the advance angle within 1°."
+    ),
+    source="P6",
+    subject="candidate",
+    level="required",
+    limit="k1 = 5 rpm, k2 = 0.5 % of Σ|i|, 1°",
+    scenarios="every first loaded steady stretch of 9 s or more above base speed, on the nominal drive",
+    formula=(
+        "least of 1 - |speed error| / k1, 1 - (max - min of the 100 ms means of Σ|i|) / k2, "
+        "1 - (max - min of the angle) / 1°"
+    ),
+    why="A search that goes on for ever shakes torque and speed, and one that loses the speed does not drive.",
+    evaluate=converges,
+    reason_not_applicable=ABOVE_BASE_SPEED,
 )
 CNV_2 = Check(
-    "CNV-2",
-    "The search converges to the optimum: Σ|i| lies within 2 % of the least that any angle gives at that speed "
-    "and mean torque; required from half the torque of rated power upward, advisory below.",
-    "P6, P11, P12",
-    "candidate",
-    "required",
-    "2 % above the least Σ|i|",
-    "every loaded steady stretch of 9 s or more above base speed, on the nominal drive",
-    "1 - (Σ|i| - least Σ|i|) / (2 % of the least Σ|i|)",
-    "The least Σ|i| is what the search is for; the exhaustive search of the same plant knows it.",
-    reaches_optimum,
-    ABOVE_BASE_SPEED,
+    id="CNV-2",
+    requirement=(
+        "The search converges to the optimum: Σ|i| lies within 2 % of the least that any angle gives at that speed "
+        "and mean torque; required from half the torque of rated power upward, advisory below."
+    ),
+    source="P6, P11, P12",
+    subject="candidate",
+    level="required",
+    limit="2 % above the least Σ|i|",
+    scenarios="every loaded steady stretch of 9 s or more above base speed, on the nominal drive",
+    formula="1 - (Σ|i| - least Σ|i|) / (2 % of the least Σ|i|)",
+    why="The least Σ|i| is what the search is for; the exhaustive search of the same plant knows it.",
+    evaluate=reaches_optimum,
+    reason_not_applicable=ABOVE_BASE_SPEED,
 )
 CNV_3 = Check(
-    "CNV-3",
-    "No lock-up: after any load step, speed step or supply dip that leaves the point feasible, the search "
-    "converges again as CNV-1 requires.",
-    "P6",
-    "candidate",
-    "required",
-    "k1 = 5 rpm, k2 = 0.5 % of Σ|i|, 1°",
-    "every loaded steady stretch of 9 s or more above base speed after a change, on the nominal drive",
-    "as CNV-1",
-    "Fig. 4 taken literally stops for good once it has lost the speed, since its gate stays closed.",
-    converges_again,
-    ABOVE_BASE_SPEED,
+    id="CNV-3",
+    requirement=(
+        "No lock-up: after any load step, speed step or supply dip that leaves the point feasible, the search "
+        "converges again as CNV-1 requires."
+    ),
+    source="P6",
+    subject="candidate",
+    level="required",
+    limit="k1 = 5 rpm, k2 = 0.5 % of Σ|i|, 1°",
+    scenarios="every loaded steady stretch of 9 s or more above base speed after a change, on the nominal drive",
+    formula="as CNV-1",
+    why="Fig. 4 taken literally stops for good once it has lost the speed, since its gate stays closed.",
+    evaluate=converges_again,
+    reason_not_applicable=ABOVE_BASE_SPEED,
 )

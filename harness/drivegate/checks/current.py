@@ -21,14 +21,14 @@ def peak_current(record: RunRecord) -> Margin:
 
 
 CUR_1 = Check(
-    "CUR-1",
-    "No phase current exceeds the limit plus the hysteresis band, diode overshoot included.",
-    "P3",
-    "candidate",
-    "advisory",
-    "26 A + band",
-    "every run",
-    "1 - greatest phase current / (26 A + band)",
-    "Devices and magnets are chosen for that current; where EMF exceeds the supply, the diodes can drive more.",
-    peak_current,
+    id="CUR-1",
+    requirement="No phase current exceeds the limit plus the hysteresis band, diode overshoot included.",
+    source="P3",
+    subject="candidate",
+    level="advisory",
+    limit="26 A + band",
+    scenarios="every run",
+    formula="1 - greatest phase current / (26 A + band)",
+    why="Devices and magnets are chosen for that current; where EMF exceeds the supply, the diodes can drive more.",
+    evaluate=peak_current,
 )

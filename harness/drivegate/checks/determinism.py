@@ -18,14 +18,14 @@ def repeats_itself(record: RunRecord) -> Margin | None:
 
 
 DET_1 = Check(
-    "DET-1",
-    "The same scenario twice gives the same outputs, and reset forgets everything.",
-    "the contract",
-    "candidate",
-    "required",
-    "bit for bit",
-    "repeated runs: after another scenario on the same instance, on a new instance, and in another process",
-    "1 when all commands of every repetition are the same, else -1",
-    "A verdict holds, and a counterexample can be replayed, only where the same inputs give the same outputs.",
-    repeats_itself,
+    id="DET-1",
+    requirement="The same scenario twice gives the same outputs, and reset forgets everything.",
+    source="the contract",
+    subject="candidate",
+    level="required",
+    limit="bit for bit",
+    scenarios="repeated runs: after another scenario on the same instance, on a new instance, and in another process",
+    formula="1 when all commands of every repetition are the same, else -1",
+    why="A verdict holds, and a counterexample can be replayed, only where the same inputs give the same outputs.",
+    evaluate=repeats_itself,
 )

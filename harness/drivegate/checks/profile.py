@@ -15,16 +15,18 @@ def _declares_no_flowchart(declaration: Declaration) -> str | None:
 
 
 FLO_1 = Check(
-    "FLO-1",
-    "Every change of the advance angle follows the flowchart of Fig. 4 with the constants that the candidate "
-    "declares, for any sequence of speeds and powers.",
-    "P6",
-    "candidate",
-    "required",
-    "exact",
-    "scripts of Senses, for candidates of the profile 'flowchart'",
-    "1 when every angle is one that Fig. 4 allows, else minus the distance to the nearest such angle / step",
-    "Whether a search is the published one does not show in where it ends; it shows in every decision.",
-    judged_elsewhere,
-    _declares_no_flowchart,
+    id="FLO-1",
+    requirement=(
+        "Every change of the advance angle follows the flowchart of Fig. 4 with the constants that the candidate "
+        "declares, for any sequence of speeds and powers."
+    ),
+    source="P6",
+    subject="candidate",
+    level="required",
+    limit="exact",
+    scenarios="scripts of Senses, for candidates of the profile 'flowchart'",
+    formula="1 when every angle is one that Fig. 4 allows, else minus the distance to the nearest such angle / step",
+    why="Whether a search is the published one does not show in where it ends; it shows in every decision.",
+    evaluate=judged_elsewhere,
+    reason_not_applicable=_declares_no_flowchart,
 )

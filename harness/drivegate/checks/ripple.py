@@ -12,7 +12,6 @@ from drivegate.checks.margin import Margin, below
 from drivegate.runs.record import RunRecord, Window, rated_torque
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_models.half_bridge.steady.oracle import point_at_torque
-from drivegate_models.loop import observation
 
 LARGEST_RIPPLE = 0.13
 """Limit of the peak-to-peak ripple over the mean torque (paper, Fig. 6)."""
@@ -39,8 +38,8 @@ def _ideal_ripple(check: str, record: RunRecord, windows: list[Window]) -> Margi
     ideal = record.drive._replace(hysteresis_band=0.0)
     margins = []
     for window in windows:
-        angle = float(window.values[observation.WINDOW_ANGLE])
-        torque = float(window.values[observation.WINDOW_TORQUE])
+        angle = window.values.angle
+        torque = window.values.torque
         where = f"at {math.degrees(angle):.2f}°, {window.dwell.speed_rpm:.4g} rpm and {torque:.3g} N·m"
         point = point_at_torque(ideal, window.speed, min(max(angle, 0.0), math.pi / 2.0), torque)
         if not point.static or torque <= 0.0:
@@ -80,51 +79,57 @@ def closed_loop_ripple(record: RunRecord) -> Margin | None:
 
 def _closed_loop_margin(window: Window) -> Margin:
     rated = rated_torque(window.scenario, window.speed)
-    ripple = float(window.values[observation.WINDOW_RIPPLE])
-    one_sided = float(window.values[observation.WINDOW_RIPPLE_ONE_SIDED])
+    ripple = window.values.ripple
+    one_sided = window.values.ripple_one_sided
     told = f"{100.0 * ripple:.3g} %, one-sided {100.0 * one_sided:.3g} %{described(window)}"
     light = window.torque_asked < rated * (1.0 - _ROUNDING)
     return Margin("RIP-3", below(ripple, LARGEST_CLOSED_LOOP_RIPPLE), told, advisory=light)
 
 
 RIP_1 = Check(
-    "RIP-1",
-    "Torque ripple at 1500 rpm and 9.8 N·m, ideal regulator, at the angle that the candidate converged to.",
-    "P8",
-    "candidate",
-    "required",
-    "13 % peak to peak over mean",
-    "steady stretches of 9 s or more at the published point, 1500 rpm and 9.8 N·m, on the nominal drive",
-    "1 - ripple / 13 %, ripple = (max - min) / mean torque of one electrical period",
-    "The paper gives less than 13 % there, and calls it the worst case of the whole speed range.",
-    ripple_at_converged_angle,
-    unless_speeds_from(RIPPLE_SPEED_RPM, RIPPLE_SPEED_RPM),
+    id="RIP-1",
+    requirement="Torque ripple at 1500 rpm and 9.8 N·m, ideal regulator, at the angle that the candidate converged to.",
+    source="P8",
+    subject="candidate",
+    level="required",
+    limit="13 % peak to peak over mean",
+    scenarios="steady stretches of 9 s or more at the published point, 1500 rpm and 9.8 N·m, on the nominal drive",
+    formula="1 - ripple / 13 %, ripple = (max - min) / mean torque of one electrical period",
+    why="The paper gives less than 13 % there, and calls it the worst case of the whole speed range.",
+    evaluate=ripple_at_converged_angle,
+    reason_not_applicable=unless_speeds_from(RIPPLE_SPEED_RPM, RIPPLE_SPEED_RPM),
 )
 RIP_2 = Check(
-    "RIP-2",
-    "Torque ripple at every speed from 550 to 1500 rpm at 1.5 kW, ideal regulator, at the angle that the "
-    "candidate converged to.",
-    "P8",
-    "candidate",
-    "advisory",
-    "13 % peak to peak over mean",
-    "every steady stretch of 9 s or more that asks for 1.5 kW from 550 to 1500 rpm, on the nominal drive",
-    "as RIP-1",
-    "The paper's bound holds for the whole speed range; the calibrated motor itself comes close to it.",
-    ripple_at_constant_power,
-    unless_speeds_from(LOWEST_RPM, HIGHEST_RPM),
+    id="RIP-2",
+    requirement=(
+        "Torque ripple at every speed from 550 to 1500 rpm at 1.5 kW, ideal regulator, at the angle that the "
+        "candidate converged to."
+    ),
+    source="P8",
+    subject="candidate",
+    level="advisory",
+    limit="13 % peak to peak over mean",
+    scenarios="every steady stretch of 9 s or more that asks for 1.5 kW from 550 to 1500 rpm, on the nominal drive",
+    formula="as RIP-1",
+    why="The paper's bound holds for the whole speed range; the calibrated motor itself comes close to it.",
+    evaluate=ripple_at_constant_power,
+    reason_not_applicable=unless_speeds_from(LOWEST_RPM, HIGHEST_RPM),
 )
 RIP_3 = Check(
-    "RIP-3",
-    "Torque ripple of the closed loop, with band and speed regulator, in the worst electrical period of 1 s.",
-    "P8, P9",
-    "candidate",
-    "advisory",
-    "20 % peak to peak over mean",
-    "every loaded steady stretch of 9 s or more above base speed, on the nominal drive; those with less than the "
-    "torque of 1.5 kW decide nothing",
-    "1 - ripple / 20 %, ripple = (max - min) / mean torque of the worst electrical period",
-    "A band and a regulator that dithers across the feasible edge add to the ripple of the angle.",
-    closed_loop_ripple,
-    ABOVE_BASE_SPEED,
+    id="RIP-3",
+    requirement=(
+        "Torque ripple of the closed loop, with band and speed regulator, in the worst electrical period of 1 s."
+    ),
+    source="P8, P9",
+    subject="candidate",
+    level="advisory",
+    limit="20 % peak to peak over mean",
+    scenarios=(
+        "every loaded steady stretch of 9 s or more above base speed, on the nominal drive; those with less than the "
+        "torque of 1.5 kW decide nothing"
+    ),
+    formula="1 - ripple / 20 %, ripple = (max - min) / mean torque of the worst electrical period",
+    why="A band and a regulator that dithers across the feasible edge add to the ripple of the angle.",
+    evaluate=closed_loop_ripple,
+    reason_not_applicable=ABOVE_BASE_SPEED,
 )

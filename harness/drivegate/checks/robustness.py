@@ -50,43 +50,49 @@ def _requirement(window: Window) -> str:
 
 
 ROB_1 = Check(
-    "ROB-1",
-    "CNV-1 and CNV-3 hold with half to twice the resistance, 20 % more or less inductance, 5 % more or less EMF, "
-    "and up to 0.5 N·m of friction added.",
-    "P11",
-    "candidate",
-    "required",
-    "k1 = 5 rpm, k2 = 0.5 % of Σ|i|, 1°",
-    "every loaded steady stretch of 9 s or more above base speed, on a plant that differs from its nameplate",
-    "as CNV-1",
-    "The search is to need no model of the losses and to be insensitive to the motor's parameters.",
-    robust_convergence("ROB-1", Circumstance.PARAMETERS),
-    ABOVE_BASE_SPEED,
+    id="ROB-1",
+    requirement=(
+        "CNV-1 and CNV-3 hold with half to twice the resistance, 20 % more or less inductance, 5 % more or less EMF, "
+        "and up to 0.5 N·m of friction added."
+    ),
+    source="P11",
+    subject="candidate",
+    level="required",
+    limit="k1 = 5 rpm, k2 = 0.5 % of Σ|i|, 1°",
+    scenarios="every loaded steady stretch of 9 s or more above base speed, on a plant that differs from its nameplate",
+    formula="as CNV-1",
+    why="The search is to need no model of the losses and to be insensitive to the motor's parameters.",
+    evaluate=robust_convergence("ROB-1", Circumstance.PARAMETERS),
+    reason_not_applicable=ABOVE_BASE_SPEED,
 )
 ROB_2 = Check(
-    "ROB-2",
-    "CNV-1 and CNV-3 hold through the sensors of the published implementation: encoder, Hall sensors, converter.",
-    "P6, P11",
-    "candidate",
-    "required",
-    "k1 = 5 rpm, k2 = 0.5 % of Σ|i| and what two steps of the speed measurement are worth, 1°",
-    "every loaded steady stretch of 9 s or more above base speed, through sensors that are not ideal",
-    "as CNV-1, on the true speed and the true currents",
-    "A search compares small differences of Σ|i|, which offsets, noise and a converter's steps blur.",
-    robust_convergence("ROB-2", Circumstance.SENSORS),
-    ABOVE_BASE_SPEED,
+    id="ROB-2",
+    requirement=(
+        "CNV-1 and CNV-3 hold through the sensors of the published implementation: encoder, Hall sensors, converter."
+    ),
+    source="P6, P11",
+    subject="candidate",
+    level="required",
+    limit="k1 = 5 rpm, k2 = 0.5 % of Σ|i| and what two steps of the speed measurement are worth, 1°",
+    scenarios="every loaded steady stretch of 9 s or more above base speed, through sensors that are not ideal",
+    formula="as CNV-1, on the true speed and the true currents",
+    why="A search compares small differences of Σ|i|, which offsets, noise and a converter's steps blur.",
+    evaluate=robust_convergence("ROB-2", Circumstance.SENSORS),
+    reason_not_applicable=ABOVE_BASE_SPEED,
 )
 ROB_3 = Check(
-    "ROB-3",
-    "CNV-1 and CNV-3 hold after sensor dropouts and encoder glitches, and with unequal halves of the supply and "
-    "drifting parameters.",
-    "P6, P11",
-    "candidate",
-    "required",
-    "k1 = 5 rpm, k2 = 0.5 % of Σ|i| (through an encoder as ROB-2), 1°",
-    "every loaded steady stretch of 9 s or more above base speed, in runs with such a disturbance",
-    "as CNV-1",
-    "What one bad measurement leaves in a controller's memory must not stay there for good.",
-    robust_convergence("ROB-3", Circumstance.FAULTS),
-    ABOVE_BASE_SPEED,
+    id="ROB-3",
+    requirement=(
+        "CNV-1 and CNV-3 hold after sensor dropouts and encoder glitches, and with unequal halves of the supply and "
+        "drifting parameters."
+    ),
+    source="P6, P11",
+    subject="candidate",
+    level="required",
+    limit="k1 = 5 rpm, k2 = 0.5 % of Σ|i| (through an encoder as ROB-2), 1°",
+    scenarios="every loaded steady stretch of 9 s or more above base speed, in runs with such a disturbance",
+    formula="as CNV-1",
+    why="What one bad measurement leaves in a controller's memory must not stay there for good.",
+    evaluate=robust_convergence("ROB-3", Circumstance.FAULTS),
+    reason_not_applicable=ABOVE_BASE_SPEED,
 )

@@ -11,16 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from drivegate.commands.conduct import ExitCode, Outcome
+from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import json_option
+from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rich.console import Console
 
-    from drivegate.studies.bench.measurement import Row
     from drivegate.studies.bench.plan import Planned
+    from drivegate.studies.bench.record import Row
     from drivegate.studies.bench.workbench import Workbench
 
 
@@ -35,12 +36,6 @@ if TYPE_CHECKING:
     help="Measure only this row, or group of rows such as loop, loop.python or steady; may be given again.",
 )
 @click.option(
-    "--yardstick",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder of the yardstick in C; by default that of drivegate's sources, where the command runs in them.",
-)
-@click.option(
     "--compare",
     type=click.Path(path_type=Path),
     metavar="FILE",
@@ -51,25 +46,37 @@ if TYPE_CHECKING:
 )
 @json_option
 def command(
-    quick: bool,
-    cold: bool,
-    names: tuple[str, ...],
-    yardstick: Path | None,
-    compare: Path | None,
-    output: Path | None,
+    quick: bool, cold: bool, names: tuple[str, ...], compare: Path | None, output: Path | None
 ) -> Outcome:
     """Measure how fast drivegate is on this machine.
 
     Each number is the best of several rounds, and the work behind it is checked: the exit code is 1 when one gave a
     wrong result. A bar that is missed is told, and changes no exit code.
     """
-    from drivegate.studies.bench.plan import chosen, planned
+    from drivegate.studies.bench.plan import planned
+
+    plan = planned(quick=quick, cold=cold)
+    return bench_outcome(
+        "drivegate bench", plan, quick=quick, cold=cold, names=names, compare=compare, output=output
+    )
+
+
+def bench_outcome(
+    program: str,
+    plan: Sequence[Planned],
+    *,
+    quick: bool,
+    cold: bool,
+    names: tuple[str, ...],
+    compare: Path | None,
+    output: Path | None,
+) -> Outcome:
+    """Measure what is chosen from a plan; compare and keep it where asked for."""
+    from drivegate.studies.bench.plan import chosen
     from drivegate.studies.bench.record import bench_document, compared_with, load_now, read_bench, save_bench
     from drivegate.studies.bench.workbench import Workbench
-    from drivegate.studies.bench.yardstick import yardstick_folder
 
-    plan = chosen(planned(quick=quick, cold=cold), names)
-    folder = yardstick_folder(yardstick)
+    plan = chosen(plan, names)
     earlier = None if compare is None else read_bench(compare)
     if output is not None:
         _check_output(output)
@@ -78,10 +85,10 @@ def command(
 
     began, started, load_before = time.monotonic(), datetime.now(UTC), load_now()
     with tempfile.TemporaryDirectory(prefix="drivegate-bench-") as scratch:
-        rows = _measured(plan, Workbench(Path(scratch), quick, folder))
+        rows = _measured(plan, Workbench(Path(scratch), quick))
     document = bench_document(
         rows,
-        command=_command(quick, cold, names),
+        command=_command(program, quick, cold, names),
         started=started,
         seconds=time.monotonic() - began,
         load_average=(load_before, load_now()),
@@ -106,25 +113,26 @@ def _check_output(output: Path) -> None:
     check_writable(output)
 
 
-def _command(quick: bool, cold: bool, names: tuple[str, ...]) -> str:
-    words = ["drivegate", "bench", *(["--quick"] if quick else []), *(["--cold"] if cold else [])]
+def _command(program: str, quick: bool, cold: bool, names: tuple[str, ...]) -> str:
+    words = [program, *(["--quick"] if quick else []), *(["--cold"] if cold else [])]
     return " ".join((*words, *(f"--only {quote(name)}" for name in names)))
 
 
 def _measured(plan: Sequence[Planned], bench: Workbench) -> list[Row]:
     from drivegate.gate.warm_up import compile_kernels, missing_marker
-    from drivegate.studies.bench.progress import bench_progress_on
+    from drivegate.output.progress import progress_on
 
     marker = missing_marker()
     # A gate starts its own processes; everything else is compiled by the first round, which is not timed.
     if marker is not None and any(one.name.startswith("gate.") for one in plan):
         compile_kernels(marker)
     rows = []
-    with bench_progress_on(sys.stderr, len(plan)) as tell:
+    with progress_on(sys.stderr) as display:
+        display.begin("bench", len(plan))
         for done, one in enumerate(plan):
-            tell(done, one.name)
+            display.advance(done, len(plan), one.name)
             rows.append(one.row(bench))
-        tell(len(plan), "done")
+        display.advance(len(plan), len(plan), "done", always=True)
     return rows
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
-from shlex import quote
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from drivegate.commands.conduct import ExitCode, Outcome
+from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import bounded, json_option
+from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -69,22 +69,28 @@ def command(
     where.require()
     campaign = read_campaign(file)
 
+    from drivegate.output.progress import progress_on, with_rate
     from drivegate.studies.campaign.engine import make_runs
     from drivegate.studies.campaign.folder import CampaignFolder
     from drivegate.studies.campaign.plan import planned
-    from drivegate.studies.campaign.progress import campaign_progress_on
     from drivegate.studies.campaign.summary import broken_harness, summarised
 
     plan = planned(campaign, Path(file).resolve().parent)
     began = time.monotonic()
     with CampaignFolder(output, plan) as folder:
-        with campaign_progress_on(sys.stderr, campaign.name, plan.runs) as tell:
-            made = make_runs(plan, folder, where, tell)
+        with progress_on(sys.stderr) as display:
+            made = make_runs(plan, folder, where, with_rate(display, campaign.name, plan.runs))
         document = summarised(plan, folder, confidence)
     timing = {"seconds": time.monotonic() - began, "runs_made": made}
     document |= {"output": str(output), "timing": timing}
     code = ExitCode.HARNESS_FAULT if broken_harness(document) else ExitCode.PASSED
-    return Outcome(document, lambda console: _show(console, document), code)
+
+    def show(console: Console) -> None:
+        from drivegate.studies.campaign.display import show_campaign
+
+        show_campaign(console, document)
+
+    return Outcome(document, show, code)
 
 
 def _check_options(backend: str, scheduler: str | None, workers: int | None) -> None:
@@ -94,62 +100,3 @@ def _check_options(backend: str, scheduler: str | None, workers: int | None) -> 
         raise click.UsageError("--scheduler goes with --backend dask only")
     if backend == "dask" and workers is not None:
         raise click.UsageError("--workers goes with --backend local only; a dask cluster has its own")
-
-
-def _show(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.output.console import number, plain, table
-
-    percent = f"{100.0 * document['confidence']:g} %"
-    for candidate in document["candidates"]:
-        verdicts = ", ".join(f"{count} {verdict}" for verdict, count in candidate["verdicts"].items())
-        heading = f"{candidate['name']}: {verdicts}"
-        columns = (
-            "runs",
-            "violations",
-            "probability",
-            f"{percent} interval",
-            "worst margin",
-            "5 %",
-            "median",
-        )
-        listed = table("check", "level", *columns, "worst run", right=(*columns, "worst run"), title=heading)
-        for check in candidate["checks"]:
-            # The least, the 5 % quantile and the median.
-            margins = dict(zip(document["quantiles"], check["margin_quantiles"], strict=False))
-            listed.add_row(
-                check["id"],
-                check["level"],
-                *_counted(check),
-                *(number(margins.get(share)) for share in (0.0, 0.05, 0.5)),
-                "–" if check["worst_run"] is None else str(check["worst_run"]),
-            )
-        listed.add_row("any required", "", *_counted(candidate["not_passed"]), "", "", "", "")
-        console.print(listed)
-        for fault in candidate["first_faults"]:
-            console.print(
-                plain(f"{fault['verdict']}: first in run {fault['run']}, {fault['file']}", "bold red")
-            )
-    console.print(plain(f"results: {document['output']}"))
-    hint = _hint(document)
-    if hint:
-        console.print(plain(f"next: {hint}", "dim"))
-
-
-def _counted(stated: dict[str, Any]) -> tuple[str, str, str, str]:
-    if not stated["runs"]:
-        return "0", "–", "–", "–"
-    low, high = stated["interval"]
-    return (
-        str(stated["runs"]),
-        str(stated["violations"]),
-        f"{stated['probability']:.4g}",
-        f"{low:.3g} to {high:.3g}",
-    )
-
-
-def _hint(document: dict[str, Any]) -> str:
-    for candidate in document["candidates"]:
-        for check in candidate["checks"]:
-            if check["counterexample"]:
-                return f"drivegate replay {quote(document['output'] + '/' + check['counterexample'])}"
-    return ""

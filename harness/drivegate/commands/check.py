@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from drivegate.commands.conduct import ExitCode, Outcome, complain, failure_of
+from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import bounded, json_option
-from drivegate_cases.documents.wording import one_line
+from drivegate.output.failure import complain, failure_of
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from drivegate.studies.check.check_all import Checked
-
-SCHEMA = 1
 DEFAULT_OUTPUT = "drivegate-report"
 
 
@@ -103,17 +98,19 @@ def command(
     drivegate.
     """
     from drivegate.studies.check.check_all import Effort, Records, check_all
+    from drivegate.studies.check.checked import summary
 
     how_much = Effort(effort, seed, workers, max_time, search, fail_on)
     records = Records(corpus, waivers, baseline)
-    all_checked = check_all(candidates, output, how_much, _summary, records)
+    all_checked = check_all(candidates, output, how_much, records)
     if len(all_checked) == 1 and all_checked[0].error is not None and all_checked[0].document is None:
         raise all_checked[0].error
     for checked in all_checked:
         if checked.error is not None:
             failure = failure_of(checked.error)
-            about = "" if len(all_checked) == 1 else f"{one_line(checked.specification)}: "
-            complain(replace(failure, message=f"{about}{failure.message}"), checked.error)
+            complain(
+                failure if len(all_checked) == 1 else failure.about(checked.specification), checked.error
+            )
 
     def show(console: Console) -> None:
         from drivegate.studies.check.display import show_checked
@@ -122,28 +119,4 @@ def command(
             if checked.document is not None:
                 show_checked(console, checked)
 
-    return Outcome(_summary(all_checked), show, max(map(_exit_code, all_checked)))
-
-
-def _summary(all_checked: Sequence[Checked]) -> dict[str, Any]:
-    """Make the document about all candidates: of a single one, its result."""
-    results = [_entry(checked) for checked in all_checked]
-    if len(results) == 1:
-        return results[0]
-    # A fault of drivegate (3) wins over a refusal (2), and that over a failure (1).
-    worst = max(_exit_code(checked) for checked in all_checked)
-    return {"schema": SCHEMA, "kind": "checks", "exit_code": worst, "results": results}
-
-
-def _entry(checked: Checked) -> dict[str, Any]:
-    if checked.error is None and checked.document is not None:
-        return checked.document
-    named = {"candidate": {"specification": checked.specification}}
-    return (checked.document or named) | (
-        {} if checked.error is None else failure_of(checked.error).document()
-    )
-
-
-def _exit_code(checked: Checked) -> int:
-    judged = ExitCode.PASSED if checked.document is None else checked.document["exit_code"]
-    return int(max(judged, ExitCode.PASSED if checked.error is None else failure_of(checked.error).exit_code))
+    return Outcome(summary(all_checked), show, max(checked.exit_code for checked in all_checked))

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from drivegate.commands.conduct import ExitCode, Outcome, complain, failure_of
+from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import json_option
-from drivegate_cases.documents.wording import one_line
+from drivegate.output.failure import ExitCode, Failure, complain, failure_of
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 DEFAULT_OUTPUT = "drivegate-comparison"
-ERROR_SCHEMA = 1
 
 
 @click.command("compare")
@@ -80,13 +78,12 @@ def command(
     ending = compare_all(candidates, output, ComparisonOptions(effort, seed, workers, checks, cycle))
     if ending.document is None and len(ending.refused) == 1:
         raise ending.refused[0][1]
-    code = ExitCode.PASSED
-    for specification, error in ending.refused:
-        failure = failure_of(error)
-        code = max(code, ExitCode(failure.exit_code))
-        about = f"{one_line(specification)}: "
-        complain(replace(failure, message=f"{about}{failure.message}"), error)
-    document = ending.document or _nothing(ending.refused)
+    failures = [failure_of(error).about(specification) for specification, error in ending.refused]
+    for failure, (_, error) in zip(failures, ending.refused, strict=True):
+        complain(failure, error)
+    code = max((failure.exit_code for failure in failures), default=int(ExitCode.PASSED))
+    all_failures = Failure("; ".join(failure.message for failure in failures), code)
+    document = ending.document or all_failures.document()
 
     def show(console: Console) -> None:
         if ending.document is not None:
@@ -95,10 +92,3 @@ def command(
             show_comparison(console, ending.document, ending.pages or (output,))
 
     return Outcome(document, show, code)
-
-
-def _nothing(refused: tuple[tuple[str, Exception], ...]) -> dict[str, Any]:
-    """Make the document about candidates of which none could be run."""
-    code = max(failure_of(error).exit_code for _, error in refused)
-    message = "; ".join(f"{one_line(name)}: {failure_of(error).message}" for name, error in refused)
-    return {"schema": ERROR_SCHEMA, "error": {"message": message, "exit_code": int(code)}}

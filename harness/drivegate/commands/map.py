@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import chosen_motor, json_option, motor_options
-from drivegate_models.errors import InputError
+from drivegate.drives.kinds import DEFAULT_MOTOR
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from drivegate.studies.map.map import OperatingMap
-    from drivegate.studies.map.plan import MapPlan
-
-SCHEMA = 1
-DEFAULT_MOTOR = "paper-5-phase"
-_SPEEDS = {"points": "100:2000:39", "best": "550:2000:30", "loop": "550:2000:15"}
-_TORQUES = {"best": "1:25:25", "loop": "2:24:12"}
 
 
 @click.command("map")
@@ -71,161 +61,35 @@ def command(
     least Σ|i| at every speed and torque; --advance-deg and --current-a ask for the steady state at every speed, angle
     and current.
     """
-    kind = _kind(candidate, torque_nm, advance_deg, current_a)
+    from drivegate.studies.map.request import map_axes, map_kind, planned_map
+
     texts = {
         "speed_rpm": speed_rpm,
         "torque_nm": torque_nm,
         "advance_deg": advance_deg,
         "current_a": current_a,
     }
-    axes = _axes(kind, texts)
+    kind = map_kind(candidate, texts)
+    axes = map_axes(kind, texts)
 
     from drivegate.output.trace_files import check_targets
 
     check_targets(csv, parquet, plot)
-    plan = _planned(kind, candidate, axes, parameters, motor, settings)
 
-    from drivegate.containment.backend import Backend
-    from drivegate.studies.campaign.progress import campaign_progress_on
-    from drivegate.studies.map.files import write_figure, write_tables
-    from drivegate.studies.map.map import computed
-
-    _warm_up()
-    began = time.monotonic()
-    title = _title(plan)
-    with campaign_progress_on(sys.stderr, title, plan.axes.points, unit="points") as tell:
-        made = computed(plan, Backend("local", workers), tell)
-    seconds = time.monotonic() - began
-    write_tables(made, csv, parquet)
-    if plot is not None:
-        write_figure(made, plot, title)
-    document = _document(made, seconds, [str(path) for path in (csv, parquet, plot) if path is not None])
-    return Outcome(document, lambda console: _show(console, document, title))
-
-
-def _kind(candidate: str | None, torque: str | None, advance: str | None, current: str | None) -> str:
-    if candidate is None and torque is None:
-        return "points"
-    if advance is not None or current is not None:
-        raise click.UsageError(
-            "--advance-deg and --current-a go with a map of the plant, without a candidate and without --torque-nm"
-        )
-    return "best" if candidate is None else "loop"
-
-
-def _axes(kind: str, texts: dict[str, str | None]) -> dict[str, tuple[float, ...]]:
-    from drivegate.studies.map.axes import axis_within
-
-    readers: dict[str, tuple[Callable[[str], tuple[float, ...]], str]] = {
-        "speed_rpm": (axis_within(0.0, 1e5, above=True), _SPEEDS[kind])
-    }
-    if kind == "points":
-        readers["advance_deg"] = (axis_within(0.0, 90.0), "0:90:46")
-        readers["current_a"] = (axis_within(0.0, 1e5), "2:26:13")
-    else:
-        readers["torque_nm"] = (axis_within(0.0, 1e6, above=kind == "best"), _TORQUES[kind])
-    axes = {}
-    for name, (read, default) in readers.items():
-        try:
-            axes[name] = read(texts[name] or default)
-        except InputError as error:
-            raise InputError(f"--{name.replace('_', '-')}: {error}") from error
-    return axes
-
-
-def _planned(
-    kind: str,
-    candidate: str | None,
-    axes: dict[str, tuple[float, ...]],
-    parameters: tuple[str, ...],
-    motor: str | None,
-    settings: tuple[str, ...],
-) -> MapPlan:
     from drivegate.candidates.resolution import resolve_candidate
     from drivegate_cases.motor.motor import load_motor
 
     resolved = None if candidate is None else resolve_candidate(candidate)
     nominal = chosen_motor(motor, settings, lambda: load_motor(DEFAULT_MOTOR))
+    plan = planned_map(kind, nominal, resolved, axes, parameters)
 
-    from drivegate.studies.map.axes import MapAxes, parameter_axis
-    from drivegate.studies.map.plan import PARAMETERS, MapPlan
+    from drivegate.studies.map.run import made_map
 
-    further = dict(parameter_axis(text, PARAMETERS) for text in parameters)
-    if len(further) < len(parameters):
-        raise InputError("--parameter names the same key twice, but each key has one axis")
-    # Parameters vary slowest, so that each worker's points share one drive.
-    return MapPlan(kind, nominal, MapAxes.of({**further, **axes}), resolved)
+    document, title = made_map(plan, workers, csv=csv, parquet=parquet, plot=plot)
 
+    def show(console: Console) -> None:
+        from drivegate.studies.map.display import show_map
 
-def _warm_up() -> None:
-    from drivegate.gate.warm_up import compile_kernels, missing_marker
+        show_map(console, document, title)
 
-    marker = missing_marker()
-    if marker is not None:
-        compile_kernels(marker)
-
-
-def _title(plan: MapPlan) -> str:
-    if plan.candidate is not None:
-        return f"{plan.candidate.name} on {plan.motor.name}"
-    return plan.motor.name if plan.kind == "points" else f"the best of {plan.motor.name}"
-
-
-def _document(made: OperatingMap, seconds: float, files: list[str]) -> dict[str, Any]:
-    import numpy as np
-
-    plan = made.plan
-    finite = np.isfinite(made.numbers)
-    ranges = {
-        name: {"lowest": float(column[here].min()), "highest": float(column[here].max())}
-        for name, column, here in zip(plan.columns, made.numbers.T, finite.T, strict=True)
-        if here.any() and name != "certified"
-    }
-    document: dict[str, Any] = {
-        "schema": SCHEMA,
-        "kind": "operating map",
-        "of": plan.kind,
-        "motor": plan.motor.name,
-        "candidate": None if plan.candidate is None else plan.candidate.name,
-        "axes": {name: list(values) for name, values in zip(plan.axes.names, plan.axes.values, strict=True)},
-        "points": plan.axes.points,
-        "without_values": int(np.count_nonzero(~finite.any(axis=1))),
-        "ranges": ranges,
-        "verdicts": {verdict: made.verdicts.count(verdict) for verdict in sorted(set(made.verdicts))},
-    }
-    if plan.kind == "points":
-        document["not_certified"] = int(np.count_nonzero(made.numbers[:, -1] == 0.0))
-    return document | {"files": files, "timing": {"seconds": seconds}}
-
-
-def _show(console: Console, document: dict[str, Any], title: str) -> None:
-    from drivegate.output.console import number, plain, table
-
-    listed = table(
-        "quantity",
-        "lowest",
-        "highest",
-        right=("lowest", "highest"),
-        title=f"{title}: {document['points']} points",
-    )
-    for name, span in document["ranges"].items():
-        listed.add_row(name, number(span["lowest"]), number(span["highest"]))
-    console.print(listed)
-    if document["verdicts"]:
-        console.print(
-            plain(", ".join(f"{count} {verdict}" for verdict, count in document["verdicts"].items()))
-        )
-    elif document["without_values"]:
-        console.print(plain(f"{document['without_values']} points are out of reach and have no values"))
-    if document.get("not_certified"):
-        console.print(
-            plain(
-                f"{document['not_certified']} points have no periodic state; their means are over many cycles"
-            )
-        )
-    seconds = document["timing"]["seconds"]
-    console.print(plain(f"{document['points'] / max(seconds, 1e-9):.3g} points a second", "dim"))
-    for path in document["files"]:
-        console.print(plain(f"written: {path}"))
-    if not document["files"]:
-        console.print(plain("next: the same with --plot map.png and --parquet map.parquet", "dim"))
+    return Outcome(document, show)

@@ -43,12 +43,13 @@ def command(file: Path, formats: tuple[str, ...], output: Path) -> Outcome:
     the result's verdict.
     """
     from drivegate.output.report_folder import ReportFolder
-    from drivegate.output.result_reports import read_result, report_formats, write_reports
+    from drivegate.output.result_reports import read_result, report_formats, write_result
 
     chosen = report_formats(formats)
     result = read_result(file)
     with ReportFolder(output) as folder:
-        pages = write_reports(result, folder.staging, chosen)
+        written = write_result(result, folder.staging, chosen)
+        written.require_all("made")
         folder.commit()
     document = {
         "schema": SCHEMA,
@@ -56,7 +57,7 @@ def command(file: Path, formats: tuple[str, ...], output: Path) -> Outcome:
         "candidate": result["candidate"]["name"],
         "verdict": result["verdict"],
         "formats": list(chosen),
-        "pages": [str(output / page) for page in pages],
+        "pages": [str(output / page) for page in written.pages.values()],
     }
     return Outcome(document, lambda console: _show(console, document))
 

@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
 import click
 
-from drivegate.commands.conduct import ExitCode, Outcome
+from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import json_option
-
-if TYPE_CHECKING:
-    from drivegate.candidates.builtin.faults import Mutation
-    from drivegate.studies.selftest.matrix import DesignRow, FaultRow
-    from drivegate.studies.selftest.run import SelftestEffort
+from drivegate.output.failure import ExitCode
 
 ALL_SEEDS = 1000
 
@@ -65,52 +57,14 @@ def command(
     candidate of its own, as faulty:NAME. The exit code is 1 when a check misses its fault or a correct design
     is accused.
     """
-    mutations = _chosen(faults)
+    from drivegate.studies.selftest.selftest import chosen_mutations, selftested
 
-    from drivegate.checks.catalogue import CHECKS
+    mutations = chosen_mutations(faults)
+
     from drivegate.studies.selftest.display import show_matrix
-    from drivegate.studies.selftest.matrix import Matrix
     from drivegate.studies.selftest.run import SelftestEffort
 
     amount = SelftestEffort(effort, seeds, workers, search, drawn_only)
-    rows = _tried(mutations, amount)
-    designs = () if faults or drawn_only else _judged(amount)
-    matrix = Matrix(tuple(check.id for check in CHECKS), rows, designs)
+    matrix = selftested(mutations, amount, designs=not faults and not drawn_only)
     code = ExitCode.PASSED if matrix.passed else ExitCode.FAILED
     return Outcome(matrix.document(), lambda console: show_matrix(console, matrix), code)
-
-
-def _chosen(names: Sequence[str]) -> tuple[Mutation, ...]:
-    from drivegate.candidates.builtin.faults import MUTATIONS, find_mutation
-    from drivegate.candidates.resolution import FAULTY_PREFIX
-
-    if not names:
-        return tuple(MUTATIONS.values())
-    return tuple(find_mutation(name.removeprefix(FAULTY_PREFIX)) for name in dict.fromkeys(names))
-
-
-def _tried(mutations: Sequence[Mutation], effort: SelftestEffort) -> tuple[FaultRow, ...]:
-    from drivegate.studies.selftest.run import try_faults
-    from drivegate.studies.selftest.trial_progress import trial_progress_on
-
-    rows = []
-    with trial_progress_on(sys.stderr, len(mutations)) as tell:
-        for row in try_faults(mutations, effort):
-            tell(row)
-            rows.append(row)
-    return tuple(rows)
-
-
-def _judged(effort: SelftestEffort) -> tuple[DesignRow, ...]:
-    from drivegate.output.progress import progress_on
-    from drivegate.output.subscription import publish
-    from drivegate.studies.selftest.correct_designs import correct_designs
-    from drivegate.studies.selftest.run import design_check, judged_design
-
-    rows = []
-    for design in correct_designs():
-        for seed in range(effort.seeds):
-            with progress_on(sys.stderr) as progress:
-                result = publish(design_check(design, seed, effort), (progress,))
-            rows.append(judged_design(design, result))
-    return tuple(rows)

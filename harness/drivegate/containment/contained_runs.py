@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault, Fault
+from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.loading import load_controller
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.containment.shared_progress import SharedProgress
@@ -28,7 +29,7 @@ def contained_runs(
     runs depends on the payloads alone, never on how they are shared among processes. A built-in candidate, whose code
     is drivegate's own, needs none.
     """
-    if candidate.kind == "builtin":
+    if KINDS[candidate.kind].comes_along:
         yield from _uncontained_runs(candidate, target, payloads)
         return
     refused: Fault | None = None

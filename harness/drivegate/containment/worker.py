@@ -12,6 +12,7 @@ from typing import Any, Self
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.ending import ending_in_words
 from drivegate.candidates.fault import Fault, FaultKind, bounded_text
+from drivegate.candidates.kinds import KINDS
 from drivegate.containment.handle import UnreadableReply, WorkerHandle
 from drivegate.containment.messages import (
     LOST_CONNECTION,
@@ -38,7 +39,6 @@ _HARNESS_OWN = (Activity.STARTING, Activity.WAITING, Activity.PREPARING)
 _NOT_ITS_OWN = "a candidate must leave alone what it has not opened"
 _CONNECTION_CLOSED = f"the process closed its connection to the harness; {_NOT_ITS_OWN}"
 _CONNECTION_GARBLED = f"the process wrote into its connection to the harness; {_NOT_ITS_OWN}"
-_PROGRAMS = ("exec", "compose")
 
 
 class CandidateWorker:
@@ -129,7 +129,8 @@ class CandidateWorker:
 
     def _with_output(self, handle: WorkerHandle, reply: Faulted) -> Faulted:
         """Add to the fault of a program, which has no traceback, what the program printed."""
-        if reply.fault.traceback or handle is not self._handle or self._setup.candidate.kind not in _PROGRAMS:
+        told = KINDS[self._setup.candidate.kind].told_by_output
+        if reply.fault.traceback or handle is not self._handle or not told:
             return reply
         return Faulted(replace(reply.fault, traceback=bounded_text(handle.last_output())))
 

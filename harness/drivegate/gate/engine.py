@@ -13,20 +13,20 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.loading import load_controller
 from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.judging import JudgedRun, SetAside, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.pool import WorkerPool
 from drivegate.gate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
 from drivegate.gate.recording import recording_job, recording_plans, with_recordings
 from drivegate.gate.repetition import repeated_elsewhere
-from drivegate.gate.shard import JudgedRun, SetAside, ShardOutcome
 from drivegate.gate.shrinking import Shrunk
 from drivegate.gate.simplest import simplest_failures, with_simplest
 from drivegate.gate.warm_up import compile_kernels, missing_marker
-from drivegate.results.baseline import Baseline, Comparison, compared
+from drivegate.results.baseline import Baseline, compared
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import machine, provenance
-from drivegate.results.result import CheckOutcome, CheckResult, FixedMargins
+from drivegate.results.result import CheckOutcome, CheckResult, Comparison, FixedMargins
 from drivegate.results.verdict import candidate_verdict, check_outcomes, machine_dependent
 from drivegate.results.waivers import Waiver, present_day, under_waivers
 from drivegate_models.errors import InputError

@@ -1,4 +1,4 @@
-"""What the engine tells while it works; progress, JSON, JUnit and HTML are handlers of these."""
+"""What the engine tells while it works; one loop follows these, `drivegate.output.event_loop`."""
 
 from __future__ import annotations
 

@@ -10,12 +10,14 @@ from typing import Final
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.flowchart.run import ScriptRuns, run_scripts, script_margin
 from drivegate.checks.flowchart.scripts import fixed_scripts, usual_speed
+from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.containment.messages import Job, LoadedCandidate
-from drivegate.gate.shard import DrawnRuns, FixedRuns, JudgedRun, ShardOutcome, run_drawn, run_fixed
+from drivegate.drives.drive_kind import DriveKind
+from drivegate.drives.kinds import DEFAULT_KIND
+from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.baseline import Baseline, scenario_key
 from drivegate.results.counterexample import Counterexample
-from drivegate.scenarios.fixed import REFERENCE_MOTOR, fixed_scenarios
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
@@ -73,19 +75,21 @@ def planned_work(
     search: bool = True,
     corpus: Sequence[Counterexample] = (),
     baseline: Baseline | None = None,
+    kind: DriveKind = DEFAULT_KIND,
 ) -> list[Work]:
-    """Plan the runs of a check."""
-    fixed = fixed_scenarios(declaration.speed_range_rpm)
+    """Plan the runs of a check on the default motor of a kind of drive."""
+    fixed = kind.fixed_scenarios(load_motor(kind.default_motor), declaration.speed_range_rpm)
     examples = EXAMPLES[effort]
     shards = [
-        DrawnRuns(REFERENCE_MOTOR, seed * SHARDS + shard, examples, search=search) for shard in range(SHARDS)
+        DrawnRuns(kind.default_motor, seed * SHARDS + shard, examples, search=search)
+        for shard in range(SHARDS)
     ]
     return [
         _as_they_are(fixed[:2], Origin.FIXED, repeat=True),
         *(_as_they_are((scenario,), Origin.FIXED) for scenario in fixed[2:]),
         *map(_stored, corpus),
         *(_as_they_are((scenario,), Origin.BASELINE) for scenario in _not_among(fixed, baseline)),
-        *_scripts(declaration, seed, SCRIPTS[effort]),
+        *_scripts(kind.default_motor, declaration, seed, SCRIPTS[effort]),
         *(
             Work(Job(run_drawn, drawn), examples, f"shard {number}", Origin.DRAWN)
             for number, drawn in enumerate(shards, start=1)
@@ -107,13 +111,13 @@ def run_stored_script(loaded: LoadedCandidate, script: Script) -> ShardOutcome:
     return ShardOutcome(() if margin is None else (JudgedRun(script.to_mapping(), (margin,)),))
 
 
-def _scripts(declaration: Declaration, seed: int, examples: int) -> list[Work]:
-    motor = load_motor(REFERENCE_MOTOR)
+def _scripts(motor_name: str, declaration: Declaration, seed: int, examples: int) -> list[Work]:
+    motor = load_motor(motor_name)
     speed = usual_speed(motor, declaration.speed_range_rpm)
     if declaration.flowchart is None or speed is None:
         return []
     count = len(fixed_scripts(motor, declaration.flowchart, speed)) + examples
-    job = Job(run_scripts, ScriptRuns(REFERENCE_MOTOR, seed, examples))
+    job = Job(run_scripts, ScriptRuns(motor_name, seed, examples))
     return [Work(job, count, "scripts", Origin.SCRIPTS)]
 
 

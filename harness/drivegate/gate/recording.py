@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.fault import Fault
+from drivegate.checks.judged_window import judged_window
 from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.drives.running import recorded
 from drivegate.results.result import CheckOutcome, Recording
-from drivegate.runs.record import recorded
-from drivegate.studies.replay.replay import judged_window
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.loop.observation import TRACE_COLUMNS
 
 MOST_POINTS: Final = 300
 """Most points that are kept of a run, each the mean of a stretch of it."""
@@ -108,7 +107,7 @@ def run_recorded(loaded: LoadedCandidate, plan: RecordPlan) -> Recorded:
     return Recorded(thinned(record.run.trace), windows)
 
 
-def thinned(trace: NDArray[np.float64]) -> dict[str, list[float]]:
+def thinned(trace: NDArray[Any]) -> dict[str, list[float]]:
     """Take the means of a trace over equal stretches."""
     rows = trace.shape[0]
     length = max(-(-rows // MOST_POINTS), 1)
@@ -116,7 +115,7 @@ def thinned(trace: NDArray[np.float64]) -> dict[str, list[float]]:
     counts = np.diff(np.append(begins, rows))
     columns = {}
     for name in COLUMNS:
-        values = trace[:, TRACE_COLUMNS.index(name)]
+        values = trace[name]
         if name == "half_supply_v" and np.ptp(values) == 0.0:
             continue
         means = np.add.reduceat(values, begins) / counts

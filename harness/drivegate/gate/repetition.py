@@ -7,12 +7,12 @@ from dataclasses import replace
 from typing import Final
 
 from drivegate.candidates.fault import Fault
+from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.containment.pool import WorkerPool
+from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
-from drivegate.gate.shard import JudgedRun
-from drivegate.runs.record import recorded
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 

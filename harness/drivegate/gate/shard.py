@@ -17,13 +17,12 @@ from hypothesis.errors import Unsatisfiable
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault
 from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.judging import JudgedRun, SetAside, ShardOutcome, judged
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.runs.record import RunRecord, recorded
-from drivegate.scenarios.drawn.families import drawn_scenarios
-from drivegate.scenarios.feasibility import unfair_because
-from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate.drives.kinds import kind_of
+from drivegate.drives.running import recorded
+from drivegate_cases.motor.motor import Motor, load_motor
 from drivegate_cases.scenario.scenario import Scenario
 
 _SEARCHED: Final = frozenset(
@@ -74,67 +73,6 @@ class DrawnRuns:
     search: bool = True
 
 
-@dataclass(frozen=True)
-class JudgedRun:
-    """A run's scenario and margins; what a worker hands back.
-
-    Attributes
-    ----------
-    scenario : dict
-        The scenario as plain data.
-    margins : tuple of Margin
-        Of every check that applies.
-    digest : int
-        Digest of the commands; 0 where they are not compared.
-    """
-
-    scenario: dict[str, Any]
-    margins: tuple[Margin, ...]
-    digest: int = 0
-
-
-@dataclass(frozen=True)
-class SetAside:
-    """A drawn scenario on which no candidate may be judged; it was not run.
-
-    Attributes
-    ----------
-    scenario : str
-        Its name.
-    reason : str
-        Why no controller could do what it asks.
-    """
-
-    scenario: str
-    reason: str
-
-
-@dataclass(frozen=True)
-class ShardOutcome:
-    """What a job came to.
-
-    Attributes
-    ----------
-    runs : tuple of JudgedRun
-        In the order in which they were made.
-    set_aside : tuple of SetAside
-        Drawn scenarios that no controller could do, which were not run.
-    """
-
-    runs: tuple[JudgedRun, ...]
-    set_aside: tuple[SetAside, ...] = ()
-
-
-def judged(record: RunRecord) -> JudgedRun:
-    """Apply every check to a run."""
-    margins = (check.evaluate(record) for check in CHECKS)
-    return JudgedRun(
-        record.scenario.to_mapping(),
-        tuple(margin for margin in margins if margin is not None),
-        record.run.digest,
-    )
-
-
 def content_key(scenario: Mapping[str, Any]) -> str:
     """Write what a scenario does, so that equal runs give the same text, whatever they are called."""
     content = {key: value for key, value in scenario.items() if key not in ("name", "description")}
@@ -150,7 +88,7 @@ def run_fixed(loaded: LoadedCandidate, plan: FixedRuns) -> ShardOutcome:
         again = recorded(loaded, first, controller).run.digest
         afresh = recorded(loaded, first, loaded.controller()).run.digest
         records[0] = replace(records[0], repeated_digests=(again, afresh))
-    return ShardOutcome(tuple(judged(record) for record in records))
+    return ShardOutcome(tuple(judged(record, kind_of(record.scenario.motor).checks()) for record in records))
 
 
 class _Collector:
@@ -160,11 +98,13 @@ class _Collector:
     first runs can be held to unrelated draws.
     """
 
-    def __init__(self, loaded: LoadedCandidate, unrelated: int) -> None:
+    def __init__(self, loaded: LoadedCandidate, motor: Motor, unrelated: int) -> None:
         self._loaded = loaded
         self._controller: Controller = loaded.controller()
         self._unrelated = unrelated
-        self._known = {content_key(scenario.to_mapping()) for scenario in fixed_scenarios()}
+        self.kind = kind_of(motor)
+        fixed = self.kind.fixed_scenarios(motor, None)
+        self._known = {content_key(scenario.to_mapping()) for scenario in fixed}
         self._tickets: set[int] = set()
         self._answers: dict[tuple[int, str], tuple[Margin, ...] | None] = {}
         self.fault: CandidateFault | None = None
@@ -187,7 +127,7 @@ class _Collector:
         if key in self._known or (varied and self._examples < self._unrelated):
             return None
         self._known.add(key)
-        if (reason := unfair_because(scenario)) is not None:
+        if (reason := self.kind.unfair_because(scenario)) is not None:
             self.set_aside.append(SetAside(scenario.name, reason))
             return None
         try:
@@ -195,17 +135,16 @@ class _Collector:
         except CandidateFault as fault:
             self.fault = fault
             return None
-        outcome = judged(record)
+        outcome = judged(record, self.kind.checks())
         self.runs.append(outcome)
         return outcome.margins
 
 
 def run_drawn(loaded: LoadedCandidate, plan: DrawnRuns) -> ShardOutcome:
     """Draw scenarios, and climb toward the smallest margin."""
-    collector = _Collector(loaded, plan.examples // 2 if plan.search else plan.examples)
-    drawn = drawn_scenarios(
-        load_motor(plan.motor), loaded.candidate.declaration.speed_range_rpm, group=plan.seed
-    )
+    motor = load_motor(plan.motor)
+    collector = _Collector(loaded, motor, plan.examples // 2 if plan.search else plan.examples)
+    drawn = collector.kind.drawn_scenarios(motor, loaded.candidate.declaration.speed_range_rpm, plan.seed)
 
     @seed(plan.seed)
     @settings(

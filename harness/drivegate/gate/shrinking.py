@@ -10,9 +10,9 @@ from drivegate.candidates.fault import CandidateFault
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import LoadedCandidate
+from drivegate.drives.kinds import kind_of
+from drivegate.drives.running import recorded
 from drivegate.gate.shard import content_key
-from drivegate.runs.record import recorded
-from drivegate.scenarios.feasibility import is_fair
 from drivegate.scenarios.simplification import SIMPLIFICATIONS, Simplification, simplified
 from drivegate.scenarios.size import size_of
 from drivegate.scenarios.title import titled
@@ -142,5 +142,5 @@ def _simpler(
 def _candidates(scenario: Scenario, simplification: Simplification, trials: _Trials) -> Iterator[Scenario]:
     for fields in simplification(scenario):
         simpler = simplified(scenario, fields)
-        if simpler is not None and trials.is_new(simpler) and is_fair(simpler):
+        if simpler is not None and trials.is_new(simpler) and kind_of(simpler.motor).is_fair(simpler):
             yield simpler

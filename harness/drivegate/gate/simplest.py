@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from drivegate.candidates.fault import Fault
+from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job
 from drivegate.gate.plan import REPEATED
-from drivegate.gate.shard import JudgedRun
 from drivegate.gate.shrinking import ShrinkPlan, Shrunk, run_shrink, size_of
 from drivegate.results.result import CheckOutcome, Found
 from drivegate.results.verdict import considered

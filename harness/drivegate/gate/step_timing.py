@@ -5,21 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller
+from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.python.bridge import PythonController
+from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, below
 from drivegate.checks.timing import LARGEST_SHARE
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.gate.shard import JudgedRun, ShardOutcome
-from drivegate.runs.scenario import RADIANS_PER_RPM, run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.runs.scripted import advance, prepared_steps
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.loop.observation import TRACE_COLUMNS
+from drivegate_models.units import RADIANS_PER_RPM
 
 CHECK: Final = "TIM-1"
 TIMED_STEPS: Final = 4000
@@ -27,7 +28,6 @@ TIMED_STEPS: Final = 4000
 BLOCK: Final = 100
 """Number of steps whose mean time is taken; a decision of a search in 200 steps counts in every other one."""
 _COLUMNS: Final = ("speed_reference_rpm", "measured_speed_rpm", "current_sum_a", "half_supply_v")
-_OTHER_WAYS: Final = {"exec": "a process of its own", "fmu": "FMU", "compose": "blocks"}
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def time_steps(loaded: LoadedCandidate, plan: TimedSteps) -> ShardOutcome:
 def way_of_running(kind: str, controller: Controller) -> str:
     """Tell how a candidate's step runs, without which its time says little."""
     by_itself = "Python" if isinstance(controller, PythonController) else "native"
-    return _OTHER_WAYS.get(kind, by_itself)
+    return KINDS[kind].way_of_running or by_itself
 
 
 def timing_margin(way: str, step_time: float, control_period: float) -> Margin:
@@ -77,9 +77,9 @@ def timing_margin(way: str, step_time: float, control_period: float) -> Margin:
     return Margin(CHECK, below(step_time, LARGEST_SHARE * control_period), told)
 
 
-def _signals(trace: NDArray[np.float64]) -> NDArray[np.float64]:
+def _signals(trace: NDArray[Any]) -> NDArray[np.float64]:
     """Return the Senses of a trace as signals in SI units; the sum told is that of the step before."""
-    signals = trace[:, [TRACE_COLUMNS.index(name) for name in _COLUMNS]]
+    signals = np.stack([trace[name] for name in _COLUMNS], axis=1)
     signals[:, :2] *= RADIANS_PER_RPM
     signals[1:, 2] = signals[:-1, 2]
     signals[0, 2] = 0.0

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.candidate import Candidate
@@ -11,18 +12,18 @@ from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import judged
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.containment.stall_watch import WorkerLimits
-from drivegate.gate.shard import judged
-from drivegate.runs.record import rated_torque, recorded
-from drivegate.runs.scenario import RADIANS_PER_RPM
-from drivegate.scenarios.feasibility import is_feasible
-from drivegate.scenarios.fixed import fixed_scenarios
+from drivegate.drives.kinds import DRIVE_KINDS
+from drivegate.drives.running import recorded
+from drivegate.runs.record import rated_torque
+from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import choose_cache_folder
 from drivegate_models.errors import HarnessFault
-from drivegate_models.half_bridge.steady.oracle import least_current_sum, point_at_torque
-from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.units import RADIANS_PER_RPM
 
 MARKER = "all-kernels"
 """Name of the file in the cache folder that tells that every kernel has been compiled."""
@@ -47,21 +48,22 @@ def compile_kernels(marker: Path) -> None:
     """
     candidate = resolve_candidate(next(iter(BUILTIN_CANDIDATES)))
     with WorkerPool(candidate, _load_nothing, workers=2, limits=_LIMITS) as pool:
-        for targets in ((_use_oracle, _use_closed_loop, _use_steady_state), (_judge_a_run,)):
-            for outcome in pool.map([Job(target, None) for target in targets]):
+        rounds = ((_use_oracle, _use_closed_loop, _use_steady_state), (_judge_a_run,))
+        for kind, targets in product(DRIVE_KINDS, rounds):
+            for outcome in pool.map([Job(target, kind) for target in targets]):
                 if isinstance(outcome, Fault):
                     raise HarnessFault(f"the kernels cannot be compiled: {outcome.message}")
     marker.touch()
 
 
-def _use_oracle(_loaded: LoadedCandidate, _payload: Any) -> None:
-    scenario = fixed_scenarios()[1]
-    is_feasible(scenario)
-    drive = scenario.motor.drive()
+def _use_oracle(_loaded: LoadedCandidate, kind: str) -> None:
+    drive_kind, scenario = DRIVE_KINDS[kind], _plain_scenario(kind)
+    drive_kind.unfair_because(scenario)
+    oracle, drive = drive_kind.oracle(), scenario.motor.drive()
     speed = scenario.speed_rpm[0][1] * RADIANS_PER_RPM
     torque = rated_torque(scenario, speed)
-    optimum = least_current_sum(drive, speed, torque)
-    point_at_torque(drive, speed, optimum.advance, torque)
+    optimum = oracle.least_current_sum(drive, speed, torque)
+    oracle.point_at_torque(drive, speed, optimum.advance, torque)
 
 
 def _load_nothing(_candidate: Candidate) -> Controller:
@@ -69,14 +71,21 @@ def _load_nothing(_candidate: Candidate) -> Controller:
     return cast("Controller", None)
 
 
-def _use_closed_loop(loaded: LoadedCandidate, _payload: Any) -> None:
-    recorded(loaded, fixed_scenarios()[1], load_controller(loaded.candidate))
+def _use_closed_loop(loaded: LoadedCandidate, kind: str) -> None:
+    recorded(loaded, _plain_scenario(kind), load_controller(loaded.candidate))
 
 
-def _use_steady_state(_loaded: LoadedCandidate, _payload: Any) -> None:
-    drive = fixed_scenarios()[1].motor.drive()
-    steady_state(drive, 100.0, 10.0, 0.5)
+def _use_steady_state(_loaded: LoadedCandidate, kind: str) -> None:
+    drive = _plain_scenario(kind).motor.drive()
+    DRIVE_KINDS[kind].steady_state()(drive, 100.0, 10.0, 0.5)
 
 
-def _judge_a_run(loaded: LoadedCandidate, _payload: Any) -> None:
-    judged(recorded(loaded, fixed_scenarios()[1], load_controller(loaded.candidate)))
+def _judge_a_run(loaded: LoadedCandidate, kind: str) -> None:
+    judged(
+        recorded(loaded, _plain_scenario(kind), load_controller(loaded.candidate)), DRIVE_KINDS[kind].checks()
+    )
+
+
+def _plain_scenario(kind: str) -> Scenario:
+    drive_kind = DRIVE_KINDS[kind]
+    return drive_kind.fixed_scenarios(load_motor(drive_kind.default_motor), None)[1]

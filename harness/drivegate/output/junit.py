@@ -7,7 +7,6 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any, Final
 
-from drivegate.gate.events import CheckFinished, Event
 from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.results.result import STALE_WAIVERS
 from drivegate_cases.documents.wording import one_line
@@ -15,16 +14,11 @@ from drivegate_cases.documents.wording import one_line
 JUNIT_FILE: Final = "junit.xml"
 
 
-class JUnitFile:
-    """Writes JUnit XML."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-
-    def __call__(self, event: Event) -> None:
-        """Write when the check has ended."""
-        if isinstance(event, CheckFinished):
-            (self._folder / JUNIT_FILE).write_bytes(junit_xml(event.result.document()))
+def write_junit(result: dict[str, Any], folder: Path) -> Path:
+    """Write JUnit XML of a result document into a folder."""
+    path = folder / JUNIT_FILE
+    path.write_bytes(junit_xml(result))
+    return path
 
 
 def junit_xml(result: dict[str, Any]) -> bytes:

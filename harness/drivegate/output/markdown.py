@@ -6,7 +6,6 @@ import re
 from pathlib import Path
 from typing import Any, Final
 
-from drivegate.gate.events import CheckFinished, Event
 from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.output.result_file import counterexample_name
 from drivegate.results.wording import printed_margin, runs_in_short
@@ -17,17 +16,11 @@ SUMMARY_FILE: Final = "summary.md"
 _SPECIAL = re.compile(r"([\\`*_\[\]<>|~#&@])")
 
 
-class MarkdownFile:
-    """Writes the summary."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-
-    def __call__(self, event: Event) -> None:
-        """Write when the check has ended."""
-        if isinstance(event, CheckFinished):
-            text = markdown(event.result.document())
-            (self._folder / SUMMARY_FILE).write_text(text, encoding="utf-8")
+def write_markdown(result: dict[str, Any], folder: Path) -> Path:
+    """Write the summary of a result document into a folder."""
+    path = folder / SUMMARY_FILE
+    path.write_text(markdown(result), encoding="utf-8")
+    return path
 
 
 def escaped(text: object) -> str:

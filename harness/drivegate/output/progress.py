@@ -1,34 +1,67 @@
-"""Progress of a check on standard error: a bar on a terminal, plain lines elsewhere."""
+"""Progress of any command on standard error: a bar on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TextIO
+from typing import Final, TextIO
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from drivegate.gate.events import CheckFinished, CheckStarted, Event, RunDone, Shrinking
 from drivegate.output.console import console_for
-from drivegate.output.subscription import Handler
 from drivegate_cases.documents.wording import one_line
 
-SECONDS_BETWEEN_LINES = 2.0
+SECONDS_BETWEEN_LINES: Final = 2.0
+"""Least time between two lines where the output is no terminal (s)."""
+
+
+class Display:
+    """Progress that nobody sees; one that is seen is told the same."""
+
+    def __init__(self) -> None:
+        self._title = ""
+
+    def begin(self, title: str, total: int, words: str = "compiling and starting") -> None:
+        """Begin a piece of work of so many parts; a line has nothing to tell of it yet."""
+        self._title = one_line(title)
+        self._begin_bar(total, words)
+
+    def advance(
+        self, done: int, total: int, words: str = "", *, unit: str = "", always: bool = False
+    ) -> None:
+        """Tell how many parts are done, on a line of its own `always` or when the last one was long enough ago."""
+        counted = f"{done} of {total} {unit}".rstrip()
+        self._move_bar(words, done, total)
+        self._print(f"{counted}, {words}" if words else counted, always)
+
+    def remark(self, words: str, *, always: bool = False) -> None:
+        """Tell what is no part done."""
+        self._move_bar(words)
+        self._print(words, always)
+
+    def _begin_bar(self, total: int, words: str) -> None:
+        """Show a new bar."""
+
+    def _move_bar(self, words: str, done: int | None = None, total: int | None = None) -> None:
+        """Show the bar as it is now."""
+
+    def _print(self, words: str, always: bool) -> None:
+        """Print a line."""
 
 
 @contextmanager
-def progress_on(stream: TextIO | None) -> Iterator[Handler]:
+def progress_on(stream: TextIO | None) -> Iterator[Display]:
     """Show progress as long as the context lasts."""
     if stream is None:
-        yield lambda _: None
+        yield Display()
     elif stream.isatty():
         with Progress(
             TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=30),
             MofNCompleteColumn(),
             TimeElapsedColumn(),
-            TextColumn("{task.fields[worst]}", markup=False),
+            TextColumn("{task.fields[words]}", markup=False),
             console=console_for(stream),
             transient=True,
         ) as bars:
@@ -37,58 +70,66 @@ def progress_on(stream: TextIO | None) -> Iterator[Handler]:
         yield _Lines(stream)
 
 
-class _Bar:
+class _Bar(Display):
     def __init__(self, bars: Progress) -> None:
+        super().__init__()
         self._bars = bars
 
-    def __call__(self, event: Event) -> None:
-        if isinstance(event, CheckStarted):
-            self._task = self._bars.add_task(
-                one_line(event.candidate_name), total=event.planned_runs, worst="compiling and starting"
-            )
-        elif isinstance(event, RunDone):
-            self._bars.update(
-                self._task, completed=event.done, total=event.planned, worst=one_line(_worst(event))
-            )
-        elif isinstance(event, Shrinking):
-            self._bars.update(self._task, worst=_simplified(event))
+    def _begin_bar(self, total: int, words: str) -> None:
+        self._task = self._bars.add_task(self._title, total=total, words=words)
+
+    def _move_bar(self, words: str, done: int | None = None, total: int | None = None) -> None:
+        self._bars.update(self._task, completed=done, total=total, words=one_line(words))
 
 
-class _Lines:
+class _Lines(Display):
     def __init__(self, stream: TextIO) -> None:
+        super().__init__()
         self._stream: TextIO | None = stream
         self._next = 0.0
-        self._name = ""
 
-    def __call__(self, event: Event) -> None:
+    def _print(self, words: str, always: bool) -> None:
         now = time.monotonic()
-        if isinstance(event, CheckStarted):
-            # Nothing is told yet: a candidate that is refused is told of in one sentence.
-            self._name = one_line(event.candidate_name)
-        elif isinstance(event, RunDone):
-            if now >= self._next:
-                self._next = now + SECONDS_BETWEEN_LINES
-                self._tell(one_line(f"{event.done} of {event.planned} runs, {_worst(event)}".rstrip(", ")))
-        elif isinstance(event, Shrinking):
-            if now >= self._next:
-                self._next = now + SECONDS_BETWEEN_LINES
-                self._tell(_simplified(event))
-        elif isinstance(event, CheckFinished):
-            self._tell(f"{event.result.runs} runs made, {event.result.verdict}")
-
-    def _tell(self, text: str) -> None:
-        if self._stream is None:
+        if self._stream is None or (now < self._next and not always):
             return
+        self._next = now + SECONDS_BETWEEN_LINES
         try:
-            print(f"{self._name}: {text}", file=self._stream, flush=True)
+            print(f"{self._title}: {one_line(words)}", file=self._stream, flush=True)
         except OSError:
-            # Progress that nobody reads is no reason to end a check.
+            # Progress that nobody reads is no reason to end what it is about.
             self._stream = None
 
 
-def _worst(event: RunDone) -> str:
-    return f"least margin so far {event.worst}" if event.worst else ""
+def with_rate(
+    display: Display,
+    title: str,
+    total: int,
+    unit: str = "runs",
+    *,
+    clock: Callable[[], float] = time.monotonic,
+) -> Callable[[int, int], None]:
+    """Make what takes the number of parts done, and of those done before, and tells rate and time left."""
+    began = clock()
+    display.begin(title, total, "starting")
+
+    def tell(done: int, before: int) -> None:
+        nonlocal began
+        if done == before:
+            # Compiling and starting say nothing about how fast parts are done.
+            began = clock()
+        made, seconds = done - before, clock() - began
+        if made <= 0 or seconds <= 0.0:
+            words = "starting" if done < total else "complete"
+        else:
+            words = f"{made / seconds:.3g} {unit}/s, {_duration((total - done) * seconds / made)} left"
+        display.advance(done, total, words, unit=unit, always=done >= total)
+
+    return tell
 
 
-def _simplified(event: Shrinking) -> str:
-    return f"{event.done} of {event.planned} counterexamples made simpler"
+def _duration(seconds: float) -> str:
+    whole = round(seconds)
+    if whole < 100:
+        return f"{whole} s"
+    hours, minutes = divmod(round(seconds / 60.0), 60)
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min"

@@ -2,31 +2,83 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import redirect_stdout
+from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
-from drivegate_models.errors import InputError
+from drivegate.candidates.fault import bounded_line
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.errors import HarnessFault, InputError
 
 REPORT_GROUP: Final = "drivegate.reports"
 """Group of entry points, each a function of the result document and a folder that returns what it wrote."""
+COMPARISON_GROUP: Final = "drivegate.comparison_reports"
+"""Group of entry points, each a function of the comparison document and a folder that returns what it wrote."""
 REPRODUCTION_GROUP: Final = "drivegate.reproductions"
 """Group of entry points, each a function of a folder that reproduces a publication into it and returns a document."""
 PUBLICATION: Final = "paper"
 """Name of the entry point that reproduces the publication that drivegate rests on."""
 
 WriteReport: TypeAlias = Callable[[dict[str, Any], Path], Path]
-"""From a result document and an existing folder to the page that was written."""
+"""From a document and an existing folder to the page that was written."""
+LoadWriter: TypeAlias = Callable[[], WriteReport]
+"""Imports what writes a report, only when it is to be written."""
 Reproduce: TypeAlias = Callable[[Path], dict[str, Any]]
 """From an existing folder to the document of what was written into it."""
 
 
-def report_points() -> dict[str, EntryPoint]:
+@dataclass(frozen=True)
+class WrittenReports:
+    """What has become of reports.
+
+    Attributes
+    ----------
+    pages : dict
+        What was written, relative to the folder, by the report's name.
+    errors : dict
+        What was raised where a report could not be written, by its name.
+    """
+
+    pages: Mapping[str, Path]
+    errors: Mapping[str, Exception]
+
+    def problems(self, verb: str = "written") -> list[str]:
+        """Tell each report that could not be written, and why."""
+        return [
+            f"the report '{one_line(name)}' could not be {verb} ({bounded_line(f'{type(error).__name__}: {error}')})"
+            for name, error in self.errors.items()
+        ]
+
+    def require_all(self, verb: str = "written") -> None:
+        """Raise for the first report that could not be written."""
+        for problem, error in zip(self.problems(verb), self.errors.values(), strict=True):
+            raise HarnessFault(problem) from error
+
+
+def report_points(group: str = REPORT_GROUP) -> dict[str, EntryPoint]:
     """Find the reports that installed packages offer."""
-    return {
-        point.name: point for point in sorted(entry_points(group=REPORT_GROUP), key=lambda point: point.name)
-    }
+    return {point.name: point for point in sorted(entry_points(group=group), key=lambda point: point.name)}
+
+
+def write_reports(
+    document: dict[str, Any], folder: Path, writers: Mapping[str, LoadWriter]
+) -> WrittenReports:
+    """Have reports written in their order; one that cannot be written stops no other."""
+    pages: dict[str, Path] = {}
+    errors: dict[str, Exception] = {}
+    for name, load in writers.items():
+        try:
+            # Standard output belongs to the command.
+            with redirect_stdout(sys.stderr):
+                page = Path(load()(document, folder))
+            pages[name] = page.resolve().relative_to(folder.resolve())
+        except Exception as error:
+            errors[name] = error
+    return WrittenReports(pages, errors)
 
 
 def reproduction_writer() -> Reproduce:

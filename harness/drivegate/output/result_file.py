@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.candidates.fault import bounded_line
-from drivegate.gate.events import CheckFinished, Event
 
 RESULT_FILE: Final = "result.json"
 COUNTEREXAMPLES: Final = "counterexamples"
@@ -26,33 +25,13 @@ def as_json(document: dict[str, Any]) -> str:
     )
 
 
-class ResultFile:
-    """Writes the result document."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-
-    def __call__(self, event: Event) -> None:
-        """Write when the check has ended."""
-        if isinstance(event, CheckFinished):
-            text = as_json(event.result.document())
-            (self._folder / RESULT_FILE).write_text(text, encoding="utf-8")
-
-
-class CounterexampleFiles:
-    """Writes every counterexample into a file of its own."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-
-    def __call__(self, event: Event) -> None:
-        """Write when the check has ended."""
-        if not isinstance(event, CheckFinished):
-            return
-        for document in counterexamples(event.result.document()):
-            path = self._folder / counterexample_name(document["check"])
-            path.parent.mkdir(exist_ok=True)
-            path.write_text(as_json(document), encoding="utf-8")
+def write_result_files(result: dict[str, Any], folder: Path) -> None:
+    """Write a result document, and every counterexample into a file of its own."""
+    (folder / RESULT_FILE).write_text(as_json(result), encoding="utf-8")
+    for document in counterexamples(result):
+        path = folder / counterexample_name(document["check"])
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(as_json(document), encoding="utf-8")
 
 
 def counterexample_name(check: str) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal
 
@@ -13,7 +12,7 @@ from pydantic import BeforeValidator, ConfigDict, Field
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
 from drivegate.results.counterexample import require_kind, resolved_scenario
-from drivegate.results.result import RESULT_SCHEMA
+from drivegate.results.result import RESULT_SCHEMA, Comparison
 from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.documents.reading import read_mapping
 from drivegate_cases.documents.wording import shown_path
@@ -21,7 +20,7 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
-    from drivegate.gate.shard import JudgedRun
+    from drivegate.checks.judging import JudgedRun
 
 FEWEST_PAIRS: Final = 5
 """Pairs below which no test could tell anything: with 4, the least p-value there is is 1/16."""
@@ -50,35 +49,6 @@ class Baseline(Document):
     schema_current: ClassVar[int] = RESULT_SCHEMA
     kind: Literal["check"] = Field(description="kind of document")
     fixed: tuple[FixedRun, ...] = Field(description="list of fixed scenarios with their margins")
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """How the margins of one check have changed.
-
-    Attributes
-    ----------
-    check, level : str
-        The check.
-    pairs : int
-        Number of scenarios that have a margin in both results.
-    median_change : float or None
-        Median of the new margin less the old one; None without pairs.
-    p_value : float or None
-        Probability of such a loss by chance, one-sided; None where nothing was tested.
-    verdict : str
-        ``pass``, ``fail``, ``no difference`` or ``too few pairs``.
-    message : str
-        The same in one sentence.
-    """
-
-    check: str
-    level: str
-    pairs: int
-    median_change: float | None
-    p_value: float | None
-    verdict: str
-    message: str
 
 
 def read_baseline(path: Path) -> Baseline:

@@ -12,8 +12,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 
 if TYPE_CHECKING:
-    from drivegate.gate.shard import SetAside
-    from drivegate.results.baseline import Comparison
+    from drivegate.checks.judging import SetAside
 
 RESULT_SCHEMA: Final = 2
 """Version of the result document."""
@@ -132,6 +131,35 @@ class CheckOutcome:
     waiver: dict[str, Any] | None = None
     margins: tuple[float, ...] = ()
     recording: Recording | None = None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How the margins of one check have changed.
+
+    Attributes
+    ----------
+    check, level : str
+        The check.
+    pairs : int
+        Number of scenarios that have a margin in both results.
+    median_change : float or None
+        Median of the new margin less the old one; None without pairs.
+    p_value : float or None
+        Probability of such a loss by chance, one-sided; None where nothing was tested.
+    verdict : str
+        ``pass``, ``fail``, ``no difference`` or ``too few pairs``.
+    message : str
+        The same in one sentence.
+    """
+
+    check: str
+    level: str
+    pairs: int
+    median_change: float | None
+    p_value: float | None
+    verdict: str
+    message: str
 
 
 @dataclass(frozen=True)

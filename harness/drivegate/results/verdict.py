@@ -10,10 +10,9 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
+from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
-from drivegate.gate.shard import JudgedRun
-from drivegate.results.baseline import Comparison
-from drivegate.results.result import MOST_MARGINS, STALE_WAIVERS, CheckOutcome
+from drivegate.results.result import MOST_MARGINS, STALE_WAIVERS, CheckOutcome, Comparison
 from drivegate_cases.documents.wording import counted
 
 _NAMED: Final = 4

@@ -7,21 +7,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
-from drivegate.candidates.controller import Controller
 from drivegate.candidates.declaration import Declaration
-from drivegate.containment.messages import LoadedCandidate
-from drivegate.runs.scenario import RADIANS_PER_RPM, observed_windows, run_scenario
+from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.motor.scales import Scales
 from drivegate_cases.scenario.circumstance import Circumstance, circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells, is_after_change
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.steady.oracle import feasible_edge
 from drivegate_models.loop.closed_loop import ClosedLoopRun
+from drivegate_models.loop.observation import WindowObservation
+from drivegate_models.units import RADIANS_PER_RPM
 
 _SAME = 1e-6
 
@@ -36,13 +32,13 @@ class Window:
         The scenario that it belongs to.
     dwell : Dwell
         The constant conditions it belongs to.
-    values : ndarray, shape (observation.WINDOW_ENTRIES,)
+    values : WindowObservation
         What was observed.
     """
 
     scenario: Scenario
     dwell: Dwell
-    values: NDArray[np.float64]
+    values: WindowObservation
 
     @property
     def speed(self) -> float:
@@ -81,15 +77,6 @@ class Window:
         return self.has_nominal_supply and math.isclose(
             asked, self.scenario.motor.rated_power_w, rel_tol=_SAME
         )
-
-    def is_feasible(self) -> bool:
-        """Tell whether some advance angle lets the plant give what the load asks for."""
-        if isinstance(self.scenario.load, LockedLoad) or self.torque_asked <= 0.0:
-            return True
-        drive = self.scenario.motor.drive(self.scales)
-        torque = self.torque_asked + drive.friction + drive.viscous_friction * self.speed
-        voltage = self.dwell.supply_v * (1.0 - abs(self.dwell.imbalance))
-        return not math.isnan(feasible_edge(drive, self.speed, torque, voltage))
 
 
 @dataclass(frozen=True)
@@ -131,21 +118,6 @@ class RunRecord:
             dwell = by_end[end]
             if dwell.speed_rpm > self.scenario.motor.base_speed_rpm and lowest <= dwell.speed_rpm <= highest:
                 yield Window(self.scenario, dwell, values)
-
-
-def recorded(
-    loaded: LoadedCandidate, scenario: Scenario, controller: Controller, *, trace_every: int = 0
-) -> RunRecord:
-    """Run a candidate through a scenario for the checks, observed as its declaration asks."""
-    declaration = loaded.candidate.declaration
-    run = run_scenario(
-        scenario,
-        controller,
-        progress=loaded.progress,
-        trace_every=trace_every,
-        power_window=declaration.power_window_s,
-    )
-    return RunRecord(scenario, run, declaration)
 
 
 def rated_torque(scenario: Scenario, speed: float) -> float:

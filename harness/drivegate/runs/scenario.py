@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, refused_command
+from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.scenario.load import (
     GRAVITY,
     ConstantPowerLoad,
@@ -20,35 +21,26 @@ from drivegate_cases.scenario.load import (
     VehicleLoad,
 )
 from drivegate_cases.scenario.piecewise import Profile
-from drivegate_cases.scenario.profile import dwells, profile_arrays
+from drivegate_cases.scenario.profile import profile_arrays
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IdealSensors
 from drivegate_models.contract.outer_loop.signals import Sense
 from drivegate_models.errors import HarnessFault
-from drivegate_models.loop import closed_loop, sensors
+from drivegate_models.loop import sensors
+from drivegate_models.loop.closed_loop import ClosedLoopRun
+from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.schedule import Course, Schedule
 from drivegate_models.machine import load
+from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate.containment.shared_progress import SharedProgress
 
-SETTLING_TIME = 6.0
-"""Time within which a search has to converge at a steady reference (s)."""
-SHORTEST_WINDOW = 3.0
-"""Shortest time over which convergence is judged (s)."""
+RunClosedLoop: TypeAlias = Callable[..., ClosedLoopRun]
+"""Runs a controller, already reset, against the plant of one kind of drive."""
 
-RADIANS_PER_RPM = math.pi / 30.0
 _PERCENT = 0.01
 _SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
-
-
-def observed_windows(scenario: Scenario) -> list[tuple[float, float]]:
-    """Find the stretches in which convergence is judged: from `SETTLING_TIME` into each long dwell to its end."""
-    return [
-        (dwell.start + SETTLING_TIME, dwell.end)
-        for dwell in dwells(scenario)
-        if dwell.duration >= SETTLING_TIME + SHORTEST_WINDOW - 1e-9
-    ]
 
 
 def plant_load(scenario: Scenario) -> load.Load:
@@ -118,20 +110,21 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     )
 
 
-def run_scenario(
+def run_in_closed_loop(
+    run_closed_loop: RunClosedLoop,
     scenario: Scenario,
     controller: Controller,
     *,
     progress: SharedProgress | None = None,
     power_window: float = 0.0,
     trace_every: int = 0,
-) -> closed_loop.ClosedLoopRun:
-    """Reset a controller and run it through a scenario."""
+) -> ClosedLoopRun:
+    """Reset a controller and run it through a scenario, against the plant of a closed loop."""
     nameplate = scenario.nameplate()
     drive = scenario.motor.drive(scenario.scales)
     with progress.run() if progress is not None else nullcontext():
         controller.reset(nameplate)
-        run = closed_loop.run_closed_loop(
+        run = run_closed_loop(
             drive,
             plant_load(scenario),
             plant_schedule(scenario),
@@ -149,27 +142,27 @@ def run_scenario(
             progress=progress.steps if progress is not None else None,
             trace_every=trace_every,
         )
-    if run.status != closed_loop.FINISHED:
+    if run.status != COMPLETED:
         _raise_ending(run, controller)
     return run
 
 
-def _raise_ending(run: closed_loop.ClosedLoopRun, controller: Controller) -> None:
+def _raise_ending(run: ClosedLoopRun, controller: Controller) -> None:
     sense = last_sense(run)
     step = int(run.steps)
     fault = controller.fault
-    if run.status == closed_loop.STOPPED and fault is not None:
+    if run.status == STOPPED and fault is not None:
         told = fault.sense is not None
         raise CandidateFault(
             fault if told else replace(fault, step=step, time=sense.time, sense=sense._asdict())
         )
-    if run.status in (closed_loop.STOPPED, closed_loop.NOT_FINITE):
-        finite = run.status != closed_loop.NOT_FINITE
+    if run.status in (STOPPED, NOT_FINITE):
+        finite = run.status != NOT_FINITE
         raise CandidateFault(refused_command(run.last_command[0], finite=finite, step=step, sense=sense))
     raise HarnessFault(f"the plant ended with status {run.status} at step {step}, {sense.time:g} s")
 
 
-def last_sense(run: closed_loop.ClosedLoopRun) -> Sense:
+def last_sense(run: ClosedLoopRun) -> Sense:
     """Give the last Sense of a run."""
     record = run.last_sense[0]
     scalars = {name: float(record[name]) for name in Sense._fields if name != "phase_currents"}

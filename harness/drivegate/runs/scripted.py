@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, refused_command
 from drivegate_models.contract.outer_loop.signals import Nameplate, Sense
-from drivegate_models.loop import scripted_steps
+from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.scripted_steps import ScriptedSteps
 
 if TYPE_CHECKING:
@@ -41,12 +41,12 @@ def prepared_steps(
 def advance(steps: ScriptedSteps, controller: Controller, begin: int = 0, end: int | None = None) -> None:
     """Make steps, which have to follow on those made before."""
     status, step = steps.advance(begin, end)
-    if status == scripted_steps.COMPLETED:
+    if status == COMPLETED:
         return
-    if status == scripted_steps.STOPPED and controller.fault is not None:
+    if status == STOPPED and controller.fault is not None:
         raise CandidateFault(controller.fault)
     sense = _last_sense(steps)
-    finite = status != scripted_steps.NOT_FINITE
+    finite = status != NOT_FINITE
     raise CandidateFault(refused_command(steps.command[0], finite=finite, step=step, sense=sense))
 
 

@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate_cases.motor.motor import Motor
 from drivegate_cases.motor.scales import NOMINAL, Scales
 from drivegate_cases.scenario.load import ConstantPowerLoad, LockedLoad
@@ -25,6 +24,7 @@ from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.steady.oracle import feasible_edge
+from drivegate_models.units import RADIANS_PER_RPM
 
 STEP_ACCELERATION_S = 2.0
 """Time in which a step up of the speed reference must be possible, which leaves 4 s to converge (s)."""

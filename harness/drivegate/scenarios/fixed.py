@@ -18,16 +18,12 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.scenarios.speed_range import SpeedRange, loaded_range
-from drivegate_cases.motor.motor import Motor, load_motor
+from drivegate_cases.motor.motor import Motor
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 
-REFERENCE_MOTOR = "paper-5-phase"
-"""Name of the motor that candidates are checked on."""
 
-
-def fixed_scenarios(speed_range_rpm: SpeedRange | None = None) -> tuple[Scenario, ...]:
+def fixed_scenarios(motor: Motor, speed_range_rpm: SpeedRange | None = None) -> tuple[Scenario, ...]:
     """List the scenarios that every check runs first."""
-    motor = load_motor(REFERENCE_MOTOR)
     every = (
         load_scenario("lock-up"),
         load_scenario("fig5-search"),

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any, Final, TypeAlias
 
-from drivegate.runs.scenario import SETTLING_TIME, SHORTEST_WINDOW
 from drivegate.scenarios.building import LOAD_RAMP_S
 from drivegate.scenarios.courses import QUANTITIES, Course, Quantity, course_of, fields_of
 from drivegate.scenarios.size import size_of
+from drivegate.scenarios.windows import SETTLING_TIME, SHORTEST_WINDOW
 from drivegate_cases.motor.scales import NOMINAL
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,

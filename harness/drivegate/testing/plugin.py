@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
 FIXTURE: Final = "conformance"
 
-_FILES = (".toml", ".c", ".so", ".fmu")
-"""Suffixes of candidates that are a file as a whole."""
-
 
 @dataclass(frozen=True)
 class _Wanted:
@@ -120,10 +117,12 @@ def _wanted(config: pytest.Config, marker: pytest.Mark, folder: Path) -> _Wanted
 
 def _from_folder(candidate: str, folder: Path) -> str:
     """Let a file's path start from a folder."""
+    from drivegate.candidates.kinds import WHOLE_FILE_SUFFIXES
+
     source, _, attribute = candidate.rpartition(":")
     if source.endswith(".py"):
         return f"{folder / source}:{attribute}"
-    return str(folder / candidate) if candidate.endswith(_FILES) else candidate
+    return str(folder / candidate) if candidate.endswith(WHOLE_FILE_SUFFIXES) else candidate
 
 
 def _planned(wanted: _Wanted) -> tuple[Candidate, Iterator[Event]]:
@@ -174,20 +173,22 @@ def _free_folder(output: Path, candidate: Candidate, wanted: _Wanted, taken: set
 
 def _judge(wanted: _Wanted, output: Path, taken: set[Path]) -> Judged:
     """Check the candidate, and keep its result and counterexamples."""
-    from drivegate.commands.conduct import complain, failure_of
+    from drivegate.output.event_loop import finished
+    from drivegate.output.failure import complain, failure_of
+    from drivegate.output.progress import Display
     from drivegate.output.report_folder import ReportFolder
-    from drivegate.output.result_file import CounterexampleFiles, ResultFile
-    from drivegate.output.subscription import publish
+    from drivegate.output.result_reports import write_result
 
     try:
         candidate, events = _planned(wanted)
         place = _free_folder(output, candidate, wanted, taken)
         with ReportFolder(place) as folder:
-            result = publish(events, (ResultFile(folder.staging), CounterexampleFiles(folder.staging)))
+            document = finished(events, Display()).document()
+            write_result(document, folder.staging, {})
             folder.commit()
     except Exception as error:
         # Every item tells of it, and none tries again.
         failure = failure_of(error)
         complain(failure, error)
         return Judged(wanted.candidate, None, output, failure.message)
-    return Judged(wanted.candidate, result.document(), place)
+    return Judged(wanted.candidate, document, place)

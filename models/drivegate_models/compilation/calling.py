@@ -1,6 +1,7 @@
-"""Calling a controller by the address of its C function, from compiled code.
+"""Calling a controller by the address of its C function, and reading numbers behind an address, from compiled code.
 
-The address is data, so the compiled loop is the same for every controller and stays cached.
+The address is data, so the compiled loop is the same for every controller and stays cached. A Sense gives the address
+of its phase currents.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from numba.core.typing.templates import Signature
 from numba.extending import intrinsic
 
 _STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
+_SIZE = ctypes.sizeof(ctypes.c_double)
 
 
 def _call_step_interpreted(step: int, state: int, sense: int, command: int) -> None:
@@ -38,7 +40,26 @@ def _call_step_compiled(
     return types.void(types.int64, types.int64, types.int64, types.int64), codegen
 
 
+def _double_at_interpreted(address: int, index: int) -> float:
+    """Read from the interpreter, where compilation is switched off."""
+    return ctypes.c_double.from_address(int(address) + _SIZE * int(index)).value
+
+
+@intrinsic
+def _double_at_compiled(typingctx: Any, address: Any, index: Any) -> tuple[Signature, Any]:
+    """Emit a load through an address."""
+
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        pointer = builder.inttoptr(arguments[0], ir.DoubleType().as_pointer())
+        return builder.load(builder.gep(pointer, [arguments[1]]))
+
+    return types.float64(types.uintp, types.intp), codegen
+
+
 _INTERPRETED = bool(vars(config)["DISABLE_JIT"])
 
 call_step: Any = _call_step_interpreted if _INTERPRETED else _call_step_compiled
 """Call ``drivegate_step(state, sense, command)``; all four arguments are addresses (int64)."""
+
+double_at: Any = _double_at_interpreted if _INTERPRETED else _double_at_compiled
+"""Read the double number `index` behind `address`; both are integers."""

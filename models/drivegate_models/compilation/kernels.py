@@ -123,6 +123,25 @@ class _KernelCache(caching.FunctionCache):
             source_stamp=self._impl.locator.get_source_stamp(),
         )
 
+    def _index_key(self, signature: Any, codegen: Any) -> Any:
+        """Tell functions of one factory apart by what they close over, kernels by what they are.
+
+        numba pickles a kernel with an identity of its own in each process, so none would ever be found again.
+        """
+        return signature, codegen.magic_tuple(), _fingerprint(self._py_func)
+
+
+def _fingerprint(function: Callable[..., object]) -> str:
+    """Return a digest of a function's code and of the constants and kernels that it closes over."""
+    digest = hashlib.sha256(f"{function.__module__}.{function.__qualname__}".encode())
+    digest.update(function.__code__.co_code)
+    for cell in function.__closure__ or ():
+        held = cell.cell_contents
+        kernel_held = getattr(held, "py_func", None)
+        part = _fingerprint(kernel_held) if kernel_held is not None else repr(held)
+        digest.update(part.encode())
+    return digest.hexdigest()
+
 
 _FUSED = {"contract"}
 

@@ -1,86 +1,99 @@
 """What the closed loop keeps of a run: fixed numbers, whatever the run's length.
 
-Two arrays of totals: one for the whole run, one row for each observed window of it.
+One record for the whole run, and one for each observed window of it. The kernels write records of numpy; whoever
+reads a finished run gets the same fields as named tuples.
 """
 
-from typing import Final
+from __future__ import annotations
 
-RUN_STEPS: Final = 0
-"""Control periods done."""
-RUN_REFERENCE_LOWEST: Final = 1
-"""Least current reference that the candidate asked for (A), before clamping."""
-RUN_REFERENCE_HIGHEST: Final = 2
-"""Greatest (A)."""
-RUN_ANGLE_LOWEST: Final = 3
-"""Least advance angle that the candidate asked for (rad), before clamping."""
-RUN_ANGLE_HIGHEST: Final = 4
-"""Greatest (rad)."""
-RUN_ANGLE_BELOW_BASE: Final = 5
-"""Greatest magnitude of the advance angle in steps whose Sense showed less than base speed (rad)."""
-RUN_STEPS_BELOW_BASE: Final = 6
-"""Number of those steps."""
-RUN_POWER_ESTIMATES: Final = 7
-"""Number of input power estimates."""
-RUN_POWER_ERROR: Final = 8
-"""Greatest difference of an estimate from measured supply voltage times measured current sum, or from the mean of
-that product over the window that the candidate declares (W)."""
-RUN_POWER_ERROR_RELATIVE: Final = 9
-"""The same over that product, where it exceeds 1 W (1)."""
-RUN_EXCHANGE_ERROR: Final = 10
-"""Greatest difference of net supply energy, `EXCHANGED` - 2 `RETURNED`, from where it went, over `EXCHANGED`."""
-RUN_KINETIC_RESIDUAL: Final = 11
-"""Sum of ``J (change of speed)**2 / 2``, what freezing the speed within a period leaves out (J)."""
-RUN_SHAFT_ENERGY: Final = 12
-"""Sum of speed times electromagnetic impulse (J)."""
-RUN_INPUT_ENERGY: Final = 13
-"""Net energy taken from the supply, core and switching losses included (J)."""
-RUN_FIRST_BELOW_BASE: Final = 14
-"""Time of the step of `RUN_ANGLE_BELOW_BASE` (s)."""
-RUN_SPEED_FINAL: Final = 15
-"""Speed at the end (rad/s)."""
-RUN_ENTRIES: Final = 16
-"""Length of the run's array."""
+from math import inf
+from typing import Any, Final, NamedTuple
 
-WINDOW_STEPS: Final = 0
-"""Control periods in the window."""
-WINDOW_SPEED_ERROR: Final = 1
-"""Greatest magnitude of the true speed error (rad/s)."""
-WINDOW_ANGLE_LOWEST: Final = 2
-"""Least advance angle (rad), as applied."""
-WINDOW_ANGLE_HIGHEST: Final = 3
-"""Greatest (rad)."""
-WINDOW_MEAN_LOWEST: Final = 4
-"""Least 100 ms mean of the current sum (A)."""
-WINDOW_MEAN_HIGHEST: Final = 5
-"""Greatest (A)."""
-WINDOW_CURRENT_SUM: Final = 6
-"""Mean of the current sum (A)."""
-WINDOW_TORQUE: Final = 7
-"""Mean electromagnetic torque (N m)."""
-WINDOW_INPUT_POWER: Final = 8
-"""Mean net input power, all losses included (W)."""
-WINDOW_EXCHANGED_POWER: Final = 9
-"""Mean power exchanged with the half-sources (W)."""
-WINDOW_ANGLE: Final = 10
-"""Mean advance angle (rad)."""
-WINDOW_REFERENCE: Final = 11
-"""Mean current reference (A), as applied."""
-WINDOW_SPEED: Final = 12
-"""Mean speed (rad/s)."""
-WINDOW_PEAK: Final = 13
-"""Greatest phase current (A)."""
-WINDOW_RIPPLE: Final = 14
-"""Torque ripple, peak to peak over mean, of the worst electrical period in the window's last `RIPPLE_TIME` (1)."""
-WINDOW_RIPPLE_ONE_SIDED: Final = 15
-"""Greatest deviation from the mean over the mean, of the worst electrical period there (1)."""
-WINDOW_ENTRIES: Final = 16
-"""Length of a window's row."""
+import numpy as np
+from numpy.typing import NDArray
 
 MEAN_TIME: Final = 0.1
 """Length of the means of the current sum (s)."""
 
 RIPPLE_TIME: Final = 1.0
 """Time at a window's end in which the torque's extremes are followed (s)."""
+
+
+class RunObservation(NamedTuple):
+    """What is observed over a whole run."""
+
+    steps: float
+    """Control periods done."""
+    reference_lowest: float
+    """Least current reference that the candidate answered with (A), before clamping."""
+    reference_highest: float
+    """Greatest (A)."""
+    angle_lowest: float
+    """Least advance angle that the candidate answered with (rad), before clamping."""
+    angle_highest: float
+    """Greatest (rad)."""
+    angle_below_base: float
+    """Greatest magnitude of the advance angle in steps whose Sense showed less than base speed (rad)."""
+    steps_below_base: float
+    """Number of those steps."""
+    power_estimates: float
+    """Number of input power estimates."""
+    power_error: float
+    """Greatest difference of an estimate from measured supply voltage times measured current sum, or from the mean
+    of that product over the window that the candidate declares (W)."""
+    power_error_relative: float
+    """The same over that product, where it exceeds 1 W (1)."""
+    exchange_error: float
+    """Greatest difference of net supply energy, `EXCHANGED` - 2 `RETURNED`, from where it went, over the energy that
+    was exchanged or stored."""
+    kinetic_residual: float
+    """Sum of ``J (change of speed)**2 / 2``, what freezing the speed within a period leaves out (J)."""
+    shaft_energy: float
+    """Sum of speed times electromagnetic impulse (J)."""
+    input_energy: float
+    """Net energy taken from the supply, core and switching losses included (J)."""
+    first_below_base: float
+    """Time of the step of `angle_below_base` (s)."""
+    speed_final: float
+    """Speed at the end (rad/s)."""
+
+
+class WindowObservation(NamedTuple):
+    """What is observed in one window of a run."""
+
+    steps: float
+    """Control periods in the window."""
+    speed_error: float
+    """Greatest magnitude of the true speed error (rad/s)."""
+    angle_lowest: float
+    """Least advance angle (rad), as applied."""
+    angle_highest: float
+    """Greatest (rad)."""
+    mean_lowest: float
+    """Least 100 ms mean of the current sum (A)."""
+    mean_highest: float
+    """Greatest (A)."""
+    current_sum: float
+    """Mean of the current sum (A)."""
+    torque: float
+    """Mean electromagnetic torque (N m)."""
+    input_power: float
+    """Mean net input power, all losses included (W)."""
+    exchanged_power: float
+    """Mean power exchanged with the half-sources (W)."""
+    angle: float
+    """Mean advance angle (rad)."""
+    reference: float
+    """Mean current reference (A), as applied."""
+    speed: float
+    """Mean speed (rad/s)."""
+    peak: float
+    """Greatest phase current (A)."""
+    ripple: float
+    """Torque ripple, peak to peak over mean, of the worst electrical period in the window's last `RIPPLE_TIME` (1)."""
+    ripple_one_sided: float
+    """Greatest deviation from the mean over the mean, of the worst electrical period there (1)."""
+
 
 TRACE_COLUMNS: Final = (
     "time_s",
@@ -95,4 +108,94 @@ TRACE_COLUMNS: Final = (
     "half_supply_v",
     "measured_speed_rpm",
 )
-"""Columns of a trace, in people's units; one row for each kept control period."""
+"""Columns of a trace, in people's units; one record for each kept control period."""
+
+
+def _record_of(names: tuple[str, ...]) -> np.dtype[Any]:
+    return np.dtype([(name, np.float64) for name in names])
+
+
+RUN_RECORD: Final = _record_of(RunObservation._fields)
+"""Record of `RunObservation`."""
+WINDOW_RECORD: Final = _record_of(WindowObservation._fields)
+"""Record of `WindowObservation`; the means are sums until the run has ended."""
+TRACE_RECORD: Final = _record_of(TRACE_COLUMNS)
+"""Record of one kept control period."""
+
+_MEANS = (
+    "current_sum",
+    "torque",
+    "input_power",
+    "exchanged_power",
+    "angle",
+    "reference",
+    "speed",
+)
+
+
+def empty_run() -> NDArray[Any]:
+    """Make the record of a run that has not begun.
+
+    Returns
+    -------
+    ndarray of RUN_RECORD, shape (1,)
+        Nothing observed.
+    """
+    run = np.zeros(1, RUN_RECORD)
+    run["reference_lowest"] = run["angle_lowest"] = inf
+    run["reference_highest"] = run["angle_highest"] = -inf
+    return run
+
+
+def empty_windows(count: int) -> NDArray[Any]:
+    """Make the records of windows that have not begun.
+
+    Parameters
+    ----------
+    count : int
+        Number of windows.
+
+    Returns
+    -------
+    ndarray of WINDOW_RECORD, shape (count,)
+        Nothing observed.
+    """
+    windows = np.zeros(count, WINDOW_RECORD)
+    windows["angle_lowest"] = windows["mean_lowest"] = inf
+    windows["angle_highest"] = windows["mean_highest"] = -inf
+    return windows
+
+
+def observed_run(run: NDArray[Any]) -> RunObservation:
+    """Give what was observed over a finished run.
+
+    Parameters
+    ----------
+    run : ndarray of RUN_RECORD, shape (1,)
+        Its record.
+
+    Returns
+    -------
+    RunObservation
+        The same numbers.
+    """
+    return RunObservation(*run[0].tolist())
+
+
+def observed_windows(windows: NDArray[Any]) -> tuple[WindowObservation, ...]:
+    """Give what was observed in the windows of a finished run, sums turned into means.
+
+    Parameters
+    ----------
+    windows : ndarray of WINDOW_RECORD, shape (w,)
+        Their records.
+
+    Returns
+    -------
+    tuple of WindowObservation
+        One for each window.
+    """
+    means = windows.copy()
+    for name in _MEANS:
+        means[name] /= np.maximum(windows["steps"], 1.0)
+    return tuple(WindowObservation(*row) for row in means.tolist())

@@ -36,6 +36,23 @@ class Schedule(NamedTuple):
     """Factor on the EMF constant (1)."""
 
 
+class Conditions(NamedTuple):
+    """What acts on a drive from outside in one control period."""
+
+    speed_reference: float
+    """(rad/s)."""
+    load_factor: float
+    """Load factor (1), or a vehicle's grade (1)."""
+    supply: float
+    """Mean voltage of the half-sources (V)."""
+    imbalance: float
+    """Share by which the upper half-source is above it, and the lower below (1)."""
+    resistance_factor: float
+    """Factor on the winding resistance (1)."""
+    emf_factor: float
+    """Factor on the EMF constant (1)."""
+
+
 def steady(value: float) -> Course:
     """Make the course of a quantity that does not change.
 
@@ -53,25 +70,8 @@ def steady(value: float) -> Course:
 
 
 @inlined
-def follow(course: Course, positions: NDArray[np.int64], index: int, time: float) -> float:
-    """Return a course's value at a time no earlier than the last one asked for.
-
-    Parameters
-    ----------
-    course : Course
-        The function of time.
-    positions : ndarray of int64
-        Where each course was found last; updated.
-    index : int
-        This course's place in it.
-    time : float
-        Time (s).
-
-    Returns
-    -------
-    float
-        The value; at a step the one behind it.
-    """
+def _follow(course: Course, positions: NDArray[np.int64], index: int, time: float) -> float:
+    """Return a course's value at a time no earlier than the last one; at a step the one behind it."""
     times = course.times
     values = course.values
     position = positions[index]
@@ -83,3 +83,31 @@ def follow(course: Course, positions: NDArray[np.int64], index: int, time: float
     span = times[position + 1] - times[position]
     share = (time - times[position]) / span
     return float(values[position] + share * (values[position + 1] - values[position]))
+
+
+@inlined
+def conditions_at(schedule: Schedule, positions: NDArray[np.int64], time: float) -> Conditions:
+    """Return what acts at a time no earlier than the last one.
+
+    Parameters
+    ----------
+    schedule : Schedule
+        What happens during the run.
+    positions : ndarray of int64, shape (6,)
+        Where each course was found last; updated.
+    time : float
+        Time (s).
+
+    Returns
+    -------
+    Conditions
+        The values; at a step those behind it.
+    """
+    return Conditions(
+        _follow(schedule.speed, positions, 0, time),
+        _follow(schedule.load, positions, 1, time),
+        _follow(schedule.supply, positions, 2, time),
+        _follow(schedule.imbalance, positions, 3, time),
+        _follow(schedule.resistance, positions, 4, time),
+        _follow(schedule.emf, positions, 5, time),
+    )

@@ -2,22 +2,14 @@
 
 from __future__ import annotations
 
-from math import inf, isfinite, nan
+from math import nan
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import unallocating
-from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
-
-COMPLETED: Final = 0
-"""Status: all steps were made."""
-STOPPED: Final = 1
-"""Status: the controller's bridge asked to stop; it knows why."""
-NOT_FINITE: Final = 2
-"""Status: the controller's command was not finite."""
+from drivegate_models.loop.exchange import COMPLETED, Exchange, ask, make_exchange
 
 SIGNALS: Final = ("speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage")
 """Columns of the signals, fields of a Sense; the phase currents share the sum alike, with changing signs."""
@@ -25,12 +17,8 @@ SIGNALS: Final = ("speed_reference", "speed", "current_magnitude_sum", "half_sup
 
 @unallocating
 def _make_steps(
-    sense: NDArray[Any],
-    command: NDArray[Any],
-    currents: NDArray[np.float64],
+    exchange: Exchange,
     phases: int,
-    progress: NDArray[np.int64],
-    addresses: NDArray[np.int64],
     control_period: float,
     signals: NDArray[np.float64],
     angles: NDArray[np.float64],
@@ -38,6 +26,7 @@ def _make_steps(
     end: int,
 ) -> tuple[int, int]:
     """Make the steps from `begin` up to `end`; return the status and the number of the step that it ended at."""
+    sense = exchange.sense
     for k in range(begin, end):
         sense[0].time = k * control_period
         sense[0].speed_reference = signals[k, 0]
@@ -46,20 +35,12 @@ def _make_steps(
         sense[0].half_supply_voltage = signals[k, 3]
         share = signals[k, 2] / phases
         for phase in range(phases):
-            currents[phase] = share
+            exchange.sensed_currents[phase] = share
             share = -share
-        command[0].current_reference = nan
-        command[0].advance_angle = nan
-        command[0].input_power = nan
-        progress[0] = k + 1
-        call_step(addresses[0], addresses[1], addresses[2], addresses[3])
-        if command[0].struct_size < 0:
-            return STOPPED, k
-        angle = command[0].advance_angle
-        finite = isfinite(angle) and isfinite(command[0].current_reference)
-        if not finite or abs(command[0].input_power) == inf:
-            return NOT_FINITE, k
-        angles[k] = angle
+        status = ask(exchange, k)
+        if status != COMPLETED:
+            return status, k
+        angles[k] = exchange.command[0].advance_angle
     return COMPLETED, end
 
 
@@ -86,7 +67,7 @@ class ScriptedSteps:
     Attributes
     ----------
     angles : ndarray, shape (n,)
-        Advance angle that the controller asked for in each step made (rad).
+        Advance angle that the controller answered with in each step made (rad).
     sense : ndarray of SENSE, shape (1,)
         What the controller was told last.
     currents : ndarray
@@ -107,21 +88,21 @@ class ScriptedSteps:
         sensed_currents: NDArray[np.float64] | None = None,
         progress: NDArray[np.int64] | None = None,
     ) -> None:
+        self._exchange = make_exchange(
+            phases,
+            step_address=step_address,
+            state_address=state_address,
+            sense=sense,
+            sensed_currents=sensed_currents,
+            progress=progress,
+        )
         self.angles: NDArray[np.float64] = np.full(len(signals), nan)
-        self.sense: NDArray[Any] = np.zeros(1, SENSE) if sense is None else sense
-        self.currents: NDArray[np.float64] = np.zeros(phases) if sensed_currents is None else sensed_currents
-        self.command: NDArray[Any] = np.zeros(1, COMMAND)
-        self.sense[0]["struct_size"] = SENSE.itemsize
-        self.sense[0]["phase_count"] = phases
-        self.sense[0]["phase_currents"] = self.currents.ctypes.data
-        self.command[0]["struct_size"] = COMMAND.itemsize
+        self.sense: NDArray[Any] = self._exchange.sense
+        self.currents: NDArray[np.float64] = self._exchange.sensed_currents
+        self.command: NDArray[Any] = self._exchange.command
         self._signals = np.ascontiguousarray(signals, np.float64)
         self._phases = phases
         self._control_period = control_period
-        self._progress = np.zeros(1, np.int64) if progress is None else progress
-        self._addresses = np.array(
-            [step_address, state_address, self.sense.ctypes.data, self.command.ctypes.data], np.int64
-        )
 
     def advance(self, begin: int = 0, end: int | None = None) -> tuple[int, int]:
         """Make steps, which have to follow on those made before.
@@ -141,12 +122,8 @@ class ScriptedSteps:
             The step that it ended at, `end` when all were made.
         """
         status, step = _make_steps(
-            self.sense,
-            self.command,
-            self.currents,
+            self._exchange,
             self._phases,
-            self._progress,
-            self._addresses,
             self._control_period,
             self._signals,
             self.angles,

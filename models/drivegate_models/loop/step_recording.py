@@ -7,16 +7,16 @@ numbers. Its memory is one block of rows; a full one is handed to a function tha
 from __future__ import annotations
 
 from functools import cache
-from math import inf, isfinite, nan
+from math import nan
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.calling import call_step
+from drivegate_models.compilation.calling import call_step, double_at
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined, unallocating
-from drivegate_models.compilation.native_memory import double_at
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
+from drivegate_models.loop.exchange import COMPLETED, STOPPED, Exchange, ask, make_exchange
 
 SCALARS: Final = ("time", "speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage")
 """First columns of a row: the Sense but for its phase currents, in SI units."""
@@ -30,14 +30,8 @@ MOST_PHASES: Final = 64
 BLOCK_ROWS: Final = 1024
 """Rows that a recorder holds."""
 
-COMPLETED: Final = 0
-"""Status: all rows were answered, and no answer differs."""
-STOPPED: Final = 1
-"""Status: the controller's bridge asked to stop; it knows why."""
-NOT_FINITE: Final = 2
-"""Status: the controller's command was not finite."""
 DIFFERS: Final = 3
-"""Status: an answer differs from the recorded one."""
+"""Status, besides those of `exchange`: an answer differs from the recorded one."""
 
 _FIRST_OUTPUT = len(SCALARS)
 _FIRST_CURRENT = len(SCALARS) + len(OUTPUTS)
@@ -145,12 +139,8 @@ def differs(one: float, other: float, one_bits: int, other_bits: int, tolerance:
 
 @unallocating
 def _shadow(
-    sense: NDArray[Any],
-    command: NDArray[Any],
-    command_bits: NDArray[np.int64],
-    currents: NDArray[np.float64],
-    progress: NDArray[np.int64],
-    addresses: NDArray[np.int64],
+    exchange: Exchange,
+    begun: int,
     rows: NDArray[np.float64],
     row_bits: NDArray[np.int64],
     judged: NDArray[np.bool_],
@@ -158,6 +148,8 @@ def _shadow(
     answers: NDArray[np.float64],
 ) -> tuple[int, int]:
     """Ask for an answer to each row; return the status and the number of rows that were answered alike."""
+    sense = exchange.sense
+    command = exchange.command
     for k in range(rows.shape[0]):
         row = rows[k]
         sense[0].time = row[0]
@@ -166,25 +158,21 @@ def _shadow(
         sense[0].current_magnitude_sum = row[3]
         sense[0].half_supply_voltage = row[4]
         for phase in range(rows.shape[1] - _FIRST_CURRENT):
-            currents[phase] = row[_FIRST_CURRENT + phase]
-        command[0].current_reference = nan
-        command[0].advance_angle = nan
-        command[0].input_power = nan
-        call_step(addresses[0], addresses[1], addresses[2], addresses[3])
-        progress[0] += 1
-        if command[0].struct_size < 0:
+            exchange.sensed_currents[phase] = row[_FIRST_CURRENT + phase]
+        status = ask(exchange, begun + k)
+        if status == STOPPED:
             return STOPPED, k
         answers[k, 0] = command[0].current_reference
         answers[k, 1] = command[0].advance_angle
         answers[k, 2] = command[0].input_power
-        if not (isfinite(answers[k, 0]) and isfinite(answers[k, 1])) or abs(answers[k, 2]) == inf:
-            return NOT_FINITE, k
+        if status != COMPLETED:
+            return status, k
         for output in range(answers.shape[1]):
             if judged[output] and differs(
                 row[_FIRST_OUTPUT + output],
                 answers[k, output],
                 row_bits[k, _FIRST_OUTPUT + output],
-                command_bits[1 + output],
+                exchange.command_bits[1 + output],
                 tolerance,
             ):
                 return DIFFERS, k
@@ -227,17 +215,18 @@ class Shadow:
         sensed_currents: NDArray[np.float64] | None = None,
         progress: NDArray[np.int64] | None = None,
     ) -> None:
-        self.sense: NDArray[Any] = np.zeros(1, SENSE) if sense is None else sense
-        self.currents: NDArray[np.float64] = np.zeros(phases) if sensed_currents is None else sensed_currents
-        self.command: NDArray[Any] = np.zeros(1, COMMAND)
-        self.sense[0]["struct_size"] = SENSE.itemsize
-        self.sense[0]["phase_count"] = phases
-        self.sense[0]["phase_currents"] = self.currents.ctypes.data
-        self.command[0]["struct_size"] = COMMAND.itemsize
-        self._progress = np.zeros(1, np.int64) if progress is None else progress
-        self._addresses = np.array(
-            [step_address, state_address, self.sense.ctypes.data, self.command.ctypes.data], np.int64
+        self._exchange = make_exchange(
+            phases,
+            step_address=step_address,
+            state_address=state_address,
+            sense=sense,
+            sensed_currents=sensed_currents,
+            progress=progress,
         )
+        self.sense: NDArray[Any] = self._exchange.sense
+        self.currents: NDArray[np.float64] = self._exchange.sensed_currents
+        self.command: NDArray[Any] = self._exchange.command
+        self._begun = 0
 
     def answer(
         self, rows: NDArray[np.float64], *, judged: tuple[str, ...] = (), tolerance: float = -1.0
@@ -265,16 +254,13 @@ class Shadow:
         answers = np.full((len(rows), len(OUTPUTS)), nan)
         rows = np.ascontiguousarray(rows, np.float64)
         status, done = _shadow(
-            self.sense,
-            self.command,
-            self.command.view(np.int64),
-            self.currents,
-            self._progress,
-            self._addresses,
+            self._exchange,
+            self._begun,
             rows,
             rows.view(np.int64),
             np.array([output in judged for output in OUTPUTS]),
             tolerance,
             answers,
         )
+        self._begun += len(rows)
         return int(status), int(done), answers

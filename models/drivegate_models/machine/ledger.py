@@ -6,7 +6,14 @@ Every entry is a sum over the phases of an integral over time. What the entries 
     UPPER + LOWER = R SQUARE + speed IMPULSE + DEVICE + change of L i**2 / 2      (where it goes)
 """
 
+from __future__ import annotations
+
 from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined
 
 MAGNITUDE: Final = 0
 """Integral of the magnitudes of the phase currents (A s)."""
@@ -36,3 +43,35 @@ EVENTS: Final = 12
 """Number of intervals between events (1)."""
 ENTRIES: Final = 13
 """Length of the array."""
+
+
+@inlined
+def source_energy(totals: NDArray[np.float64]) -> float:
+    """Return the net energy taken from the supply, core and switching losses included.
+
+    Parameters
+    ----------
+    totals : ndarray, shape (ENTRIES,)
+        Exact integrals.
+
+    Returns
+    -------
+    float
+        (J).
+    """
+    return float(totals[UPPER] + totals[LOWER] + totals[CORE_SOURCE] + totals[SWITCHING])
+
+
+@inlined
+def add_period(totals: NDArray[np.float64], period: NDArray[np.float64]) -> None:
+    """Add the integrals of one control period to those of a run.
+
+    Parameters
+    ----------
+    totals, period : ndarray, shape (ENTRIES,)
+        Exact integrals; `totals` is updated.
+    """
+    peak = max(totals[PEAK], period[PEAK])
+    for entry in range(ENTRIES):
+        totals[entry] += period[entry]
+    totals[PEAK] = peak

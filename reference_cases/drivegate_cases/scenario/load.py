@@ -7,6 +7,7 @@ from pydantic import Field, field_validator
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.scenario.piecewise import Profile, ProfilePoint, check_times
+from drivegate_models.units import RADIANS_PER_RPM
 
 _Torque = Annotated[float, Field(ge=0.0, le=1e6)]
 _FactorPoint = Annotated[
@@ -114,7 +115,7 @@ class VehicleLoad(Section):
 
     def torque_at(self, speed_rpm: float, share: float = 0.0) -> float:
         """Torque that keeps the vehicle at its speed."""
-        vehicle_speed = speed_rpm * math.pi / 30.0 * self.lever_m
+        vehicle_speed = speed_rpm * RADIANS_PER_RPM * self.lever_m
         slope = share / 100.0
         weight = self.mass_kg * GRAVITY / math.hypot(1.0, slope)
         drag = 0.5 * self.air_density_kg_m3 * self.drag_area_m2 * vehicle_speed**2

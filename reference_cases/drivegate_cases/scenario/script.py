@@ -1,11 +1,10 @@
 """A script: what a controller is told, interval by interval, without a plant behind it."""
 
-from pathlib import Path
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from drivegate_cases.documents.document import Document, Section, read_document
+from drivegate_cases.documents.document import Document, Section
 from drivegate_cases.motor.motor import Motor
 from drivegate_cases.motor.motor_reference import MotorReference
 from drivegate_models.contract.outer_loop.signals import Nameplate
@@ -52,8 +51,3 @@ class Script(Document):
         """Give what the controller is told of its drive."""
         motor: Motor = self.motor
         return motor.nameplate(self.control_period_s)
-
-
-def load_script(path: str | Path) -> Script:
-    """Load a script from a file."""
-    return read_document(path, Script)

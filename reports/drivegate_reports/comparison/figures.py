@@ -17,9 +17,9 @@ from drivegate_reports.comparison.curves import (
 )
 from drivegate_reports.comparison.inks import Ink, inks_of
 from drivegate_reports.comparison.maps import MAPS, draw_map, map_words
+from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.printable import clean
 from drivegate_reports.page.style import house_style, inline_svg
-from drivegate_reports.paper.placed import PageFigure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

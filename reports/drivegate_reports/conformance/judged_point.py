@@ -8,12 +8,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from drivegate.drives.kinds import kind_of
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
-from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum
+from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.conformance.signals import RunSignals
-from drivegate_reports.paper.drive import RADIANS_PER_RPM
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,7 @@ def judged_point(signals: RunSignals) -> JudgedPoint | None:
 
 @lru_cache(maxsize=200)
 def _answers(scenario: Scenario, dwell: Dwell) -> JudgedPoint | None:
+    oracle = kind_of(scenario.motor).oracle()
     drive = scenario.motor.drive(dwell_scales(scenario, dwell))
     speed = dwell.speed_rpm * RADIANS_PER_RPM
     load = dwell_torque(scenario, dwell)
@@ -59,8 +60,8 @@ def _answers(scenario: Scenario, dwell: Dwell) -> JudgedPoint | None:
     if load <= 0.0 or speed <= 0.0:
         return None
     try:
-        edge = feasible_edge(drive, speed, torque, voltage)
-        least = least_current_sum(drive, speed, torque, voltage)
+        edge = oracle.feasible_edge(drive, speed, torque, voltage)
+        least = oracle.least_current_sum(drive, speed, torque, voltage)
     except InputError:
         return None
     if not (math.isfinite(edge) and math.isfinite(least.advance)):

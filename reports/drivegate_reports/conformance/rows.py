@@ -9,7 +9,7 @@ from statistics import median
 from typing import Any, Final
 
 from drivegate.output.result_file import counterexample_name
-from drivegate.studies.check.display import scenario_in_short
+from drivegate.output.scenario_words import scenario_in_short
 from drivegate_reports.page.printable import LONGEST_BLOCK, clean, plain_data
 
 TONES: Final = {

@@ -15,9 +15,9 @@ from drivegate_reports.conformance.account import account
 from drivegate_reports.conformance.figures import margin_distribution, recorded_run
 from drivegate_reports.conformance.figures import script as told_script
 from drivegate_reports.conformance.signals import RunSignals, signals_of
+from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.printable import clean
 from drivegate_reports.page.style import house_style, inline_svg
-from drivegate_reports.paper.placed import PageFigure
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from functools import cache
 from typing import Final
 
 from drivegate_cases.motor.motor import Motor, load_motor
 from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.units import RADIANS_PER_RPM
 
-RADIANS_PER_RPM: Final = math.pi / 30.0
 HIGHEST_PUBLISHED_RPM: Final = 1500.0
 """Greatest speed of the published results, three times base speed."""
 

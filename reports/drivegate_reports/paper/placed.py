@@ -2,36 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 
+from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.style import house_style, inline_svg
 from drivegate_reports.paper.catalogue import FIGURES, PaperFigure
-
-
-@dataclass(frozen=True)
-class PageFigure:
-    """A figure with its words.
-
-    Attributes
-    ----------
-    name : str
-        Unique in the page.
-    title : str
-        What it is about.
-    svg : str
-        The ``svg`` element.
-    alternative : str
-        The figure in words.
-    caption : str
-        What it shows and under which conditions.
-    """
-
-    name: str
-    title: str
-    svg: str
-    alternative: str
-    caption: str
 
 
 @cache

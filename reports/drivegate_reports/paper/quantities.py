@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from drivegate.candidates.builtin.loading import BuiltinController
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.publication.facts import Fact, Quantity
 from drivegate_cases.scenario.operating_point import load_operating_point
@@ -18,9 +18,8 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_models.half_bridge.steady.oracle import feasible_edge, point_at_torque
 from drivegate_models.half_bridge.steady.steady_state import steady_state
-from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.paper.drive import (
-    RADIANS_PER_RPM,
     ideal_drive,
     reference_motor,
 )
@@ -81,7 +80,7 @@ def _angle_below_base() -> Ours:
     }
     scenario = parse_document(ramp, Scenario, "the ramp through base speed")
     run = run_scenario(scenario, BuiltinController(SEARCHES["published"]))
-    angle = math.degrees(float(run.run[observation.RUN_ANGLE_BELOW_BASE]))
+    angle = math.degrees(run.observed.angle_below_base)
     return Ours(angle, "greatest angle that `published` commands below base speed, on a ramp through it")
 
 

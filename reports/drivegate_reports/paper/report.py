@@ -12,13 +12,14 @@ from drivegate.results.provenance import provenance
 from drivegate.results.result import finite
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.publication.facts import facts, open_assumptions, publication
+from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.page import page_text
 from drivegate_reports.paper.catalogue import FIGURES, PaperFigure
 from drivegate_reports.paper.drive import reference_motor
 from drivegate_reports.paper.facts import all_comparisons
 from drivegate_reports.paper.figure_files import write_figure
 from drivegate_reports.paper.findings import RecomputedFinding, recomputed_findings
-from drivegate_reports.paper.placed import PageFigure, placed
+from drivegate_reports.paper.placed import placed
 from drivegate_reports.paper.verdicts import Comparison, verdict_counts
 
 SCHEMA: Final = 1

@@ -9,17 +9,17 @@ from typing import Final
 import numpy as np
 
 from drivegate.candidates.builtin.loading import BuiltinController
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate_cases.motor.scales import Scales
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_models.half_bridge.steady.oracle import least_current_sum, point_at_torque
 from drivegate_models.loop.observation import TRACE_COLUMNS
+from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import signed
 from drivegate_reports.paper.drive import (
     HIGHEST_PUBLISHED_RPM,
-    RADIANS_PER_RPM,
     banded_drive,
     ideal_drive,
     reference_motor,
@@ -235,8 +235,8 @@ def _excess_percent(scales: dict[str, float]) -> float:
     assert isinstance(load, ConstantTorqueLoad), f"the scenario {SCENARIO} has a load of constant torque"
     changed = scenario.replaced(scales=Scales(**scales))
     run = run_scenario(changed, BuiltinController(SEARCHES["reference"]), trace_every=1)
-    settled = run.trace[run.trace[:, TRACE_COLUMNS.index("time_s")] > changed.duration_s - 1.0]
-    means = {key: float(np.mean(settled[:, index])) for index, key in enumerate(TRACE_COLUMNS)}
+    settled = run.trace[run.trace["time_s"] > changed.duration_s - 1.0]
+    means = {key: float(np.mean(settled[key])) for key in TRACE_COLUMNS}
     plant = banded_drive()
     plant = plant._replace(resistance=plant.resistance * changed.scales.resistance)
     least = least_current_sum(plant, means["speed_rpm"] * RADIANS_PER_RPM, means["torque_nm"])

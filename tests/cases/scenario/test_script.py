@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from drivegate_cases.documents.document import parse_document
-from drivegate_cases.scenario.script import Script, load_script
+from drivegate_cases.documents.document import parse_document, read_document
+from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
 
 ROW = {"speed_reference_rpm": 1500.0, "speed_rpm": 1495.0, "current_sum_a": 40.0, "supply_v": 48.0}
@@ -29,7 +29,7 @@ def test_a_script_survives_its_own_mapping(tmp_path):
     assert parse_document(script.to_mapping(), Script, "a script") == script
     file = tmp_path / "script.json"
     file.write_text(json.dumps(script.to_mapping()))
-    assert load_script(file) == script
+    assert read_document(file, Script) == script
 
 
 @pytest.mark.parametrize(

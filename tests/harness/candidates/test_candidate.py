@@ -7,6 +7,7 @@ import pytest
 
 from drivegate import __version__
 from drivegate.candidates import resolution as candidate_resolution
+from drivegate.candidates.builtin import resolution as builtin_resolution
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.resolution import resolve_candidate
@@ -36,7 +37,7 @@ def test_a_bare_name_is_a_builtin(name):
 
 def test_builtins_differ_in_their_hashes_by_name_and_version(monkeypatch):
     first = {resolve_candidate(name).content_hash for name in BUILTIN_CANDIDATES}
-    monkeypatch.setattr(candidate_resolution, "__version__", __version__ + ".1")
+    monkeypatch.setattr(builtin_resolution, "__version__", __version__ + ".1")
     second = {resolve_candidate(name).content_hash for name in BUILTIN_CANDIDATES}
     assert len(first | second) == 2 * len(BUILTIN_CANDIDATES)
 

@@ -11,12 +11,13 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
 from drivegate.runs.record import RunRecord
-from drivegate.runs.scenario import observed_windows
+from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.profile import dwell_torque, dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 from drivegate_models.loop import closed_loop, observation
+from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.machine import ledger
 
 MakeRecord = Callable[..., RunRecord]
@@ -50,7 +51,7 @@ def record_with(
     """A run of which nothing is known but what is given; by default it has converged on what it was asked for."""
     scenario = scenario or scenario_with()
     observed = observed_windows(scenario)
-    rows = np.zeros((len(observed), observation.WINDOW_ENTRIES))
+    rows = np.zeros(len(observed), observation.WINDOW_RECORD)
     by_end = {dwell.end: dwell for dwell in dwells(scenario)}
     for index, (_, end) in enumerate(observed):
         dwell = by_end[end]
@@ -67,20 +68,20 @@ def record_with(
             **(windows[index] if windows else {}),
         }
         for name, value in values.items():
-            rows[index, getattr(observation, f"WINDOW_{name}")] = value
-    observations = np.zeros(observation.RUN_ENTRIES)
+            rows[index][name.lower()] = value
+    observations = np.zeros(1, observation.RUN_RECORD)
     for name, value in (run or {}).items():
-        observations[getattr(observation, f"RUN_{name}")] = value
+        observations[0][name.lower()] = value
     integrals = np.zeros(ledger.ENTRIES)
     for name, value in (totals or {}).items():
         integrals[getattr(ledger, name)] = value
     finished = closed_loop.ClosedLoopRun(
-        status=closed_loop.FINISHED,
+        status=COMPLETED,
         digest=DIGEST,
         totals=integrals,
-        run=observations,
-        windows=rows,
-        trace=np.zeros((0, len(observation.TRACE_COLUMNS))),
+        observed=observation.observed_run(observations),
+        windows=tuple(observation.WindowObservation(*row) for row in rows.tolist()),
+        trace=np.zeros(0, observation.TRACE_RECORD),
         last_sense=np.zeros(1, SENSE),
         last_currents=np.zeros(5),
         last_command=np.zeros(1, COMMAND),

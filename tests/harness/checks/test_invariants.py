@@ -13,15 +13,15 @@ from drivegate.checks.command_range import angle_below_base
 from drivegate.checks.convergence import converges
 from drivegate.checks.power import estimated_power, exchanged_power
 from drivegate.checks.ripple import LARGEST_RIPPLE, ripple_at_converged_angle
+from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
-from drivegate.runs.scenario import RADIANS_PER_RPM, run_scenario
 from drivegate.scenarios.drawn.families import base_speed_scenarios, drawn_scenarios, steady_scenarios
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_models.half_bridge.steady.oracle import feasible_edge, point_at_torque
 from drivegate_models.half_bridge.steady.steady_state import PERIODIC, steady_state
-from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
 
 MOTOR = load_motor("paper-5-phase")
 DRIVE = MOTOR.drive()
@@ -156,6 +156,4 @@ def test_the_published_search_breaks_the_law_by_locking_up() -> None:
     assert margin is not None
     assert not margin.met, f"the literal flowchart converges: {margin.measured}"
     window = next(run.windows()).values
-    assert window[observation.WINDOW_REFERENCE] == pytest.approx(MOTOR.current_limit_a), (
-        "it does not stay at the current limit"
-    )
+    assert window.reference == pytest.approx(MOTOR.current_limit_a), "it does not stay at the current limit"

@@ -12,8 +12,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.commands.command_line import main
 from drivegate.gate.events import CheckFinished, CheckStarted, RunDone
-from drivegate.results.baseline import Comparison
-from drivegate.results.result import CheckOutcome, CheckResult
+from drivegate.results.result import CheckOutcome, CheckResult, Comparison
 from drivegate_cases.scenario.scenario import load_scenario
 
 

@@ -52,7 +52,7 @@ def test_the_built_in_candidates_are_compared_the_same_on_any_number_of_workers(
     assert rows[0]["candidate"] == "reference"
 
     # The page is a function of the document, and what a candidate is measured as does not depend on the others.
-    monkeypatch.setattr("drivegate.studies.compare.compare_all.entry_points", lambda group: [])
+    monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group: [])
     alone = compare("initial", "--workers", 1, "--output", "one", "--json").document
     for table in ("operating_points", "disturbances", "repetitions", "drive_cycle"):
         rows = [row for row in document["tables"][table] if row["candidate"] == "initial"]

@@ -2,8 +2,11 @@
 
 import io
 
+import pytest
+
 from drivegate.gate.events import CheckStarted, RunDone
-from drivegate.output.progress import progress_on
+from drivegate.output.event_loop import followed
+from drivegate.output.progress import Display, progress_on, with_rate
 
 
 class Terminal(io.StringIO):
@@ -17,10 +20,9 @@ class Gone(io.StringIO):
 
 
 def told(stream):
-    with progress_on(stream) as handler:
-        handler(CheckStarted("mine\x1b[31m", 3))
-        for done in (1, 2, 3):
-            handler(RunDone(done, 3, "a scenario", "CNV-1 +0.5"))
+    with progress_on(stream) as display:
+        runs = (RunDone(done, 3, "a scenario", "CNV-1 +0.5") for done in (1, 2, 3))
+        followed((CheckStarted("mine\x1b[31m", 3), *runs), display)
 
 
 def test_plain_lines_are_few_and_printable():
@@ -40,3 +42,34 @@ def test_a_terminal_gets_a_bar():
 def test_nobody_listening_is_no_failure():
     told(Gone())
     told(None)
+
+
+def test_the_rate_leaves_out_what_was_there_before_and_the_start():
+    stream, now = io.StringIO(), [0.0]
+    with progress_on(stream) as display:
+        tell = with_rate(display, "many", 1000, "points", clock=lambda: now[0])
+        for now[0], done in ((100.0, 400), (110.0, 500), (130.0, 1000)):
+            tell(done, 400)
+    assert stream.getvalue().splitlines() == [
+        "many: 400 of 1000 points, starting",
+        "many: 1000 of 1000 points, 20 points/s, 0 s left",
+    ], "the first and the last line are told, however close"
+
+
+class Kept(Display):
+    """Keeps the last line."""
+
+    def _print(self, words, always):
+        self.last = words
+
+
+@pytest.mark.parametrize(
+    ("seconds", "told"), [(10.0, "90 s left"), (60.0, "9 min left"), (800.0, "2 h 0 min left")]
+)
+def test_the_time_left_is_told_as_people_tell_it(seconds, told):
+    kept, now = Kept(), [0.0]
+    tell = with_rate(kept, "many", 10, clock=lambda: now[0])
+    tell(0, 0)
+    now[0] = seconds
+    tell(1, 0)
+    assert kept.last.endswith(told)

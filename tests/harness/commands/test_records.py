@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from drivegate.results.baseline import Comparison
+from drivegate.results.result import Comparison
 from drivegate.scenarios.building import steady_scenario
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import load_scenario
@@ -65,7 +65,7 @@ def small(monkeypatch):
         )
         for speed in speeds
     )
-    monkeypatch.setattr("drivegate.gate.plan.fixed_scenarios", lambda *_: scenarios)
+    monkeypatch.setattr("drivegate.scenarios.fixed.fixed_scenarios", lambda *_: scenarios)
     monkeypatch.setattr("drivegate.gate.plan.SHARDS", 1)
     monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 1})
 

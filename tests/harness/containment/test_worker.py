@@ -12,7 +12,7 @@ import psutil
 import pytest
 
 from drivegate.candidates.fault import FaultKind
-from drivegate.candidates.python.loading import load_python_controller
+from drivegate.candidates.python.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
@@ -81,7 +81,7 @@ class Mine:
 
 
 def worker_of(candidate, limits=QUICK):
-    return CandidateWorker(candidate, load_python_controller, limits=limits)
+    return CandidateWorker(candidate, load_controller, limits=limits)
 
 
 FAULTS_IN_STEP = {
@@ -272,10 +272,10 @@ def test_a_worker_whose_idle_process_died_starts_another(candidate, jobs):
 def test_a_worker_in_an_endless_loop_dies_with_its_parent(candidate):
     script = (
         "import worker_jobs; from drivegate.candidates.resolution import resolve_candidate; "
-        "from drivegate.candidates.python.loading import load_python_controller; "
+        "from drivegate.candidates.python.loading import load_controller; "
         "from drivegate.containment.worker import CandidateWorker; from drivegate.containment.messages import Job; "
         f"candidate = resolve_candidate({candidate('while True: pass').specification!r}); "
-        "CandidateWorker(candidate, load_python_controller).run(Job(worker_jobs.drive, 7))"
+        "CandidateWorker(candidate, load_controller).run(Job(worker_jobs.drive, 7))"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     parent = subprocess.Popen([sys.executable, "-c", script], env=environment)
@@ -294,14 +294,14 @@ def test_a_worker_in_an_endless_loop_dies_with_its_parent(candidate):
 
 @pytest.mark.parametrize("workers", [1, 2, 3])
 def test_a_pool_gives_results_in_the_order_of_its_jobs(candidate, jobs, workers):
-    with WorkerPool(candidate(), load_python_controller, workers=workers, limits=QUICK) as pool:
+    with WorkerPool(candidate(), load_controller, workers=workers, limits=QUICK) as pool:
         assert list(pool.map(Job(jobs.sleep_by_turns, index) for index in range(9))) == list(range(9))
 
 
 def test_a_pool_goes_on_after_crashes_and_hangs(candidate, jobs):
     fault = "os._exit(1)"
     steps = [NORMAL, WITH_FAULT, NORMAL, WITH_FAULT, NORMAL]
-    with WorkerPool(candidate(fault), load_python_controller, workers=2, limits=QUICK) as pool:
+    with WorkerPool(candidate(fault), load_controller, workers=2, limits=QUICK) as pool:
         outcomes = list(pool.map([Job(jobs.drive, number) for number in steps]))
     assert outcomes[::2] == [3.0] * 3
     assert [outcome.kind for outcome in outcomes[1::2]] == [FaultKind.CRASH] * 2
@@ -309,7 +309,7 @@ def test_a_pool_goes_on_after_crashes_and_hangs(candidate, jobs):
 
 def test_a_pool_tells_a_hang_after_a_second_try(candidate, jobs):
     steps = [WITH_FAULT, NORMAL, NORMAL, NORMAL]
-    with WorkerPool(candidate("while True: pass"), load_python_controller, workers=2, limits=QUICK) as pool:
+    with WorkerPool(candidate("while True: pass"), load_controller, workers=2, limits=QUICK) as pool:
         outcomes = list(pool.map([Job(jobs.drive, number) for number in steps]))
     assert outcomes[0].kind is FaultKind.HANG
     assert outcomes[1:] == [3.0] * 3
@@ -320,7 +320,7 @@ def test_a_pool_tries_a_hang_again_with_nothing_beside_it(candidate, jobs, tmp_p
     once = f"while not os.path.exists({str(mark)!r}) or self.looping: self.looping = open({str(mark)!r}, 'w')"
     steps = [WITH_FAULT, NORMAL, NORMAL, NORMAL]
     hanging = candidate(once, reset="self.looping = None")
-    with WorkerPool(hanging, load_python_controller, workers=2, limits=QUICK) as pool:
+    with WorkerPool(hanging, load_controller, workers=2, limits=QUICK) as pool:
         (total, began, ended), *others = pool.map([Job(jobs.drive_slowly, number) for number in steps])
     assert total == 7.0
     assert [other[0] for other in others] == [3.0] * 3
@@ -330,7 +330,7 @@ def test_a_pool_tries_a_hang_again_with_nothing_beside_it(candidate, jobs, tmp_p
 
 def test_a_pool_gives_a_fault_while_loading_to_all_jobs_without_repeating_it(candidate, jobs, tmp_path):
     top = f"open({str(tmp_path / 'loads')!r}, 'a').write('x'); os._exit(1)"
-    with WorkerPool(candidate(top=top), load_python_controller, workers=2, limits=QUICK) as pool:
+    with WorkerPool(candidate(top=top), load_controller, workers=2, limits=QUICK) as pool:
         outcomes = list(pool.map([Job(jobs.drive, NORMAL)] * 20))
     assert {(outcome.kind, outcome.phase) for outcome in outcomes} == {(FaultKind.CRASH, "loading")}
     assert len(outcomes) == 20
@@ -338,7 +338,7 @@ def test_a_pool_gives_a_fault_while_loading_to_all_jobs_without_repeating_it(can
 
 
 def test_a_pool_may_be_left_early_and_used_again(candidate, jobs):
-    with WorkerPool(candidate("time.sleep(1000)"), load_python_controller, workers=2) as pool:
+    with WorkerPool(candidate("time.sleep(1000)"), load_controller, workers=2) as pool:
         results = pool.map([Job(jobs.drive, number) for number in (NORMAL, WITH_FAULT, WITH_FAULT)])
         assert next(results) == 3.0
         results.close()
@@ -346,5 +346,5 @@ def test_a_pool_may_be_left_early_and_used_again(candidate, jobs):
 
 
 def test_a_pool_without_jobs_starts_nothing(candidate):
-    with WorkerPool(candidate(), load_python_controller, workers=2) as pool:
+    with WorkerPool(candidate(), load_controller, workers=2) as pool:
         assert list(pool.map([])) == []

@@ -23,7 +23,7 @@ from drivegate.gate.recording import (
 )
 from drivegate.results.result import CheckOutcome, Recording
 from drivegate_cases.scenario.scenario import load_scenario
-from drivegate_models.loop.observation import TRACE_COLUMNS
+from drivegate_models.loop.observation import TRACE_RECORD
 
 
 def outcome(check: str, scenario: dict[str, Any] | None, **changes: Any) -> CheckOutcome:
@@ -46,9 +46,9 @@ def outcome(check: str, scenario: dict[str, Any] | None, **changes: Any) -> Chec
 
 
 def test_means_over_equal_stretches_are_kept() -> None:
-    trace = np.zeros((24_000, len(TRACE_COLUMNS)))
-    trace[:, 0] = np.arange(24_000) * 0.0005
-    trace[:, TRACE_COLUMNS.index("speed_rpm")] = np.linspace(1000.0, 2000.0, 24_000)
+    trace = np.zeros(24_000, TRACE_RECORD)
+    trace["time_s"] = np.arange(24_000) * 0.0005
+    trace["speed_rpm"] = np.linspace(1000.0, 2000.0, 24_000)
     columns = thinned(trace)
     assert set(columns) == set(COLUMNS) - {"half_supply_v"}, "a constant supply is not kept"
     assert {len(values) for values in columns.values()} == {MOST_POINTS}
@@ -58,9 +58,9 @@ def test_means_over_equal_stretches_are_kept() -> None:
 
 
 def test_a_short_trace_is_kept_as_it_is() -> None:
-    trace = np.arange(3.0 * len(TRACE_COLUMNS)).reshape(3, -1)
+    trace = np.arange(3.0 * len(TRACE_RECORD)).view(TRACE_RECORD)
     columns = thinned(trace)
-    assert columns["time_s"] == trace[:, 0].tolist()
+    assert columns["time_s"] == trace["time_s"].tolist()
     assert "half_supply_v" in columns, "a supply that changes is kept"
 
 

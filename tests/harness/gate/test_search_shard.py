@@ -1,5 +1,6 @@
 """A shard of the search: every run is new and fair, the same seed gives the same runs, climbing can be left out."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -10,10 +11,13 @@ from drivegate.candidates.controller import Controller
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.check import Check
+from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
-from drivegate.gate.shard import DrawnRuns, JudgedRun, ShardOutcome, content_key, run_drawn
+from drivegate.gate.shard import DrawnRuns, content_key, run_drawn
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS
 from drivegate.scenarios.fixed import fixed_scenarios
+from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario
 
 MOTOR = "paper-5-phase"
@@ -38,9 +42,9 @@ def drawn(seed: int, examples: int, **options: Any) -> ShardOutcome:
 @pytest.fixture
 def judged_by_speed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Put a margin that falls with the distance from 1000 rpm in the place of runs and checks."""
-    from drivegate.studies.check.check_all import shard as search_shard
+    from drivegate.gate import shard as search_shard
 
-    def judged(scenario: Scenario) -> JudgedRun:
+    def judged(scenario: Scenario, _checks: Iterable[Check]) -> JudgedRun:
         margin = abs(scenario.speed_rpm[-1][1] - 1003.0) / 1000.0
         return JudgedRun(scenario.to_mapping(), (Margin("CNV-1", margin, "made up"),))
 
@@ -59,7 +63,7 @@ def test_no_run_is_made_twice_and_none_that_every_check_makes_anyway(seed: int) 
     assert len(keys) == len(set(keys)), "a run was made twice"
     # Two ways to draw the same scenario are two examples, but one run.
     assert 25 <= len(keys) <= 30
-    fixed = {content_key(scenario.to_mapping()) for scenario in fixed_scenarios()}
+    fixed = {content_key(scenario.to_mapping()) for scenario in fixed_scenarios(load_motor(MOTOR))}
     assert not fixed & set(keys)
 
 
@@ -81,12 +85,10 @@ def test_climbing_comes_closer_to_the_least_margin_than_drawing_at_random() -> N
 
 @pytest.mark.usefixtures("judged_by_speed")
 def test_what_no_angle_can_satisfy_is_counted_and_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    from drivegate.studies.check.check_all import shard as search_shard
-
     def slow(scenario: Scenario) -> str | None:
         return None if scenario.speed_rpm[0][1] > 1200.0 else "too slow"
 
-    monkeypatch.setattr(search_shard, "unfair_because", slow)
+    monkeypatch.setattr("drivegate.scenarios.feasibility.unfair_because", slow)
     outcome = drawn(0, 20)
     assert outcome.set_aside
     assert {drawn.reason for drawn in outcome.set_aside} == {"too slow"}
@@ -96,9 +98,7 @@ def test_what_no_angle_can_satisfy_is_counted_and_not_run(monkeypatch: pytest.Mo
 
 @pytest.mark.usefixtures("judged_by_speed")
 def test_a_shard_without_a_fair_scenario_is_empty(monkeypatch: pytest.MonkeyPatch) -> None:
-    from drivegate.studies.check.check_all import shard as search_shard
-
-    monkeypatch.setattr(search_shard, "unfair_because", lambda _scenario: "unfair")
+    monkeypatch.setattr("drivegate.scenarios.feasibility.unfair_because", lambda _scenario: "unfair")
     outcome = drawn(0, 3)
     assert not outcome.runs
     assert outcome.set_aside

@@ -9,9 +9,9 @@ from drivegate.candidates.controller import Controller
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.catalogue import CHECKS
+from drivegate.drives.running import run_scenario
 from drivegate.gate.shrinking import ShrinkPlan, Shrunk, run_shrink, size_of
 from drivegate.runs.record import RunRecord
-from drivegate.runs.scenario import run_scenario
 from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import (
     pulsed,

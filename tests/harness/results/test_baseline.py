@@ -6,10 +6,11 @@ from typing import Any
 
 import pytest
 
+from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.gate.plan import Origin, planned_work
-from drivegate.gate.shard import JudgedRun
-from drivegate.results.baseline import Baseline, Comparison, compared, loss_by_chance, read_baseline
+from drivegate.results.baseline import Baseline, compared, loss_by_chance, read_baseline
+from drivegate.results.result import Comparison
 from drivegate.results.verdict import candidate_verdict
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError

@@ -12,7 +12,6 @@ import pytest
 
 from drivegate.candidates.fault import Fault
 from drivegate.output.result_file import as_json
-from drivegate.results.baseline import Comparison
 from drivegate.results.document import (
     CheckSection,
     ComparisonSection,
@@ -22,7 +21,7 @@ from drivegate.results.document import (
     ResultDocument,
     result_schema,
 )
-from drivegate.results.result import CheckOutcome, Found, Recording
+from drivegate.results.result import CheckOutcome, Comparison, Found, Recording
 from drivegate_cases.documents.document import parse_document
 from drivegate_models.errors import InputError
 

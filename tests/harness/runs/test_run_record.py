@@ -12,8 +12,9 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.power import estimated_power
 from drivegate.containment.messages import LoadedCandidate
 from drivegate.containment.shared_progress import SharedProgress
-from drivegate.runs.record import recorded
+from drivegate.drives.running import recorded
 from drivegate.scenarios.fixed import fixed_scenarios
+from drivegate_cases.motor.motor import load_motor
 
 STEPS = 40
 
@@ -32,7 +33,7 @@ class Averaging:
 
 @pytest.mark.parametrize(("steps", "met"), [(STEPS, True), (0, False), (2 * STEPS, False)])
 def test_an_estimate_is_judged_over_the_time_that_its_candidate_declares(steps: int, met: bool) -> None:
-    scenario = fixed_scenarios()[1].replaced(duration_s=1.0)
+    scenario = fixed_scenarios(load_motor("paper-5-phase"))[1].replaced(duration_s=1.0)
     declaration = Declaration(estimates_power=True, power_window_s=steps * scenario.control_period_s)
     candidate = replace(resolve_candidate("reference"), declaration=declaration)
     loaded = LoadedCandidate(candidate, lambda _: PythonController(Averaging()), SharedProgress.create())

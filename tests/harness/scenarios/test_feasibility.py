@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.runs.scenario import RADIANS_PER_RPM, run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.scenarios.building import base_speed_scenario, steady_scenario, vehicle_scenario
 from drivegate.scenarios.changes import (
     pulsed,
@@ -22,7 +22,7 @@ from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.steady.oracle import feasible_edge
-from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
 
 MOTOR = load_motor("paper-5-phase")
 
@@ -32,20 +32,20 @@ def steady(speed_rpm: float, share: float = 1.0, *, power: bool = False) -> Scen
 
 
 def test_every_fixed_scenario_is_fair() -> None:
-    unfair = [scenario.name for scenario in fixed_scenarios() if not is_fair(scenario)]
+    unfair = [scenario.name for scenario in fixed_scenarios(MOTOR) if not is_fair(scenario)]
     assert not unfair
 
 
 def test_fixed_scenarios_differ_and_begin_with_the_lock_up() -> None:
-    names = [scenario.name for scenario in fixed_scenarios()]
+    names = [scenario.name for scenario in fixed_scenarios(MOTOR)]
     assert names[:2] == ["lock-up", "fig5-search"]
     assert len(set(names)) == len(names), sorted(names)
 
 
 def test_a_speed_range_chooses_among_the_fixed_scenarios_and_always_leaves_one() -> None:
-    chosen = fixed_scenarios((600.0, 1000.0))
+    chosen = fixed_scenarios(MOTOR, (600.0, 1000.0))
     assert {speed for scenario in chosen for _, speed in scenario.speed_rpm} == {600.0, 700.0, 900.0, 1000.0}
-    (only,) = fixed_scenarios((1001.0, 1009.0))
+    (only,) = fixed_scenarios(MOTOR, (1001.0, 1009.0))
     assert only.speed_rpm == ((0.0, 1005.0),)
 
 
@@ -102,8 +102,8 @@ def test_a_reference_may_not_fall_faster_than_the_shaft_coasts(
 
     ended = scenario.replaced(duration_s=round(1.0 + max(over_s, 0.1), 1))
     run = run_scenario(ended, altered("initial", idle_from_the_ramp))
-    below = float(run.run[observation.RUN_SPEED_FINAL]) < 900.0 * RADIANS_PER_RPM
-    assert below is slow_enough, f"the shaft ends at {run.run[observation.RUN_SPEED_FINAL]} rad/s"
+    below = run.observed.speed_final < 900.0 * RADIANS_PER_RPM
+    assert below is slow_enough, f"the shaft ends at {run.observed.speed_final} rad/s"
 
 
 @pytest.mark.parametrize(("fall", "slow_enough"), [(10.0, True), (14.0, False)])

@@ -353,7 +353,7 @@ def test_the_plugin_is_light_where_it_is_not_used(pytester: pytest.Pytester) -> 
             assert heavy.isdisjoint(sys.modules)
         """
     )
-    pytester.runpytest_subprocess("-p", "no:hypothesispytest", "-p", "no:benchmark").assert_outcomes(passed=1)
+    pytester.runpytest_subprocess("-p", "no:hypothesispytest").assert_outcomes(passed=1)
 
 
 def test_importing_drivegate_brings_neither_pytest_nor_anything_heavy() -> None:

@@ -9,10 +9,11 @@ import pytest
 
 from drivegate_models.contract.outer_loop.records import nameplate_record
 from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.half_bridge.closed_loop import run_closed_loop
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function, step_function
 from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
-from drivegate_models.loop import closed_loop, observation
-from drivegate_models.loop.closed_loop import FINISHED, ClosedLoopRun, run_closed_loop
+from drivegate_models.loop import exchange
+from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.schedule import Course, Schedule, steady
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import (
@@ -85,15 +86,15 @@ def test_the_energy_of_a_whole_run_is_accounted_for(motor: Any, friction: float)
     drive = motor(friction=friction, viscous_friction=1e-3, core_loss_conductance=3e-3, inertia=0.05)
     run = simulate(drive, Load(CONSTANT_TORQUE, 8.0, 1.0))
     totals = run.totals
-    assert run.status == FINISHED
-    assert run.run[observation.RUN_EXCHANGE_ERROR] < 1e-12, "a control period does not close"
+    assert run.status == exchange.COMPLETED
+    assert run.observed.exchange_error < 1e-12, "a control period does not close"
     source = (
         totals[ledger.UPPER] + totals[ledger.LOWER] + totals[ledger.CORE_SOURCE] + totals[ledger.SWITCHING]
     )
-    assert run.run[observation.RUN_INPUT_ENERGY] == pytest.approx(source, rel=1e-12)
+    assert run.observed.input_energy == pytest.approx(source, rel=1e-12)
     spent = (
         drive.resistance * totals[ledger.SQUARE]
-        + run.run[observation.RUN_SHAFT_ENERGY]
+        + run.observed.shaft_energy
         + totals[ledger.CORE_SOURCE]
         + totals[ledger.DEVICE]
     )
@@ -107,8 +108,8 @@ def test_freezing_the_speed_within_a_period_vanishes_with_the_period(motor: Any)
     residuals, speeds = [], []
     for period in (1e-4, 5e-5, 2.5e-5):
         run = simulate(drive, Load(CONSTANT_TORQUE, 9.8, 1.0), name="initial", period=period, duration=1.0)
-        residuals.append(run.run[observation.RUN_KINETIC_RESIDUAL])
-        speeds.append(run.run[observation.RUN_SPEED_FINAL])
+        residuals.append(run.observed.kinetic_residual)
+        speeds.append(run.observed.speed_final)
     assert residuals[0] > 1.5 * residuals[1] > 2.0 * residuals[2], (
         f"the residual does not vanish: {residuals}"
     )
@@ -119,15 +120,15 @@ def test_mean_torque_carries_load_friction_and_core_drag(motor: Any) -> None:
     drive = motor(friction=0.3, viscous_friction=2e-3, core_loss_conductance=3e-3, inertia=0.05)
     run = simulate(drive, Load(CONSTANT_POWER, 1000.0, 1.0), name="initial", duration=4.0)
     window = run.windows[0]
-    speed = window[observation.WINDOW_SPEED]
+    speed = window.speed
     resisting = 1000.0 / speed + 0.3 + 2e-3 * speed
-    drag = window[observation.WINDOW_TORQUE] - resisting
+    drag = window.torque - resisting
     assert 0.0 < drag < 0.05, f"{drag} N·m are not load or friction, more than the core can drag"
 
 
 def test_a_dynamometer_holds_the_speed(motor: Any) -> None:
     run = simulate(motor(), Load(LOCKED, 0.0, 1.0), speed=900.0 * RPM, factor=((0.0, 1.0),))
-    assert run.run[observation.RUN_SPEED_FINAL] == 900.0 * RPM
+    assert run.observed.speed_final == 900.0 * RPM
 
 
 def test_load_and_friction_never_drive_the_shaft_backward(motor: Any) -> None:
@@ -135,7 +136,7 @@ def test_load_and_friction_never_drive_the_shaft_backward(motor: Any) -> None:
     run = simulate(
         drive, Load(CONSTANT_TORQUE, 500.0, 1.0), speed=100.0 * RPM, factor=((0.0, 1.0),), trace_every=1
     )
-    assert run.trace[:, 2].min() == 0.0, f"the shaft turns at {run.trace[:, 2].min()} rpm"
+    assert run.trace["speed_rpm"].min() == 0.0, f"the shaft turns at {run.trace['speed_rpm'].min()} rpm"
 
 
 def test_kinds_of_load() -> None:
@@ -167,8 +168,8 @@ def test_memory_does_not_grow_with_the_length_of_a_run(motor: Any) -> None:
 
 def test_the_trace_keeps_every_nth_period(motor: Any) -> None:
     run = simulate(motor(inertia=0.05), Load(CONSTANT_TORQUE, 5.0, 1.0), duration=0.5, trace_every=7)
-    assert run.trace.shape == (math.ceil(1000 / 7), len(observation.TRACE_COLUMNS))
-    assert np.allclose(np.diff(run.trace[:, 0]), 7 * 5e-4)
+    assert run.trace.shape == (math.ceil(1000 / 7),)
+    assert np.allclose(np.diff(run.trace["time_s"]), 7 * 5e-4)
 
 
 @pytest.mark.parametrize("steps", [1, 2, 64, 128, 192])
@@ -177,7 +178,7 @@ def test_constant_commands_that_differ_are_told_apart(steps):
         bits = int(np.float64(value).view(np.int64))
         total = 0
         for _ in range(steps):
-            total = closed_loop._digested(total, bits)
+            total = exchange._digested(total, bits)
         return total
 
     values = [0.0, -0.0, 1.0, -1.0, 1.0 + 2**-52, 12.0, 0.5]

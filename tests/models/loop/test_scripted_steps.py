@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE, STOP
-from drivegate_models.loop.scripted_steps import COMPLETED, NOT_FINITE, SIGNALS, STOPPED, ScriptedSteps
+from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
+from drivegate_models.loop.scripted_steps import SIGNALS, ScriptedSteps
 
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 

@@ -7,14 +7,12 @@ import numpy as np
 import pytest
 
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
+from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.step_recording import (
     BLOCK_ROWS,
-    COMPLETED,
     DIFFERS,
-    NOT_FINITE,
     OUTPUTS,
     RECORDER,
-    STOPPED,
     Shadow,
     differs,
     recording_step,

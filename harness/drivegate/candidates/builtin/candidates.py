@@ -1,10 +1,12 @@
 """The candidates that come with drivegate, and what they declare of themselves."""
 
+import re
 from math import pi, radians
 from types import MappingProxyType
 from typing import Final
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
+from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX
 
 BUILTIN_CANDIDATES: Final = MappingProxyType(
     {
@@ -23,3 +25,20 @@ BUILTIN_CANDIDATES: Final = MappingProxyType(
     }
 )
 """Declarations by bare name."""
+
+_DESIGNS = ("golden-section", "quadratic-interpolation", "angle-table", "sweep")
+
+DESIGN_CANDIDATES: Final = MappingProxyType(
+    {f"{DESIGN_PREFIX}{design}": Declaration(estimates_power=True) for design in _DESIGNS}
+)
+"""Declarations of correct candidates of other designs than the reference, by name with the prefix.
+
+The harness tests itself with them: no check may accuse a correct controller, whatever its design.
+"""
+
+_PREFIXED: Final = re.compile(f"({FAULTY_PREFIX}|{DESIGN_PREFIX})[a-z0-9-]+")
+
+
+def is_builtin_name(text: str) -> bool:
+    """Tell whether a text has the form of the name of a candidate that comes with drivegate, and of nothing else."""
+    return text in BUILTIN_CANDIDATES or _PREFIXED.fullmatch(text) is not None

@@ -10,9 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.candidate import Candidate, Composition
 from drivegate.candidates.composed.blocks import BLOCK_STEPS, Exchanged
-from drivegate.candidates.composed.candidate import Composition
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.python.bridge import PythonController
@@ -26,7 +25,7 @@ from drivegate_models.half_bridge.controllers.composed import COMPOSED_STATE, co
 _CONTROLLER: Final = "controller"
 
 
-def load_composed_controller(candidate: Candidate) -> Controller:
+def load_controller(candidate: Candidate) -> Controller:
     """Make a new instance of a composed candidate; the modules of its blocks are imported once a process."""
     if not isinstance(candidate.details, Composition):
         raise HarnessFault(f"the candidate {candidate.name} of kind {candidate.kind} has no blocks")

@@ -22,7 +22,7 @@ from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import InputError
 
 
-def load_fmu_controller(candidate: Candidate) -> "FmuController":
+def load_controller(candidate: Candidate) -> "FmuController":
     """Make a new instance of an FMU; its file is unpacked once a process."""
     try:
         import fmpy  # noqa: F401

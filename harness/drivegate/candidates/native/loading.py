@@ -5,10 +5,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
-from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.candidate import Candidate, NativeBuild
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import bounded_line
-from drivegate.candidates.native.candidate import NativeBuild
 from drivegate.candidates.native.controller import NativeController, same_arithmetic
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.contract.outer_loop.records import ABI_MAJOR, ABI_MINOR
@@ -21,7 +20,7 @@ _FUNCTIONS: Final = ("drivegate_abi_version", "drivegate_state_size", "drivegate
 _VERSIONS_IN_ONE: Final = 1000
 
 
-def load_native_controller(candidate: Candidate) -> Controller:
+def load_controller(candidate: Candidate) -> Controller:
     """Make a new instance of a native candidate; its library is loaded once a process.
 
     A candidate whose state is in globals has one instance in a process, which is returned again.

@@ -23,8 +23,8 @@ from drivegate.candidates.native.controller import NativeController, ResetFuncti
 from drivegate.candidates.native.loading import LARGEST_STATE
 from drivegate.candidates.native.numba_controller import NumbaController
 from drivegate_cases.documents.wording import shown_path
+from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import unfused
-from drivegate_models.compilation.native_memory import double_at
 from drivegate_models.contract.outer_loop.records import COMMAND, NAMEPLATE, SENSE, STOP
 from drivegate_models.errors import InputError
 

@@ -4,9 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final, TypeVar
 
-from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.candidate import Candidate, Program
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line
-from drivegate.candidates.program.candidate import Program
 from drivegate.candidates.program.process import LateAnswer, ProgramEnded, ProgramProcess
 from drivegate.candidates.program.protocol import (
     HELLO,
@@ -28,7 +27,7 @@ START_DEADLINE: Final = 30.0
 _Answer = TypeVar("_Answer")
 
 
-def load_exec_controller(candidate: Candidate) -> PythonController:
+def load_controller(candidate: Candidate) -> PythonController:
     """Start a candidate's program and shake hands with it."""
     if not isinstance(candidate.details, Program):
         raise HarnessFault(f"the candidate '{one_line(candidate.name)}' is no program")

@@ -25,7 +25,7 @@ from drivegate_models.errors import InputError
 _METHODS = ("reset", "step")
 
 
-def load_python_controller(candidate: Candidate) -> Controller:
+def load_controller(candidate: Candidate) -> Controller:
     """Make a new instance of a Python candidate's class, or of its `NumbaController`.
 
     Its module is imported once a process.

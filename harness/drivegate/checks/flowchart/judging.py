@@ -20,10 +20,10 @@ from drivegate.candidates.declaration import FlowchartProfile
 from drivegate.checks.flowchart.chart import LARGEST_ANGLE, Search, Told, allowed, beginnings, described
 from drivegate.checks.flowchart.scripts import probe
 from drivegate.checks.margin import Margin
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.runs.scripted import scripted_angles
 from drivegate_cases.scenario.script import Script, ScriptRow
 from drivegate_models.errors import InputError
+from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate.containment.shared_progress import SharedProgress

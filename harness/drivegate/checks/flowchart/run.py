@@ -16,10 +16,10 @@ from drivegate.candidates.declaration import FlowchartProfile
 from drivegate.checks.flowchart.drawn import drawn_scripts
 from drivegate.checks.flowchart.judging import judge_script
 from drivegate.checks.flowchart.scripts import fixed_scripts, usual_speed
+from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import LoadedCandidate
 from drivegate.containment.shared_progress import SharedProgress
-from drivegate.gate.shard import JudgedRun, ShardOutcome
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.script import Script, ScriptRow
 

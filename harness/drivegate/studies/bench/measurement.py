@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import median
-from typing import Any, Final, Literal
+from timeit import Timer
+from typing import Final, Literal
 
 Better = Literal["more", "less"]
 """Which way a number is better."""
@@ -56,62 +58,6 @@ class Value:
     checked: Checked
 
 
-@dataclass(frozen=True)
-class Row:
-    """One line of what was measured.
-
-    Attributes
-    ----------
-    name : str
-        Its name, such as ``loop.reference.1500.ideal``.
-    title : str
-        What it is, for people.
-    setting : str
-        What the work was; numbers of different settings are not compared.
-    unit : str
-        The number's unit.
-    better : str
-        Which way it is better.
-    bar : float or None
-        What it is meant to reach on an ordinary machine; a bar that is missed is told and is no failure.
-    value : Value or None
-        The number; None where it was not measured.
-    reason : str
-        Why it was not.
-    """
-
-    name: str
-    title: str
-    setting: str
-    unit: str
-    better: Better
-    bar: float | None
-    value: Value | None
-    reason: str = ""
-
-    @property
-    def is_invalid(self) -> bool:
-        """Whether the work behind the number gave a wrong result."""
-        return self.value is not None and not self.value.checked.valid
-
-    def document(self) -> dict[str, Any]:
-        """Write the row as plain data."""
-        made = self.value
-        return {
-            "name": self.name,
-            "title": self.title,
-            "setting": self.setting,
-            "unit": self.unit,
-            "better": self.better,
-            "bar": self.bar,
-            "value": None if made is None else made.value,
-            "median": None if made is None else made.median,
-            "rounds": 0 if made is None else made.rounds,
-            "valid": None if made is None else made.checked.valid,
-            "check": self.reason if made is None else made.checked.told,
-        }
-
-
 def timed(work: Callable[[], object], clock: Callable[[], float], rounds: int) -> list[float]:
     """Time a piece of work."""
     return interleaved((work,), clock, rounds)[0]
@@ -121,21 +67,14 @@ def interleaved(
     works: tuple[Callable[[], object], ...], clock: Callable[[], float], rounds: int
 ) -> list[list[float]]:
     """Time several pieces of work in turns, so that what disturbs one disturbs the others too."""
+    # The collector of garbage, which a timer turns off, is part of what a candidate in Python costs.
+    timers = [Timer(work, setup=gc.enable, timer=clock) for work in works]
+    repeats = [max(1, round(LEAST_ROUND_SECONDS / max(timer.timeit(1), 1e-6))) for timer in timers]
     times: list[list[float]] = [[] for _ in works]
-    repeats = [_repeats(work, clock) for work in works]
     for _ in range(rounds):
-        for work, count, kept in zip(works, repeats, times, strict=True):
-            began = clock()
-            for _ in range(count):
-                work()
-            kept.append((clock() - began) / count)
+        for timer, count, kept in zip(timers, repeats, times, strict=True):
+            kept.append(timer.timeit(count) / count)
     return times
-
-
-def _repeats(work: Callable[[], object], clock: Callable[[], float]) -> int:
-    began = clock()
-    work()
-    return max(1, round(LEAST_ROUND_SECONDS / max(clock() - began, 1e-6)))
 
 
 def rate(amount: float, times: list[float], checked: Checked) -> Value:
@@ -146,3 +85,10 @@ def rate(amount: float, times: list[float], checked: Checked) -> Value:
 def duration(times: list[float], checked: Checked, scale: float = 1.0) -> Value:
     """Turn times into a duration."""
     return Value(scale * min(times), scale * median(times), len(times), checked)
+
+
+def ratio(ours: list[float], theirs: list[float], checked: Checked) -> Value:
+    """Set times taken in turns against each other: what else runs slows both of a turn, but not every turn."""
+    # The best of each may be from different turns.
+    middle = median(own / other for own, other in zip(ours, theirs, strict=True))
+    return Value(middle, middle, len(ours), checked)

@@ -5,22 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
 from drivegate.studies.bench.loop_rates import (
     CANDIDATES,
     SENSORS,
     SIMULATED,
     SPEEDS_RPM,
-    YARDSTICK_SIMULATED,
     loop_rate,
-    yardstick_ratio,
 )
-from drivegate.studies.bench.measurement import Better, NotMeasured, Row, Value
+from drivegate.studies.bench.measurement import Better, NotMeasured, Value
 from drivegate.studies.bench.point_rates import POINTS, oracle_time, steady_rate
 from drivegate.studies.bench.process_times import gate_time, help_words, start_time
 from drivegate.studies.bench.python_overhead import SIMULATED as OVERHEAD_SIMULATED
 from drivegate.studies.bench.python_overhead import python_overhead
+from drivegate.studies.bench.record import Row
 from drivegate.studies.bench.run_memory import run_memory
 from drivegate.studies.bench.workbench import Workbench
 from drivegate_cases.documents.wording import nearest, one_line
@@ -36,8 +35,6 @@ EXEC_BAR: Final = 3.0
 """The same of a program of its own."""
 OVERHEAD_BAR: Final = 5.0
 """Time that calling a candidate in Python is meant to cost a step beyond its own (µs)."""
-YARDSTICK_BAR: Final = 1.2
-"""Time over that of the same algorithm in C that the closed loop is meant to stay below."""
 POINTS_BAR: Final = 50_000.0
 """Steady states a second."""
 HELP_BAR: Final = 0.3
@@ -49,6 +46,7 @@ GATE_BARS: Final = {"warm": 60.0, "cold": 120.0}
 
 _POINT = (1500.0, 9.8)
 _BARRED_RPM = 1500
+_TOLD = ("name", "title", "setting", "unit", "better", "bar")
 
 
 @dataclass(frozen=True)
@@ -57,8 +55,18 @@ class Planned:
 
     Attributes
     ----------
-    name, title, setting, unit, better, bar
-        As in `drivegate.studies.bench.measurement.Row`.
+    name : str
+        Its name, such as ``loop.reference.1500.ideal``.
+    title : str
+        What it is, for people.
+    setting : str
+        What the work is; numbers of different settings are not compared.
+    unit : str
+        The number's unit.
+    better : str
+        Which way it is better.
+    bar : float or None
+        What it is meant to reach on an ordinary machine; a bar that is missed is told and is no failure.
     measure : callable
         Does it.
     """
@@ -73,17 +81,29 @@ class Planned:
 
     def row(self, bench: Workbench) -> Row:
         """Measure."""
-        value, reason = None, ""
+        about: dict[str, Any] = {field: getattr(self, field) for field in _TOLD}
         try:
-            value = self.measure(bench)
+            made = self.measure(bench)
         except NotMeasured as error:
-            reason = one_line(str(error))
-        return Row(self.name, self.title, self.setting, self.unit, self.better, self.bar, value, reason)
+            return Row(**about, value=None, median=None, rounds=0, valid=None, check=one_line(str(error)))
+        return Row(
+            **about,
+            value=made.value,
+            median=made.median,
+            rounds=made.rounds,
+            valid=made.checked.valid,
+            check=made.checked.told,
+        )
 
 
 def planned(*, quick: bool, cold: bool) -> tuple[Planned, ...]:
     """List all that can be measured."""
-    return (*_loops(quick), _overhead(quick), *_yardsticks(quick), *_points(quick), *_processes(quick, cold))
+    return (*_loops(quick), _overhead(quick), *_points(quick), *_processes(quick, cold))
+
+
+def run_setting(seconds: float, quick: bool) -> str:
+    """Say what a run in closed loop simulates."""
+    return f"{seconds * (0.5 if quick else 1.0):g} s at a control period of 0.5 ms"
 
 
 def chosen(plan: Sequence[Planned], names: Sequence[str]) -> tuple[Planned, ...]:
@@ -117,7 +137,7 @@ def _loops(quick: bool) -> list[Planned]:
         Planned(
             f"loop.{candidate}.{speed}.{sensors}",
             f"{candidate}, {speed} rpm, {sensors} sensors",
-            f"{_shortened(SIMULATED[candidate], quick)} s at a control period of 0.5 ms",
+            run_setting(SIMULATED[candidate], quick),
             RATE_UNIT,
             "more",
             bars.get(candidate) if speed == _BARRED_RPM and sensors == "ideal" else None,
@@ -133,33 +153,12 @@ def _overhead(quick: bool) -> Planned:
     return Planned(
         "overhead.python",
         "calling a candidate in Python",
-        f"{_shortened(OVERHEAD_SIMULATED, quick)} s at a control period of 0.5 ms",
+        run_setting(OVERHEAD_SIMULATED, quick),
         "µs a step",
         "less",
         OVERHEAD_BAR,
         python_overhead,
     )
-
-
-def _yardsticks(quick: bool) -> list[Planned]:
-    titles = {"initial": "initial against all of it in C", "reference": "reference against its plant in C"}
-    return [
-        Planned(
-            f"yardstick.{candidate}.{speed}",
-            f"{title}, {speed} rpm",
-            f"{_shortened(YARDSTICK_SIMULATED, quick)} s at a control period of 0.5 ms",
-            "× its time",
-            "less",
-            YARDSTICK_BAR,
-            partial(yardstick_ratio, candidate=candidate, speed_rpm=speed),
-        )
-        for candidate, title in titles.items()
-        for speed in (1000, _BARRED_RPM)
-    ]
-
-
-def _shortened(seconds: float, quick: bool) -> str:
-    return f"{seconds * (0.5 if quick else 1.0):g}"
 
 
 def _points(quick: bool) -> list[Planned]:

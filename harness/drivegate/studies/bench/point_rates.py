@@ -6,6 +6,7 @@ import time
 from math import degrees, radians
 from typing import Final
 
+from drivegate.drives.kinds import DEFAULT_KIND, DEFAULT_MOTOR
 from drivegate.studies.bench.measurement import Checked, Value, duration, rate, timed
 from drivegate.studies.bench.workbench import Workbench
 
@@ -16,7 +17,6 @@ LEAST_CERTIFIED: Final = 0.98
 CLOSING: Final = 1e-9
 """Residual of the power of a point, over its input power, up to which it is right."""
 
-_MOTOR = "paper-5-phase"
 # How closely the edge is located.
 _EDGE = radians(2e-4)
 
@@ -31,7 +31,7 @@ def steady_rate(bench: Workbench, band: float) -> Value:
     from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME
 
     # Without core loss, which floating phases take from the shaft, powers add up from what a point tells.
-    drive = load_motor(_MOTOR).drive()._replace(hysteresis_band=band, core_loss_conductance=0.0)
+    drive = load_motor(DEFAULT_MOTOR).drive()._replace(hysteresis_band=band, core_loss_conductance=0.0)
     work, slices = make_phases(drive, KEPT_TIME), make_phases(drive)
     count = POINTS // 10 if bench.quick else POINTS
     places = np.arange(count, dtype=np.float64)
@@ -59,20 +59,19 @@ def steady_rate(bench: Workbench, band: float) -> Value:
 
 def oracle_time(bench: Workbench, speed_rpm: float, torque: float) -> Value:
     """Measure how long the angle of least Σ|i| takes at one point."""
-    from drivegate.runs.scenario import RADIANS_PER_RPM
     from drivegate_cases.motor.motor import load_motor
-    from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, point_at_torque
+    from drivegate_models.units import RADIANS_PER_RPM
 
-    drive = load_motor(_MOTOR).drive()
+    oracle, drive = DEFAULT_KIND.oracle(), load_motor(DEFAULT_MOTOR).drive()
     speed = speed_rpm * RADIANS_PER_RPM
-    best = least_current_sum(drive, speed, torque)
-    there = point_at_torque(drive, speed, best.advance, torque)
-    edge = feasible_edge(drive, speed, torque)
+    best = oracle.least_current_sum(drive, speed, torque)
+    there = oracle.point_at_torque(drive, speed, best.advance, torque)
+    edge = oracle.feasible_edge(drive, speed, torque)
     right = (
         best.advance >= edge - _EDGE
         and abs(there.torque - torque) <= 1e-6 * torque
         and abs(there.current_sum - best.current_sum) <= 1e-6 * best.current_sum
     )
     told = f"{degrees(best.advance):.2f}° gives {there.torque:.4f} N·m with {best.current_sum:.3f} A"
-    times = timed(lambda: least_current_sum(drive, speed, torque), time.process_time, bench.rounds)
+    times = timed(lambda: oracle.least_current_sum(drive, speed, torque), time.process_time, bench.rounds)
     return duration(times, Checked(right, told), 1e3)

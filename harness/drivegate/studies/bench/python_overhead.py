@@ -7,7 +7,7 @@ from statistics import median
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.python.bridge import PythonController
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.bench.loop_rates import checked_run
 from drivegate.studies.bench.measurement import Checked, Value, interleaved
 from drivegate.studies.bench.workbench import Workbench, operating_scenario

@@ -13,8 +13,7 @@ from pydantic import Field
 
 from drivegate.results.provenance import machine, provenance
 from drivegate.results.result import finite
-from drivegate.studies.bench.measurement import Better, Row
-from drivegate.studies.bench.yardstick import FLAGS
+from drivegate.studies.bench.measurement import Better
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.document import Document, Section, read_document
 
@@ -25,7 +24,7 @@ Table = dict[str, Any]
 Number = float | None
 
 
-class RowSection(Section):
+class Row(Section):
     """One measured number."""
 
     name: str = Field(description="its name")
@@ -55,10 +54,12 @@ class BenchDocument(Document):
     load_average: tuple[Number, ...] = Field(
         description="mean number of busy processes in the minute before, and in the minute before the end"
     )
-    yardstick_flags: str = Field(description="flags of the C compiler for the yardstick")
+    yardstick_flags: str | None = Field(
+        default=None, description="flags of the C compiler for the yardstick, in files of earlier versions"
+    )
     provenance: Table = Field(description="versions, and the commit of drivegate's sources")
     valid: bool = Field(description="whether every result was right")
-    rows: tuple[RowSection, ...] = Field(description="what was measured")
+    rows: tuple[Row, ...] = Field(description="what was measured")
     compared: Table | None = Field(default=None, description="the earlier document")
 
 
@@ -84,10 +85,9 @@ def bench_document(
         "command": command,
         "machine": machine(),
         "load_average": list(load_average),
-        "yardstick_flags": " ".join(FLAGS),
         "provenance": provenance(),
-        "valid": not any(row.is_invalid for row in rows),
-        "rows": [row.document() for row in rows],
+        "valid": all(row.valid is not False for row in rows),
+        "rows": [row.model_dump(exclude={"earlier", "times_as_good"}) for row in rows],
         "compared": None,
     }
     return document

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tracemalloc
 from typing import Final
 
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.bench.measurement import Checked, Value
 from drivegate.studies.bench.workbench import Workbench, operating_scenario
 

@@ -1,4 +1,4 @@
-"""What the measurements share: scenarios, candidates written for the occasion, and the compiled yardstick."""
+"""What the measurements share: scenarios, and candidates written for the occasion."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.results.waivers import present_day
 from drivegate.studies.bench.measurement import NotMeasured
-from drivegate.studies.bench.yardstick import Yardstick, build_yardstick
 from drivegate.studies.new.write import write_candidate
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError
@@ -37,15 +36,11 @@ class Workbench:
         An empty folder that is removed afterwards.
     quick : bool
         Whether few and short rounds will do.
-    yardstick_folder : Path or None
-        Where the yardstick's sources are, if they are here.
     """
 
     scratch: Path
     quick: bool
-    yardstick_folder: Path | None
     _controllers: dict[str, Controller] = field(default_factory=dict)
-    _yardstick: Yardstick | None = None
 
     @property
     def rounds(self) -> int:
@@ -77,21 +72,6 @@ class Workbench:
             return load_controller(resolve_candidate(str(manifest)))
         except InputError as error:
             raise NotMeasured(str(error)) from error
-
-    def yardstick(self) -> Yardstick:
-        """Compile the yardstick, once."""
-        if self._yardstick is None:
-            if self.yardstick_folder is None:
-                raise NotMeasured(
-                    "the C yardstick is in drivegate's sources: run this command there, or name its folder "
-                    "with --yardstick"
-                )
-            try:
-                library = build_yardstick(self.yardstick_folder, self.scratch)
-            except InputError as error:
-                raise NotMeasured(str(error)) from error
-            self._yardstick = Yardstick(library)
-        return self._yardstick
 
 
 def operating_scenario(speed_rpm: int, sensors: str, seconds: float) -> Scenario:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, TypeAlias
 
+from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.backend import Backend, done_by
@@ -53,7 +54,7 @@ def make_runs(plan: CampaignPlan, folder: CampaignFolder, backend: Backend, tell
 def require_loadable(plan: CampaignPlan) -> None:
     """Refuse candidates that cannot be used as they are before anything is run."""
     for candidate in plan.candidates:
-        if candidate.kind != "builtin":
+        if not KINDS[candidate.kind].comes_along:
             with CandidateWorker(candidate, load_controller) as worker:
                 worker.run(Job(_nothing, None))
 

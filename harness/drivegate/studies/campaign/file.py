@@ -8,26 +8,12 @@ from typing import Annotated, Final, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from drivegate.scenarios.parameters import GRID_KEYS, SPREADABLE
 from drivegate_cases.documents.document import Document, Section, read_document
 from drivegate_cases.documents.wording import nearest, one_line
-from drivegate_cases.motor.motor import SETTABLE_KEYS
-from drivegate_cases.motor.scales import Scales
 
 MOST_RUNS: Final = 10_000_000
 """Runs of one campaign at most."""
-SCALES: Final = tuple(Scales.model_fields)
-"""Parameters of the plant that its controller is not told of."""
-SHARES: Final = ("load_share", "supply_share")
-"""Parameters that multiply a profile of the case."""
-SPREADABLE: Final = (*SCALES, *SHARES)
-"""Parameters that may be drawn at random; each has its own place in a run's random numbers."""
-SPEED: Final = "speed_rpm"
-"""The parameter that replaces the case's speed reference by a constant one."""
-MOTOR_KEYS: Final = tuple(key for key in SETTABLE_KEYS if key not in ("name", "emf_shape", "emf_table"))
-"""Keys of the nominal motor, of which the controller is told."""
-GRID_KEYS: Final = (*SPREADABLE, SPEED, *MOTOR_KEYS)
-"""Parameters that may stand on a grid."""
-
 _MOST_FILES_WANTED = 64
 _MOST_RUNS_A_FILE = 100
 _Name = Annotated[str, Field(min_length=1, max_length=2000)]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from drivegate.studies.campaign.file import MOTOR_KEYS, SCALES, SPEED, NormalSpread, Spread
+from drivegate.scenarios.parameters import MOTOR_KEYS, SCALES, SPEED
+from drivegate.studies.campaign.file import NormalSpread, Spread
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile

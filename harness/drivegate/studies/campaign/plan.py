@@ -11,8 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.kinds import WHOLE_FILE_SUFFIXES
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.studies.campaign.file import SPREADABLE, Campaign
+from drivegate.scenarios.parameters import SPREADABLE
+from drivegate.studies.campaign.file import Campaign
 from drivegate.studies.campaign.parameters import drawn, with_parameters
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate_cases.documents.wording import one_line
@@ -21,7 +23,7 @@ from drivegate_models.errors import InputError
 
 _MANTISSA = 2.0**-53
 _MOST_CHECKED = 2_000
-_PATH_ENDINGS = (".toml", ".json", ".py", ".c", ".so", ".fmu")
+_PATH_ENDINGS = (".json", ".py", *WHOLE_FILE_SUFFIXES)
 
 
 @dataclass(frozen=True)

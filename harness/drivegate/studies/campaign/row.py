@@ -12,11 +12,11 @@ from drivegate.checks.check import judged_elsewhere
 from drivegate.checks.determinism import DET_1
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.runs.record import RunRecord, recorded
-from drivegate.scenarios.feasibility import is_fair
+from drivegate.drives.kinds import kind_of
+from drivegate.drives.running import recorded
+from drivegate.runs.record import RunRecord
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import HarnessFault
-from drivegate_models.loop import observation
 from drivegate_models.machine import ledger
 
 PASS: Final = "pass"
@@ -100,7 +100,7 @@ class Row:
 
 def run_row(loaded: LoadedCandidate, asked: RowRequest) -> Row:
     """Make a run and judge it; this is what the candidate's process does."""
-    if not is_fair(asked.scenario):
+    if not kind_of(asked.scenario.motor).is_fair(asked.scenario):
         return Row(SET_ASIDE)
     try:
         record = recorded(loaded, asked.scenario, loaded.controller())
@@ -145,17 +145,17 @@ def _observed(record: RunRecord) -> dict[str, Any]:
     run, duration = record.run, record.scenario.duration_s
     windows = run.windows
     observed = {
-        "speed_final_rpm": run.run[observation.RUN_SPEED_FINAL] * _RPM,
+        "speed_final_rpm": run.observed.speed_final * _RPM,
         "current_sum_mean_a": run.totals[ledger.MAGNITUDE] / duration,
         "current_peak_a": run.totals[ledger.PEAK],
         "torque_mean_nm": run.totals[ledger.IMPULSE] / duration,
-        "input_power_mean_w": run.run[observation.RUN_INPUT_ENERGY] / duration,
-        "shaft_power_mean_w": run.run[observation.RUN_SHAFT_ENERGY] / duration,
-        "energy_residual": run.run[observation.RUN_EXCHANGE_ERROR],
+        "input_power_mean_w": run.observed.input_energy / duration,
+        "shaft_power_mean_w": run.observed.shaft_energy / duration,
+        "energy_residual": run.observed.exchange_error,
     }
-    if len(windows):
+    if windows:
         last = windows[-1]
-        observed["speed_error_worst_rpm"] = windows[:, observation.WINDOW_SPEED_ERROR].max() * _RPM
-        observed["torque_ripple_worst_percent"] = windows[:, observation.WINDOW_RIPPLE].max() * 100.0
-        observed["advance_mean_deg"] = degrees(last[observation.WINDOW_ANGLE])
+        observed["speed_error_worst_rpm"] = max(window.speed_error for window in windows) * _RPM
+        observed["torque_ripple_worst_percent"] = max(window.ripple for window in windows) * 100.0
+        observed["advance_mean_deg"] = degrees(last.angle)
     return {name: float(value) for name, value in observed.items()}

@@ -7,20 +7,18 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, TypeVar
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.output.junit import JUnitFile
-from drivegate.output.markdown import MarkdownFile
+from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
-from drivegate.output.report_pages import ReportPages
-from drivegate.output.result_file import RESULT_FILE, CounterexampleFiles, ResultFile, as_json
-from drivegate.output.subscription import publish
+from drivegate.output.report_writers import WrittenReports
+from drivegate.output.result_file import RESULT_FILE, as_json
+from drivegate.output.result_reports import OWN_FORMATS, all_formats, write_result
+from drivegate.studies.check.checked import Checked, summary
 from drivegate_models.errors import HarnessFault
-
-SCHEMA: Final = 1
 
 _Result = TypeVar("_Result")
 
@@ -72,39 +70,10 @@ class Records:
     baseline: Path | None = None
 
 
-@dataclass
-class Checked:
-    """What has become of one candidate.
-
-    Attributes
-    ----------
-    specification : str
-        The string that named it.
-    candidate : Candidate or None
-        The candidate, if there is one.
-    document : dict or None
-        The result document, if there is one.
-    folder : Path or None
-        Where its files are.
-    pages : tuple of Path
-        The written reports.
-    error : Exception or None
-        Why there is no result, or no report.
-    """
-
-    specification: str
-    candidate: Candidate | None = None
-    document: dict[str, Any] | None = None
-    folder: Path | None = None
-    pages: tuple[Path, ...] = ()
-    error: Exception | None = None
-
-
 def check_all(
     specifications: Sequence[str],
     output: Path,
     effort: Effort,
-    summary: Callable[[Sequence[Checked]], dict[str, Any]],
     records: Records = Records(),
 ) -> list[Checked]:
     """Check candidates and write their reports; nothing is written where there is no result."""
@@ -175,30 +144,29 @@ def _check(
     # The engine brings the compiled plant, which a candidate that is refused does not need.
     from drivegate.gate.engine import check_candidate
 
-    pages = ReportPages(staging)
-
-    def work() -> dict[str, Any]:
+    def work() -> tuple[dict[str, Any], WrittenReports]:
         events = check_candidate(candidate, **options)
-        with progress_on(sys.stderr) as progress:
+        with progress_on(sys.stderr) as display:
             staging.mkdir(exist_ok=True)
-            files = (
-                ResultFile(staging),
-                CounterexampleFiles(staging),
-                JUnitFile(staging),
-                MarkdownFile(staging),
-            )
-            return publish(events, (progress, *files, pages)).document()
+            result = finished(events, display)
+            written = write_result(result.document(), staging, all_formats())
+        for name in OWN_FORMATS:
+            if name in written.errors:
+                raise written.errors[name]
+        # Whatever a report does to the document that it gets, this one is the result's.
+        return result.document(), written
 
-    checked.document = _attempted(checked, work)
-    if checked.document is None:
+    ended = _attempted(checked, work)
+    if ended is None:
         return
+    checked.document, written = ended
     checked.folder = place
-    checked.pages = tuple(place / page for page in pages.pages)
-    if pages.problems:
+    checked.pages = tuple(place / page for name, page in written.pages.items() if name not in OWN_FORMATS)
+    if written.errors:
         checked.error = HarnessFault(
-            f"{'; '.join(pages.problems)}, but the result is in {place / RESULT_FILE}"
+            f"{'; '.join(written.problems())}, but the result is in {place / RESULT_FILE}"
         )
-        checked.error.__cause__ = pages.error
+        checked.error.__cause__ = next(iter(written.errors.values()))
 
 
 def _folder_name(name: str, taken: set[str]) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from drivegate.output.console import plain, table, verdict_text
 from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.output.result_file import counterexample_name
+from drivegate.output.scenario_words import scenario_in_short
 from drivegate.results.wording import printed_margin, runs_in_short
 
 if TYPE_CHECKING:
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
-    from drivegate.studies.check.check_all import Checked
+    from drivegate.studies.check.checked import Checked
+
+_TO_BE_MET = ("fail", "waiver expired")
 
 
 def show_checked(console: Console, checked: Checked) -> None:
@@ -76,39 +79,3 @@ def _next_step(specification: str, failed: list[dict[str, Any]], folder: Path) -
     check = required[0]["id"]
     file = str(folder / counterexample_name(check))
     return f"drivegate replay {quote(file)} --candidate {quote(specification)} --plot {check}.svg"
-
-
-def scenario_in_short(scenario: dict[str, Any]) -> str:
-    """Tell a scenario in one line."""
-    if scenario.get("kind") == "script":
-        return f"{scenario['name']}: a script of {len(scenario['rows'])} rows"
-    load = scenario["load"]
-    parts = [f"{scenario['duration_s']:g} s", f"{_values(scenario['speed_rpm'])} rpm", _load(load)]
-    if "supply_v" in scenario:
-        parts.append(f"supply {_values(scenario['supply_v'])} V")
-    parts += [
-        f"{key} × {value:g}"
-        for key, value in scenario.get("scales", {}).items()
-        if key in _FACTORS and value != 1.0
-    ]
-    added = scenario.get("scales", {}).get("friction_added_n_m", 0.0)
-    if added:
-        parts.append(f"{added:g} N·m of friction added")
-    return f"{scenario['name']}: {', '.join(parts)}"
-
-
-_TO_BE_MET = ("fail", "waiver expired")
-_FACTORS = ("resistance", "inductance", "emf_constant")
-
-
-def _values(profile: list[list[float]]) -> str:
-    values = [value for _, value in profile]
-    distinct = [value for index, value in enumerate(values) if index == 0 or value != values[index - 1]]
-    return " → ".join(f"{value:g}" for value in distinct)
-
-
-def _load(load: dict[str, Any]) -> str:
-    size = {"torque_nm": "N·m", "power_w": "W"}
-    told = [f"{load[key]:g} {unit}" for key, unit in size.items() if key in load]
-    factor = f" × {_values(load['factor'])}" if "factor" in load else ""
-    return " ".join(["load", load["kind"].replace("_", " "), *told]) + factor

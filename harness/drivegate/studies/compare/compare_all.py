@@ -6,26 +6,23 @@ import csv
 import io
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import redirect_stdout
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.drives.kinds import DEFAULT_MOTOR
+from drivegate.output.event_loop import followed
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
+from drivegate.output.report_writers import COMPARISON_GROUP, report_points, write_reports
 from drivegate.output.result_file import as_json
-from drivegate_models.errors import HarnessFault
 
 COMPARISON_FILE: Final = "comparison.json"
 TABLES: Final = "tables"
-REPORT_GROUP: Final = "drivegate.comparison_reports"
-"""Group of entry points, each a function of the comparison document and a folder that returns what it wrote."""
-REFERENCE_MOTOR: Final = "paper-5-phase"
 
 
 @dataclass(frozen=True)
@@ -80,16 +77,18 @@ def compare_all(specifications: Sequence[str], output: Path, options: Comparison
     resolved = [_resolved(specification) for specification in specifications]
     if not any(isinstance(found, Candidate) for found in resolved):
         return ComparisonEnding(None, (), _errors(specifications, resolved))
-    cycle, motor = load_drive_cycle(options.cycle), load_motor(REFERENCE_MOTOR)
+    cycle, motor = load_drive_cycle(options.cycle), load_motor(DEFAULT_MOTOR)
     with ReportFolder(output) as folder:
         document, refused = _compared(specifications, resolved, cycle, motor, options)
         if document is None:
             return ComparisonEnding(None, (), refused)
         write_tables(document, folder.staging)
         (folder.staging / COMPARISON_FILE).write_text(as_json(document), encoding="utf-8")
-        pages = _pages(document, folder.staging)
+        writers = {name: point.load for name, point in report_points(COMPARISON_GROUP).items()}
+        written = write_reports(document, folder.staging, writers)
+        written.require_all()
         folder.commit()
-    return ComparisonEnding(document, tuple(output / page for page in pages), refused)
+    return ComparisonEnding(document, tuple(output / page for page in written.pages.values()), refused)
 
 
 def _resolved(specification: str) -> Candidate | Exception:
@@ -128,9 +127,8 @@ def _compared(
     ]
     all_compared = labelled(specifications, names)
     oracle: dict[str, Any] = {}
-    with progress_on(sys.stderr) as progress:
-        for event in prepared():
-            progress(event)
+    with progress_on(sys.stderr) as display:
+        followed(prepared(), display)
         plan = planned_runs(motor, cycle, options.effort, options.seed)
         for compared, found in zip(all_compared, resolved, strict=True):
             if isinstance(found, Exception):
@@ -138,10 +136,10 @@ def _compared(
                 continue
             compared.candidate = found
             try:
-                for event in run_plan(
+                runs = run_plan(
                     compared, plan, seed=options.seed, workers=options.workers, checks=options.checks
-                ):
-                    progress(event)
+                )
+                followed(runs, display)
             except Exception as error:
                 compared.error = error
         refused = tuple(
@@ -151,8 +149,7 @@ def _compared(
         )
         if len(refused) == len(all_compared):
             return None, refused
-        for event in solve_plan(plan, options.workers, oracle):
-            progress(event)
+        followed(solve_plan(plan, options.workers, oracle), display)
     document = comparison_document(
         all_compared,
         plan,
@@ -203,18 +200,3 @@ def _cell(value: Any) -> Any:
         text = bounded_line(value)
         return f"'{text}" if text[:1] in ("=", "+", "-", "@") else text
     return "" if value is None else value
-
-
-def _pages(document: dict[str, Any], folder: Path) -> list[Path]:
-    pages = []
-    for point in sorted(entry_points(group=REPORT_GROUP), key=lambda point: point.name):
-        try:
-            # Standard output belongs to the command.
-            with redirect_stdout(sys.stderr):
-                write: Callable[[dict[str, Any], Path], Path] = point.load()
-                page = Path(write(document, folder))
-            pages.append(page.resolve().relative_to(folder.resolve()))
-        except Exception as error:
-            reason = bounded_line(f"{type(error).__name__}: {error}")
-            raise HarnessFault(f"the report '{point.name}' could not be written ({reason})") from error
-    return pages

@@ -13,7 +13,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate_cases.motor.motor import Motor
 from drivegate_cases.scenario.drive_cycle import DriveCycle
 from drivegate_cases.scenario.load import GRAVITY, VehicleLoad
@@ -23,6 +22,7 @@ from drivegate_cases.scenario.sensors import IDEAL, MCS96
 from drivegate_models.errors import InputError
 from drivegate_models.loop import observation
 from drivegate_models.loop.closed_loop import ClosedLoopRun
+from drivegate_models.units import RADIANS_PER_RPM
 
 VEHICLE: Final = VehicleLoad(
     kind="vehicle",
@@ -102,11 +102,11 @@ def _grade(deceleration: float, speed: float, motor: Motor, *, standing: bool) -
 def cycle_figures(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
     """Tell what a candidate spent on a cycle, and how well it followed."""
     period = scenario.control_period_s
-    columns = {name: run.trace[:, index] for index, name in enumerate(observation.TRACE_COLUMNS)}
+    columns = {name: run.trace[name] for name in observation.TRACE_COLUMNS}
     km_h = RADIANS_PER_RPM * VEHICLE.lever_m * 3.6
     speed, wanted = columns["speed_rpm"] * km_h, columns["speed_reference_rpm"] * km_h
     power, error = columns["input_power_w"], speed - wanted
-    energy = float(run.run[observation.RUN_INPUT_ENERGY]) / 3600.0
+    energy = run.observed.input_energy / 3600.0
     distance = float(speed.sum()) * period / 3600.0
     energy_by_phase = {
         phase: float(power[inside].sum()) * period / 3600.0
@@ -116,7 +116,7 @@ def cycle_figures(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
         "energy_wh": energy,
         "distance_km": distance,
         "energy_wh_per_km": energy / distance if distance > 0.0 else None,
-        "shaft_energy_wh": float(run.run[observation.RUN_SHAFT_ENERGY]) / 3600.0,
+        "shaft_energy_wh": run.observed.shaft_energy / 3600.0,
         "energy_wh_by_phase": energy_by_phase,
         "current_sum_mean_a": float(columns["current_sum_a"].mean()),
         "tracking_error_rms_km_h": float(np.sqrt(np.mean(error**2))),

@@ -11,11 +11,11 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import JudgedRun
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
 from drivegate.gate.events import CheckStarted, Compiling, Event, RunDone
 from drivegate.gate.plan import Origin, Work, planned_work
-from drivegate.gate.shard import JudgedRun
 from drivegate.gate.warm_up import compile_kernels, missing_marker
 from drivegate.results.result import CheckOutcome
 from drivegate.results.verdict import check_outcomes

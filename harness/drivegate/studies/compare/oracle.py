@@ -9,11 +9,11 @@ from typing import Any, Final
 import numpy as np
 
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.runs.scenario import RADIANS_PER_RPM
+from drivegate.drives.drive_kind import Drive, Oracle
+from drivegate.drives.kinds import kind_of
 from drivegate.studies.compare.plan import PlannedRun
 from drivegate_cases.motor.motor import Motor
-from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, least_input_power
+from drivegate_models.units import RADIANS_PER_RPM
 
 _WAYS: Final = 2
 _BISECTIONS: Final = 12
@@ -56,11 +56,11 @@ def oracle_point(planned: PlannedRun) -> OraclePoint:
 
 def solved(_loaded: LoadedCandidate, point: OraclePoint) -> dict[str, Any]:
     """Solve an operating point; this is what a worker process does."""
-    drive = point.motor.drive()
+    oracle, drive = kind_of(point.motor).oracle(), point.motor.drive()
     speed = point.speed_rpm * RADIANS_PER_RPM
-    edge = feasible_edge(drive, speed, point.torques_nm[1])
-    sums = [least_current_sum(drive, speed, torque).current_sum for torque in point.torques_nm]
-    powers = [least_input_power(drive, speed, torque).input_power for torque in point.torques_nm]
+    edge = oracle.feasible_edge(drive, speed, point.torques_nm[1])
+    sums = [oracle.least_current_sum(drive, speed, torque).current_sum for torque in point.torques_nm]
+    powers = [oracle.least_input_power(drive, speed, torque).input_power for torque in point.torques_nm]
     reachable = isfinite(edge) and all(map(isfinite, (*sums, *powers)))
     return {
         "feasible": reachable,
@@ -83,17 +83,17 @@ def least_at(oracle: dict[str, Any], key: str, torque_nm: float) -> float | None
 
 def greatest_torque(_loaded: LoadedCandidate, point: OraclePoint) -> float:
     """Find the greatest torque that some advance angle gives at a speed; this is what a worker process does."""
-    drive = point.motor.drive()
+    oracle, drive = kind_of(point.motor).oracle(), point.motor.drive()
     speed = point.speed_rpm * RADIANS_PER_RPM
     base = point.motor.base_speed_rpm * RADIANS_PER_RPM
-    return _bisected(drive, speed, _MOST_TORQUE * point.motor.rated_power_w / base)
+    return _bisected(oracle, drive, speed, _MOST_TORQUE * point.motor.rated_power_w / base)
 
 
-def _bisected(drive: Drive, speed: float, highest: float) -> float:
+def _bisected(oracle: Oracle, drive: Drive, speed: float, highest: float) -> float:
     lowest = 0.0
     for _ in range(_BISECTIONS):
         middle = 0.5 * (lowest + highest)
-        if np.isfinite(feasible_edge(drive, speed, middle)):
+        if np.isfinite(oracle.feasible_edge(drive, speed, middle)):
             lowest = middle
         else:
             highest = middle

@@ -8,6 +8,7 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
+from drivegate.drives.kinds import kind_of
 from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import (
     CHANGE_S,
@@ -19,7 +20,6 @@ from drivegate.scenarios.changes import (
     with_speed,
     with_supply,
 )
-from drivegate.scenarios.feasibility import is_fair
 from drivegate.studies.compare.drive_cycle_run import cycle_scenario
 from drivegate_cases.motor.motor import Motor
 from drivegate_cases.scenario.drive_cycle import DriveCycle
@@ -198,7 +198,7 @@ def _drawn(motor: Motor, size: ComparisonEffort, seed: int) -> Iterator[PlannedR
         generator = np.random.default_rng([seed, 1_000_000 + number])
         for _ in range(_MOST_DRAWS):
             speed, share, scenario = _draw(motor, generator)
-            if is_fair(scenario):
+            if kind_of(scenario.motor).is_fair(scenario):
                 noisy = with_mcs96(scenario, seed=_noise_seed(seed, 1_000_000 + number))
                 yield PlannedRun("drawn", noisy.name, noisy, speed, share, seed=number)
                 break

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.runs.scenario import RADIANS_PER_RPM, run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.runs.scripted import advance, prepared_steps
 from drivegate.scenarios.changes import CHANGE_S
 from drivegate.studies.compare.drive_cycle_run import cycle_figures
@@ -20,6 +20,7 @@ from drivegate.studies.compare.plan import PlannedRun
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop import observation
 from drivegate_models.loop.closed_loop import ClosedLoopRun
+from drivegate_models.units import RADIANS_PER_RPM
 
 HOLDS_RPM: Final = 5.0
 """k1: greatest speed error at which an operating point counts as held (rpm)."""
@@ -53,17 +54,17 @@ def measured(loaded: LoadedCandidate, planned: PlannedRun) -> Figures:
 def steady_figures(run: ClosedLoopRun) -> Figures:
     """Tell what the last steady stretch of a run came to."""
     row = run.windows[-1]
-    error = float(row[observation.WINDOW_SPEED_ERROR]) / RADIANS_PER_RPM
+    error = row.speed_error / RADIANS_PER_RPM
     return {
         "held": error <= HOLDS_RPM,
         "speed_error_rpm": error,
-        "speed_mean_rpm": float(row[observation.WINDOW_SPEED]) / RADIANS_PER_RPM,
-        "torque_mean_nm": float(row[observation.WINDOW_TORQUE]),
-        "input_power_w": float(row[observation.WINDOW_INPUT_POWER]),
-        "current_sum_a": float(row[observation.WINDOW_CURRENT_SUM]),
-        "ripple_percent": 100.0 * float(row[observation.WINDOW_RIPPLE]),
-        "advance_deg": degrees(row[observation.WINDOW_ANGLE]),
-        "current_peak_a": float(row[observation.WINDOW_PEAK]),
+        "speed_mean_rpm": row.speed / RADIANS_PER_RPM,
+        "torque_mean_nm": row.torque,
+        "input_power_w": row.input_power,
+        "current_sum_a": row.current_sum,
+        "ripple_percent": 100.0 * row.ripple,
+        "advance_deg": degrees(row.angle),
+        "current_peak_a": row.peak,
     }
 
 
@@ -99,7 +100,7 @@ def _settled(times: NDArray[np.float64], unsettled: NDArray[np.bool_]) -> float 
 
 
 def _columns(run: ClosedLoopRun) -> dict[str, NDArray[np.float64]]:
-    return {name: run.trace[:, index] for index, name in enumerate(observation.TRACE_COLUMNS)}
+    return {name: run.trace[name] for name in observation.TRACE_COLUMNS}
 
 
 def _trajectory(columns: dict[str, NDArray[np.float64]]) -> dict[str, list[float]]:

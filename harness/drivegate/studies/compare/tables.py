@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
-from drivegate.runs.scenario import RADIANS_PER_RPM
 from drivegate.studies.compare.engine import Compared
 from drivegate.studies.compare.oracle import least_at
 from drivegate.studies.compare.plan import PlannedRun
+from drivegate_models.units import RADIANS_PER_RPM
 
 Row = dict[str, Any]
 

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.containment.messages import LoadedCandidate
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.diff.plant_playback import PlantState, plant_at
 from drivegate.studies.diff.record import RecordingController, recorded_rows
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.signals import Sense
-from drivegate_models.loop.step_recording import DIFFERS, NOT_FINITE, OUTPUTS, STOPPED, Shadow
+from drivegate_models.loop.exchange import NOT_FINITE, STOPPED
+from drivegate_models.loop.step_recording import DIFFERS, OUTPUTS, Shadow
 
 BITWISE: Final = -1.0
 """The tolerance that leaves no bit free."""

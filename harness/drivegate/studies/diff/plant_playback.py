@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from drivegate.candidates.fault import CandidateFault
 from drivegate.candidates.python.bridge import PythonController
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.diff.record import commands_of, recorded_rows
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense

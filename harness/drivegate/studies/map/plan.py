@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.studies.campaign.file import MOTOR_KEYS, SCALES
+from drivegate.drives.kinds import kind_of
+from drivegate.scenarios.parameters import MOTOR_KEYS, SCALES
 from drivegate.studies.map.axes import MapAxes
 from drivegate_cases.motor.motor import Motor
 from drivegate_cases.motor.scales import Scales
-from drivegate_models.half_bridge.steady.grid import POINT_COLUMNS
 
 SPEED: Final = "speed_rpm"
 TORQUE: Final = "torque_nm"
@@ -79,7 +79,9 @@ class MapPlan:
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the computed columns."""
-        return {"points": POINT_COLUMNS, "best": BEST_COLUMNS, "loop": LOOP_COLUMNS}[self.kind]
+        if self.kind == "points":
+            return kind_of(self.motor).steady_states().columns
+        return {"best": BEST_COLUMNS, "loop": LOOP_COLUMNS}[self.kind]
 
     def pieces(self) -> list[tuple[int, int]]:
         """Cut the map into tasks."""

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import pickle
 from dataclasses import dataclass
 from math import degrees, isfinite, nan
-from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +17,10 @@ from drivegate.checks.convergence import window_convergence
 from drivegate.containment.contained_runs import contained_runs
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.containment.worker import CandidateWorker
-from drivegate.runs.record import RunRecord, Window, recorded
-from drivegate.runs.scenario import RADIANS_PER_RPM
+from drivegate.drives.drive_kind import Drive
+from drivegate.drives.kinds import kind_of
+from drivegate.drives.running import recorded
+from drivegate.runs.record import RunRecord, Window
 from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S
 from drivegate.studies.map.plan import (
     ADVANCE,
@@ -41,13 +42,10 @@ from drivegate_cases.scenario.profile import dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import choose_cache_folder
 from drivegate_models.errors import HarnessFault
-from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.plant.phases import make_phases
-from drivegate_models.half_bridge.steady import grid as operating_map_kernel
-from drivegate_models.half_bridge.steady.grid import POINT_COLUMNS, solve_points
-from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, point_at_torque
-from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME
-from drivegate_models.loop import observation
+from drivegate_models.units import RADIANS_PER_RPM
+
+SOLVER_MARKER: Final = "map-solver"
+"""Name of the file in the cache folder that tells that the solver of many steady states has been compiled."""
 
 
 @dataclass(frozen=True)
@@ -81,8 +79,7 @@ def compile_solver(package: bytes) -> None:
     folder = choose_cache_folder()
     if folder is None:
         return
-    source = Path(operating_map_kernel.__file__).read_bytes()
-    marker = folder / f"map-solver-{hashlib.sha256(source).hexdigest()[:16]}"
+    marker = folder / SOLVER_MARKER
     if marker.exists():
         return
     with CandidateWorker(resolve_candidate("initial"), load_controller) as worker:
@@ -98,14 +95,11 @@ def _first_point(_loaded: LoadedCandidate, package: bytes) -> None:
 
 def _points(plan: MapPlan, first: int, last: int) -> MapPart:
     at = plan.axes.coordinates(first, last)
-    values = np.full((last - first, len(POINT_COLUMNS)), nan)
+    states = kind_of(plan.motor).steady_states()
+    values = np.full((last - first, len(states.columns)), nan)
     for piece, motor, scales in drives_of(plan, at):
-        drive = motor.drive(scales)
-        solve_points(
-            drive,
-            make_phases(drive, KEPT_TIME),
-            make_phases(drive),
-            drive.half_supply_voltage,
+        states.solve(
+            motor.drive(scales),
             at[SPEED][piece] * RADIANS_PER_RPM,
             np.radians(at[ADVANCE][piece]),
             at[CURRENT][piece],
@@ -121,12 +115,12 @@ def _best(plan: MapPlan, first: int, last: int) -> MapPart:
     at = plan.axes.coordinates(first, last)
     values = np.full((last - first, len(BEST_COLUMNS)), nan)
     for piece, motor, scales in drives_of(plan, at):
-        drive = motor.drive(scales)
+        oracle, drive = kind_of(motor).oracle(), motor.drive(scales)
         for place in range(piece.start, piece.stop):
             speed, torque = float(at[SPEED][place]) * RADIANS_PER_RPM, float(at[TORQUE][place])
-            edge = feasible_edge(drive, speed, torque)
+            edge = oracle.feasible_edge(drive, speed, torque)
             if isfinite(edge):
-                best = least_current_sum(drive, speed, torque)
+                best = oracle.least_current_sum(drive, speed, torque)
                 shaft = speed * torque
                 values[place] = (
                     degrees(edge),
@@ -193,10 +187,11 @@ def _is_feasible(scenario: Scenario, drive: Drive) -> bool:
     assert isinstance(load, ConstantTorqueLoad), "points of a map have a load of constant torque"
     speed = speed_rpm * RADIANS_PER_RPM
     torque = load.torque_nm + drive.friction + drive.viscous_friction * speed
+    oracle = kind_of(scenario.motor).oracle()
     if speed_rpm <= scenario.motor.base_speed_rpm:
         # There is no advance below base speed.
-        return point_at_torque(drive, speed, 0.0, torque).robust
-    return isfinite(feasible_edge(drive, speed, torque))
+        return oracle.point_at_torque(drive, speed, 0.0, torque).robust
+    return isfinite(oracle.feasible_edge(drive, speed, torque))
 
 
 def _measured(record: RunRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
@@ -204,27 +199,27 @@ def _measured(record: RunRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
     window = Window(scenario, dwells(scenario)[-1], record.run.windows[-1])
     margin, _ = window_convergence(window)
     row = window.values
-    torque, speed = float(row[observation.WINDOW_TORQUE]), float(row[observation.WINDOW_SPEED])
+    torque, speed = row.torque, row.speed
     current_sum, input_power = (
-        float(row[observation.WINDOW_CURRENT_SUM]),
-        float(row[observation.WINDOW_INPUT_POWER]),
+        row.current_sum,
+        row.input_power,
     )
     least = nan
     if scenario.initial_speed_rpm > scenario.motor.base_speed_rpm and torque > 0.0 < speed:
-        least = least_current_sum(drive, speed, torque).current_sum
+        least = kind_of(scenario.motor).oracle().least_current_sum(drive, speed, torque).current_sum
     shaft = window.torque_asked * speed
     values = (
         margin,
-        float(row[observation.WINDOW_SPEED_ERROR]) / RADIANS_PER_RPM,
-        degrees(row[observation.WINDOW_ANGLE]),
-        float(row[observation.WINDOW_REFERENCE]),
+        row.speed_error / RADIANS_PER_RPM,
+        degrees(row.angle),
+        row.reference,
         current_sum,
         least,
         100.0 * (current_sum / least - 1.0),
         input_power,
         shaft,
         shaft / input_power if input_power > 0.0 else nan,
-        100.0 * float(row[observation.WINDOW_RIPPLE]),
-        float(row[observation.WINDOW_PEAK]),
+        100.0 * row.ripple,
+        row.peak,
     )
     return CONVERGED if margin >= 0.0 else NOT_CONVERGED, values

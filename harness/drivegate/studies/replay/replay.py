@@ -2,30 +2,29 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-import drivegate
 import drivegate_models
-from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
+from drivegate import version
+from drivegate.candidates.builtin.candidates import is_builtin_name
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
+from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
 from drivegate.checks.flowchart.judging import judge_script
+from drivegate.checks.judged_window import judged_window
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.containment.worker import CandidateWorker
+from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import DIFFERENT, repetition_job
 from drivegate.results.counterexample import Counterexample
-from drivegate.runs.record import RunRecord, Window, recorded
-from drivegate.runs.scenario import observed_windows
 from drivegate.studies.simulate.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.scenario.scenario import Scenario
@@ -37,8 +36,6 @@ SCHEMA: Final = 1
 STILL_FAILS: Final = "still fails"
 FIXED: Final = "fixed"
 NOT_APPLICABLE: Final = "not applicable"
-
-_PREFIXED: Final = re.compile(r"(faulty|design):[a-z0-9-]+")
 
 
 @dataclass(frozen=True)
@@ -71,7 +68,7 @@ def candidate_for(stored: Counterexample, given: str | None) -> Candidate:
     if given is not None:
         return resolve_candidate(given)
     name = stored.candidate.name
-    if name in BUILTIN_CANDIDATES or _PREFIXED.fullmatch(name):
+    if is_builtin_name(name):
         candidate = resolve_candidate(name)
         if _comes_along(candidate):
             return candidate
@@ -83,9 +80,9 @@ def candidate_for(stored: Counterexample, given: str | None) -> Candidate:
 
 def _comes_along(candidate: Candidate) -> bool:
     """Tell whether all of a candidate's code is drivegate's own; resolving it has run none."""
-    if candidate.kind == "builtin":
+    if KINDS[candidate.kind].comes_along:
         return True
-    homes = [Path(package.__file__ or "").resolve().parent for package in (drivegate, drivegate_models)]
+    homes = [Path(package.__file__ or "").resolve().parent for package in (version, drivegate_models)]
     inside = (any(source.is_relative_to(home) for home in homes) for source in candidate.sources)
     return bool(candidate.sources) and all(inside)
 
@@ -139,43 +136,6 @@ def _script_again(loaded: LoadedCandidate, script: Script) -> Replay:
 def check_of(stored: Counterexample) -> Check:
     """Find the check that a counterexample is about."""
     return next(check for check in CHECKS if check.id == stored.check)
-
-
-@dataclass(frozen=True)
-class _PartialRecord(RunRecord):
-    """A run of which only some of the steady stretches are shown.
-
-    Attributes
-    ----------
-    shown : tuple of int
-        Their places among all of them.
-    """
-
-    shown: tuple[int, ...] = ()
-
-    def windows(self) -> Iterator[Window]:
-        for place, window in enumerate(super().windows()):
-            if place in self.shown:
-                yield window
-
-
-def judged_window(check: Check, record: RunRecord, margin: Margin | None) -> tuple[float, float]:
-    """Find the steady stretch that alone gives the same margin; the whole run where none decides."""
-    whole = (0.0, record.scenario.duration_s)
-    if margin is None or check.evaluate(_part(record, ())) is not None:
-        return whole
-    begin = {end: start for start, end in observed_windows(record.scenario)}
-    for place, window in enumerate(record.windows()):
-        alone = check.evaluate(_part(record, (place,)))
-        if alone is not None and alone.value == margin.value:
-            return begin[window.dwell.end], window.dwell.end
-    return whole
-
-
-def _part(record: RunRecord, shown: tuple[int, ...]) -> RunRecord:
-    return _PartialRecord(
-        record.scenario, record.run, record.declaration, record.repeated_digests, shown=shown
-    )
 
 
 def verdict_on(ended: Replay | Fault) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from drivegate.candidates.builtin.design_candidates import DESIGN_CANDIDATES
+from drivegate.candidates.builtin.candidates import DESIGN_CANDIDATES
 
 
 @dataclass(frozen=True)

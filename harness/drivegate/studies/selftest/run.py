@@ -9,14 +9,15 @@ from typing import Final
 
 from drivegate.candidates.builtin.faults import Mutation
 from drivegate.candidates.fault import Fault
+from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.candidates.loading import load_controller
-from drivegate.candidates.resolution import FAULTY_PREFIX, resolve_candidate
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import ShardOutcome
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import Event
 from drivegate.gate.plan import Origin, Work, planned_work
-from drivegate.gate.shard import ShardOutcome
 from drivegate.gate.warm_up import compile_kernels, missing_marker
 from drivegate.results.result import CheckResult
 from drivegate.studies.selftest.correct_designs import CorrectDesign

@@ -9,10 +9,11 @@ from typing import Any
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault
 from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.gate.plan import REPEATED
-from drivegate.gate.shard import DrawnRuns, FixedRuns, JudgedRun, ShardOutcome, content_key, run_fixed
+from drivegate.gate.shard import DrawnRuns, FixedRuns, content_key, run_fixed
 from drivegate.gate.shrinking import ShrinkPlan, run_shrink, size_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario

@@ -11,9 +11,9 @@ from drivegate.candidates.fault import Fault
 from drivegate.candidates.loading import load_controller
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.containment.worker import CandidateWorker
-from drivegate.runs.scenario import observed_windows, run_scenario
+from drivegate.drives.running import run_scenario
+from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.loop import observation
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.machine import ledger
 
@@ -61,7 +61,7 @@ def trace_frame(run: ClosedLoopRun) -> pandas.DataFrame:
     """Give a run's trace as a table."""
     import pandas
 
-    return pandas.DataFrame(run.trace, columns=list(observation.TRACE_COLUMNS))
+    return pandas.DataFrame(run.trace)
 
 
 def document_of(candidate: Candidate, scenario: Scenario, ended: ClosedLoopRun | Fault) -> dict[str, Any]:
@@ -82,25 +82,24 @@ def document_of(candidate: Candidate, scenario: Scenario, ended: ClosedLoopRun |
 
 
 def _summary(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
-    duration, trace = scenario.duration_s, run.trace
-    columns = {name: trace[:, index] for index, name in enumerate(observation.TRACE_COLUMNS)}
+    duration, columns = scenario.duration_s, run.trace
     errors = abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
     worst = int(errors.argmax())
     return {
         "steps": run.steps,
-        "speed_final_rpm": float(run.run[observation.RUN_SPEED_FINAL]) * _RPM,
+        "speed_final_rpm": run.observed.speed_final * _RPM,
         "speed_error_worst_rpm": float(errors[worst]),
         "speed_error_worst_at_s": float(columns["time_s"][worst]),
         "current_sum_mean_a": float(run.totals[ledger.MAGNITUDE]) / duration,
         "current_peak_a": float(run.totals[ledger.PEAK]),
         "torque_mean_nm": float(run.totals[ledger.IMPULSE]) / duration,
-        "input_power_mean_w": float(run.run[observation.RUN_INPUT_ENERGY]) / duration,
-        "shaft_power_mean_w": float(run.run[observation.RUN_SHAFT_ENERGY]) / duration,
+        "input_power_mean_w": run.observed.input_energy / duration,
+        "shaft_power_mean_w": run.observed.shaft_energy / duration,
         "advance_mean_deg": float(columns["advance_deg"].mean()),
         "advance_final_deg": float(columns["advance_deg"][-1]),
         "current_reference_final_a": float(columns["current_reference_a"][-1]),
-        "energy_residual": float(run.run[observation.RUN_EXCHANGE_ERROR]),
-        "kinetic_residual_j": float(run.run[observation.RUN_KINETIC_RESIDUAL]),
+        "energy_residual": run.observed.exchange_error,
+        "kinetic_residual_j": run.observed.kinetic_residual,
     }
 
 
@@ -109,21 +108,17 @@ def _windows(scenario: Scenario, run: ClosedLoopRun) -> list[dict[str, float]]:
         {
             "start_s": start,
             "end_s": end,
-            "speed_mean_rpm": float(row[observation.WINDOW_SPEED]) * _RPM,
-            "speed_error_worst_rpm": float(row[observation.WINDOW_SPEED_ERROR]) * _RPM,
-            "current_sum_mean_a": float(row[observation.WINDOW_CURRENT_SUM]),
-            "current_sum_spread_a": float(
-                row[observation.WINDOW_MEAN_HIGHEST] - row[observation.WINDOW_MEAN_LOWEST]
-            ),
-            "torque_mean_nm": float(row[observation.WINDOW_TORQUE]),
-            "input_power_mean_w": float(row[observation.WINDOW_INPUT_POWER]),
-            "exchanged_power_mean_w": float(row[observation.WINDOW_EXCHANGED_POWER]),
-            "advance_mean_deg": degrees(row[observation.WINDOW_ANGLE]),
-            "advance_spread_deg": degrees(
-                row[observation.WINDOW_ANGLE_HIGHEST] - row[observation.WINDOW_ANGLE_LOWEST]
-            ),
-            "current_reference_mean_a": float(row[observation.WINDOW_REFERENCE]),
-            "current_peak_a": float(row[observation.WINDOW_PEAK]),
+            "speed_mean_rpm": row.speed * _RPM,
+            "speed_error_worst_rpm": row.speed_error * _RPM,
+            "current_sum_mean_a": row.current_sum,
+            "current_sum_spread_a": float(row.mean_highest - row.mean_lowest),
+            "torque_mean_nm": row.torque,
+            "input_power_mean_w": row.input_power,
+            "exchanged_power_mean_w": row.exchanged_power,
+            "advance_mean_deg": degrees(row.angle),
+            "advance_spread_deg": degrees(row.angle_highest - row.angle_lowest),
+            "current_reference_mean_a": row.reference,
+            "current_peak_a": row.peak,
         }
         for (start, end), row in zip(observed_windows(scenario), run.windows, strict=True)
     ]

@@ -21,6 +21,7 @@ from drivegate_models.half_bridge.controllers.flowchart_search import decide_by_
 from drivegate_models.half_bridge.controllers.protection import guard_regulation, rearm
 from drivegate_models.half_bridge.controllers.speed_regulator import regulate_speed
 from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE, FLOWCHART, GUARDED, NO_SEARCH
+from drivegate_models.units import RADIANS_PER_RPM
 
 SEARCH_PERIOD: Final = 0.1
 """Time from one decision of the search to the next (s)."""
@@ -31,7 +32,7 @@ SEARCHES: Final = MappingProxyType({"initial": NO_SEARCH, "published": FLOWCHART
 _BANDWIDTH = 80.0
 _INTEGRAL_RATE = 15.0
 _LEAST_CHANGE = 0.0008
-_ADVANCE_MARGIN = 10.0 * pi / 30.0
+_ADVANCE_MARGIN = 10.0 * RADIANS_PER_RPM
 
 
 @unfused
@@ -51,6 +52,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     published = search == FLOWCHART
     state.search = search
     state.angle_at_base = radians(0.0 if published else 33.0)
+    # In this order of operations, as the example in every language has it: bit for bit.
     state.angle_slope = radians(0.058 if published else 0.025) * 30.0 / pi
     state.base_speed = nameplate.base_speed
     state.advance_begins = nameplate.base_speed + (_ADVANCE_MARGIN if search == GUARDED else 0.0)
@@ -61,7 +63,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     torque_per_ampere = state.conducting_phases * nameplate.emf_constant
     state.proportional = nameplate.inertia * _BANDWIDTH / torque_per_ampere
     state.integral_step = state.proportional * _INTEGRAL_RATE * nameplate.control_period
-    state.speed_tolerance = 5.0 * pi / 30.0
+    state.speed_tolerance = 5.0 * RADIANS_PER_RPM
     state.power_tolerance = 0.001
     state.least_change = _LEAST_CHANGE * nameplate.current_limit
     state.first_step = radians(1.0)

@@ -6,10 +6,11 @@ starts anew where command, supply or load has changed.
 
 from __future__ import annotations
 
-from math import inf, pi, radians
+from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import unfused
+from drivegate_models.units import RADIANS_PER_RPM
 
 SETTLING: Final = 0
 """Mode: command or load has changed; wait until the current sum repeats."""
@@ -34,7 +35,7 @@ _STARVED_DWELL = 0.03
 _DWELL = 0.02
 _CLIMB_DWELL = 0.01
 _REGAIN = 0.25
-_SLOWEST_REGAIN = 20.0 * pi / 30.0
+_SLOWEST_REGAIN = 20.0 * RADIANS_PER_RPM
 _LONGEST_CLIMB = radians(8.0)
 _LIGHTER = 0.88
 _HEAVIER = 1.35

@@ -6,13 +6,14 @@ edge the current reference creeps up for a torque that is short by a trace.
 
 from __future__ import annotations
 
-from math import inf, pi, radians
+from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import unfused
 from drivegate_models.half_bridge.controllers.watch import noise_of_regulator
 from drivegate_models.half_bridge.designs.confirmation import is_worth_confirming
 from drivegate_models.half_bridge.designs.probe import aim
+from drivegate_models.units import RADIANS_PER_RPM
 
 LATEST_DECISION: Final = 51
 """Decisions after which the angle is kept, still or not."""
@@ -20,8 +21,8 @@ LATEST_DECISION: Final = 51
 _STILL = 3
 _RESTLESS = 3
 _BEATING = 0.0035
-_UNREST = 0.03 * pi / 30.0
-_SENSED = 0.1 * pi / 30.0
+_UNREST = 0.03 * RADIANS_PER_RPM
+_SENSED = 0.1 * RADIANS_PER_RPM
 _CALM = 1.15
 _CREPT = 0.02
 _SAME = 0.005

@@ -6,7 +6,7 @@ the table's as long as the angle is too great, so looking up again and again lea
 
 from __future__ import annotations
 
-from math import inf, pi, radians
+from math import inf, radians
 from typing import Any, Final
 
 import numpy as np
@@ -19,14 +19,15 @@ from drivegate_models.half_bridge.designs.table_values import (
     FIRST_SPEED_RPM,
     SPEED_STEP_RPM,
 )
+from drivegate_models.units import RADIANS_PER_RPM
 
 MOST_LOOKUPS: Final = 14
 """Look-ups after which the angle is kept whatever the current sum."""
 
 _ANGLES = np.radians(np.array(ANGLES_DEG))
 _SUMS = np.array(CURRENT_SUMS)
-_FIRST_SPEED = FIRST_SPEED_RPM * pi / 30.0
-_SPEED_STEP = SPEED_STEP_RPM * pi / 30.0
+_FIRST_SPEED = FIRST_SPEED_RPM * RADIANS_PER_RPM
+_SPEED_STEP = SPEED_STEP_RPM * RADIANS_PER_RPM
 _CLOSE = radians(0.12)
 _AWAY = radians(0.7)
 

@@ -11,8 +11,6 @@ SPEED_STEP_RPM: Final = 50.0
 """Speed from row to row (rpm)."""
 SHARES: Final = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1)
 """Load of each column, as a share of the torque of rated power (1)."""
-EDGE_MARGIN_DEG: Final = 0.3
-"""Least distance of the table's angles from the feasible edge (degrees electrical)."""
 
 CURRENT_SUMS: Final = (
     (9.27, 18.50, 27.71, 36.93, 46.20, 55.54, 64.88, 74.43, 83.92, 93.37, 102.71),

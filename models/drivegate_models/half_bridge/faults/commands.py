@@ -9,6 +9,7 @@ from drivegate_models.compilation.kernels import unfused
 from drivegate_models.half_bridge.controllers.protection import HOLDING
 from drivegate_models.half_bridge.faults import state as faults
 from drivegate_models.half_bridge.faults.searches import MIRROR
+from drivegate_models.units import RPM
 
 _RIPPLE_STEPS: Final = 4
 _BLIND_FROM_RPM: Final = 1230.0
@@ -33,7 +34,7 @@ def angle_of_table(speed: float) -> float:
     float
         Angle (rad electrical), interpolated; the last one beyond the table.
     """
-    rpm = speed * 30.0 / pi
+    rpm = speed * RPM
     last = len(_TABLE_RPM) - 1
     if rpm <= _TABLE_RPM[0]:
         return radians(_TABLE_DEGREES[0])
@@ -76,7 +77,7 @@ def alter_angle(state: Any, fault: int, command: Any) -> None:
         line = controller.angle_at_base + controller.angle_slope * above_base
         command.advance_angle = line + controller.offset
     elif fault == faults.BLIND_SPOT and advancing:
-        rpm = sense.speed * 30.0 / pi
+        rpm = sense.speed * RPM
         if _BLIND_FROM_RPM < rpm < _BLIND_TO_RPM:
             command.advance_angle -= controller.offset
 

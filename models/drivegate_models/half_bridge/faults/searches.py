@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import inf, isfinite
 from typing import Any, Final
 
+from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import unfused
-from drivegate_models.compilation.native_memory import double_at
 from drivegate_models.half_bridge.controllers.angle_line import initial_angle
 from drivegate_models.half_bridge.controllers.protection import HOLDING, SEARCHING
 from drivegate_models.half_bridge.faults import state as faults

@@ -12,6 +12,7 @@ from drivegate_models.compilation.kernels import inlined, kernel
 from drivegate_models.half_bridge.plant import segments
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phase import COMPLETED, advance_phase
+from drivegate_models.half_bridge.plant.torque import torque_extremes
 from drivegate_models.machine import ledger
 
 
@@ -141,6 +142,47 @@ def advance_phases(
         if outcome != COMPLETED:
             status = outcome
     return status
+
+
+@inlined
+def torque_range(
+    drive: Drive,
+    phases: Phases,
+    positions: NDArray[np.int64],
+    duration: float,
+    lowest: float,
+    highest: float,
+) -> tuple[float, float]:
+    """Widen a range by the torque of all phases over the last advance.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive's constants.
+    phases : Phases
+        Holds the segments of that advance.
+    positions : ndarray of int64, shape (m,)
+        Room for the computation.
+    duration : float
+        Length of the advance (s).
+    lowest, highest : float
+        Range so far (N m); start with inf and -inf.
+
+    Returns
+    -------
+    lowest, highest : float
+        Range including the advance (N m).
+    """
+    return torque_extremes(
+        phases.rows,
+        phases.row_counts,
+        positions,
+        drive.emf_constant,
+        drive.resistance / drive.inductance,
+        duration,
+        lowest,
+        highest,
+    )
 
 
 @kernel

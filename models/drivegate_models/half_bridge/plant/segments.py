@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.half_bridge.plant.stretch import Stretch
 
 START: Final = 0
 """Start (s), from the beginning of the advance."""
@@ -40,15 +41,12 @@ FIELDS: Final = 10
 @inlined
 def keep_segment(
     rows: NDArray[np.float64],
-    phase: int,
+    stretch: Stretch,
     index: int,
-    start: float,
     length: float,
     current: float,
     slope: float,
     curvature: float,
-    shape: float,
-    shape_rate: float,
     voltage: float,
     voltage_rate: float,
     rate: float,
@@ -59,10 +57,12 @@ def keep_segment(
     ----------
     rows : ndarray, shape (m, n, FIELDS)
         Receives it.
-    phase, index : int
-        Where.
-    start, length, current, slope, curvature, shape, shape_rate, voltage, voltage_rate, rate : float
-        The fields, in the units of their indices above.
+    stretch : Stretch
+        Its phase, start and back-EMF.
+    index : int
+        Number of segments kept of that phase.
+    length, current, slope, curvature, voltage, voltage_rate, rate : float
+        The other fields, in the units of their indices above.
 
     Returns
     -------
@@ -71,13 +71,14 @@ def keep_segment(
     """
     if index >= rows.shape[1]:
         return index
-    rows[phase, index, START] = start
+    phase = stretch.phase
+    rows[phase, index, START] = stretch.time
     rows[phase, index, LENGTH] = length
     rows[phase, index, CURRENT] = current
     rows[phase, index, SLOPE] = slope
     rows[phase, index, CURVATURE] = curvature
-    rows[phase, index, SHAPE] = shape
-    rows[phase, index, SHAPE_RATE] = shape_rate
+    rows[phase, index, SHAPE] = stretch.shape
+    rows[phase, index, SHAPE_RATE] = stretch.shape_rate
     rows[phase, index, VOLTAGE] = voltage
     rows[phase, index, VOLTAGE_RATE] = voltage_rate
     rows[phase, index, RATE] = rate

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import degrees, pi, radians
+from math import degrees, radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +23,13 @@ from drivegate_models.half_bridge.plant.phases import make_phases
 from drivegate_models.half_bridge.steady.current_search import mean_state
 from drivegate_models.half_bridge.steady.oracle import feasible_edge
 from drivegate_models.machine.emf import trapezoid_corners
+from drivegate_models.units import RADIANS_PER_RPM
 
 ASSUMED_RESISTANCE: float = 0.08
 """Winding resistance, which the paper neglects (ohm)."""
 ASSUMED_FLUX_DENSITY: float = 0.8
 """Flux density in the gap from which the fit starts (T)."""
 
-_RPM = pi / 30.0
 _LIMIT = 26.0
 _BASE_SPEED = 500.0
 
@@ -190,7 +190,9 @@ def calibration_drive(constants: MotorConstants) -> Drive:
 def _torque_at_limit(drive: Drive, speed_rpm: float, advance: float) -> float:
     work, slices = make_phases(drive), make_phases(drive)
     voltage = drive.half_supply_voltage
-    return mean_state(drive, work, slices, speed_rpm * _RPM, voltage, drive.current_limit, advance).torque
+    return mean_state(
+        drive, work, slices, speed_rpm * RADIANS_PER_RPM, voltage, drive.current_limit, advance
+    ).torque
 
 
 def greatest_torque_at_limit(drive: Drive, speed_rpm: float) -> tuple[float, float]:
@@ -248,9 +250,9 @@ def published_facts(drive: Drive, figures: PublishedFigures | None = None) -> tu
     ]
     facts = []
     for name, speed_rpm, torque, angle in edges:
-        ours = degrees(feasible_edge(drive, speed_rpm * _RPM, torque))
+        ours = degrees(feasible_edge(drive, speed_rpm * RADIANS_PER_RPM, torque))
         facts.append(Fact(name, angle, ours, ours - angle, "deg"))
-    power = greatest_torque_at_limit(drive, _BASE_SPEED)[0] * _BASE_SPEED * _RPM
+    power = greatest_torque_at_limit(drive, _BASE_SPEED)[0] * _BASE_SPEED * RADIANS_PER_RPM
     excess = power - chosen.rated_power
     facts.append(Fact("power at 500 rpm and 26 A (Table 1)", chosen.rated_power, power, excess, "W"))
     return tuple(facts)
@@ -271,7 +273,7 @@ def _residuals(
     worst = _torque_at_limit(drive, 1500.0, radians(figures.worst_ripple_angle))
     middle = _torque_at_limit(drive, 1200.0, radians(figures.middle_angle))
     rated, _ = greatest_torque_at_limit(drive, _BASE_SPEED)
-    wanted = figures.rated_power / (_BASE_SPEED * _RPM)
+    wanted = figures.rated_power / (_BASE_SPEED * RADIANS_PER_RPM)
     return np.array([worst - figures.worst_ripple_torque, middle - figures.middle_torque, rated - wanted])
 
 

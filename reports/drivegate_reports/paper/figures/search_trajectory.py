@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.builtin.loading import BuiltinController
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.half_bridge.controllers.builtin import SEARCH_PERIOD, SEARCHES
 from drivegate_models.half_bridge.steady.oracle import current_sum_curve, least_current_sum
 from drivegate_models.loop.observation import TRACE_COLUMNS
+from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label, new_figure, signed
-from drivegate_reports.paper.drive import RADIANS_PER_RPM, banded_drive
+from drivegate_reports.paper.drive import banded_drive
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -92,8 +93,8 @@ def _search_run(name: str, scenario: Scenario) -> SearchRun:
     run = run_scenario(scenario, BuiltinController(SEARCHES[name]), trace_every=1)
     block = round(SEARCH_PERIOD / scenario.control_period_s)
     blocks = run.trace.shape[0] // block
-    means = run.trace[: blocks * block].reshape(blocks, block, -1).mean(axis=1)
-    column = {key: means[:, index] for index, key in enumerate(TRACE_COLUMNS)}
+    kept = run.trace[: blocks * block].reshape(blocks, block)
+    column = {key: kept[key].mean(axis=1) for key in TRACE_COLUMNS}
     return SearchRun(
         name=name,
         time_s=(np.arange(blocks) + 1.0) * block * scenario.control_period_s,

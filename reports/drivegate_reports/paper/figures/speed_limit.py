@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from drivegate_models.half_bridge.steady.oracle import feasible_edge
 from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label, new_figure
 from drivegate_reports.paper.drive import (
     HIGHEST_PUBLISHED_RPM,
-    RADIANS_PER_RPM,
     ideal_drive,
     power_torque,
     reference_motor,

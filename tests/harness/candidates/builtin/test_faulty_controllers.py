@@ -10,8 +10,8 @@ from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.catalogue import CHECKS
-from drivegate.runs.scenario import run_scenario
-from drivegate.scenarios.fixed import REFERENCE_MOTOR, fixed_scenarios, steady_scenario
+from drivegate.drives.running import run_scenario
+from drivegate.scenarios.fixed import fixed_scenarios, steady_scenario
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
@@ -19,16 +19,15 @@ from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
 
 KNOWN = {check.id: check for check in CHECKS}
-SHORT = steady_scenario(load_motor(REFERENCE_MOTOR), 1500.0, power_share=1.0, constant_power=False)
-BETWEEN_FIXED_SPEEDS = steady_scenario(
-    load_motor(REFERENCE_MOTOR), 1250.0, power_share=1.0, constant_power=False
-)
+MOTOR = load_motor("paper-5-phase")
+SHORT = steady_scenario(MOTOR, 1500.0, power_share=1.0, constant_power=False)
+BETWEEN_FIXED_SPEEDS = steady_scenario(MOTOR, 1250.0, power_share=1.0, constant_power=False)
 ANSWERS_LIKE_ITS_BASE = {"slow-step", "survives-reset"}
 
 
 @cache
 def scenarios() -> tuple[Scenario, ...]:
-    return (BETWEEN_FIXED_SPEEDS, *fixed_scenarios())
+    return (BETWEEN_FIXED_SPEEDS, *fixed_scenarios(MOTOR))
 
 
 @cache

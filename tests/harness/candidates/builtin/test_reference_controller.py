@@ -2,18 +2,18 @@
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.convergence import converges, converges_again, reaches_optimum
+from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
-from drivegate.runs.scenario import run_scenario
 from drivegate.scenarios.fixed import steady_scenario
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
-from drivegate_models.loop import observation
 
 MOTOR = load_motor("paper-5-phase")
 CHANGE = 12.2
@@ -64,7 +64,7 @@ def test_a_weaker_machine_gets_its_torque_back_beyond_the_initial_angle() -> Non
     scenario = steady_scenario(MOTOR, 1500.0, power_share=1.0, constant_power=False)
     weaker = scenario.replaced(scales={"inductance": 1.2}, duration_s=14.2)
     held, lost = record(weaker), record(weaker, "initial")
-    speeds = [float(run.run.run[observation.RUN_SPEED_FINAL]) for run in (held, lost)]
+    speeds = [run.observed.speed_final for run in (held, lost)]
     assert abs(speeds[0] - 157.08) < 0.53, f"the reference ends at {speeds[0]} rad/s"
     assert speeds[1] < 157.08 - 0.53, f"the initial angle alone holds the speed too: {speeds[1]} rad/s"
 
@@ -72,5 +72,5 @@ def test_a_weaker_machine_gets_its_torque_back_beyond_the_initial_angle() -> Non
 def test_the_angle_does_not_chatter_at_base_speed() -> None:
     scenario = changed(500.0, 0.2).model_copy(update={"duration_s": 4.0})
     trace = run_scenario(scenario, BuiltinController(SEARCHES["reference"]), trace_every=1).trace
-    jumps = int((abs(trace[1:, 5] - trace[:-1, 5]) > 5.0).sum())
+    jumps = int((abs(np.diff(trace["advance_deg"])) > 5.0).sum())
     assert jumps <= 2, f"the angle jumps {jumps} times"

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from drivegate.candidates.builtin.loading import BuiltinController
-from drivegate.candidates.composed.loading import ComposedController, load_composed_controller
+from drivegate.candidates.composed.loading import ComposedController, load_controller
 from drivegate.candidates.fault import CandidateFault
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
@@ -74,7 +74,7 @@ def test_a_block_with_the_reference_s_formula_gives_the_reference_s_bits(base, b
         "search": "flowchart_search.py:Search",
     }
     file = manifest({block: f"{EXAMPLES}/{entries[block]}" for block in blocks}, entry=base)
-    composed = load_composed_controller(resolve_candidate(str(file)))
+    composed = load_controller(resolve_candidate(str(file)))
     scenario = SCENARIOS[name]
     expected = digest(BuiltinController(SEARCHES[base]), scenario)
     assert digest(composed, scenario) == expected
@@ -109,7 +109,7 @@ class Regulator:
 
 def test_a_regulator_without_an_integral_runs_with_the_guarded_search(manifest):
     file = manifest({"speed_regulator": "mine.py:Regulator"}, REGULATOR.format(answer="2"))
-    run = run_scenario(SCENARIOS["rising"], load_composed_controller(resolve_candidate(str(file))))
+    run = run_scenario(SCENARIOS["rising"], load_controller(resolve_candidate(str(file))))
     assert run.last_command[0]["current_reference"] == 2.0
 
 
@@ -124,7 +124,7 @@ def test_a_regulator_without_an_integral_runs_with_the_guarded_search(manifest):
 )
 def test_what_a_block_does_wrong_is_a_fault_of_the_candidate(manifest, answer, kind, told):
     file = manifest({"speed_regulator": "mine.py:Regulator"}, REGULATOR.format(answer=answer))
-    controller = load_composed_controller(resolve_candidate(str(file)))
+    controller = load_controller(resolve_candidate(str(file)))
     with pytest.raises(CandidateFault) as ended:
         run_scenario(SCENARIOS["rising"], controller)
     fault = ended.value.fault
@@ -158,7 +158,7 @@ def test_what_a_block_does_wrong_is_a_fault_of_the_candidate(manifest, answer, k
 def test_a_block_that_cannot_be_used_is_refused_in_one_sentence(manifest, blocks, source, told):
     candidate = resolve_candidate(str(manifest(blocks, source)))
     with pytest.raises(InputError) as refused:
-        load_composed_controller(candidate)
+        load_controller(candidate)
     assert told in str(refused.value)
     assert "\n" not in str(refused.value)
 

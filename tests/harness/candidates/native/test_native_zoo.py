@@ -8,18 +8,17 @@ import pytest
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import judged
 from drivegate.containment.messages import Job
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.containment.worker import CandidateWorker
-from drivegate.gate.shard import judged
+from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
-from drivegate.runs.scenario import run_scenario
 from drivegate.studies.simulate.simulate import Plan, run_plan
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import InputError
 from drivegate_models.loop.closed_loop import ClosedLoopRun
-from drivegate_models.loop.observation import TRACE_COLUMNS
 
 NAMEPLATE = Nameplate(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05)
 LIMITS = WorkerLimits(step_processor_seconds=0.5, memory_bytes=2**30)
@@ -191,7 +190,7 @@ def test_a_command_out_of_range_fails_its_check_and_is_clamped(
     candidate = resolve_candidate("initial")
     margins = {m.check: m.value for m in judged(RunRecord(scenario, run, candidate.declaration)).margins}
     assert margins[check] < 0.0
-    assert run.trace[4, TRACE_COLUMNS.index(column)] == pytest.approx(clamped)
+    assert run.trace[4][column] == pytest.approx(clamped)
 
 
 def test_the_state_is_zeroed_once_and_aligned(loaded):

@@ -14,7 +14,7 @@ from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.native.numba_loading import load_numba_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.outer_loop.records import COMMAND, NAMEPLATE, SENSE
 from drivegate_models.errors import InputError

@@ -11,7 +11,7 @@ import pytest
 from drivegate import Command, Nameplate, Sense
 from drivegate.candidates.fault import LONGEST_MESSAGE, LONGEST_TRACEBACK, CandidateFault, FaultKind
 from drivegate.candidates.python.bridge import PythonController
-from drivegate.candidates.python.loading import load_python_controller
+from drivegate.candidates.python.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate_models.contract.outer_loop.records import COMMAND, STOP, command_record, sense_record
 from drivegate_models.errors import InputError
@@ -208,7 +208,7 @@ def loaded(tmp_path, monkeypatch):
     def load(text, name="Mine"):
         file = tmp_path / "controller.py"
         file.write_text(text, encoding="utf-8")
-        return load_python_controller(resolve_candidate(f"{file}:{name}"))
+        return load_controller(resolve_candidate(f"{file}:{name}"))
 
     return load
 
@@ -232,7 +232,7 @@ def test_each_load_makes_a_new_instance_of_a_module_imported_once(tmp_path):
     file = tmp_path / "counted_controller.py"
     file.write_text(f"print('imported')\nclass Mine:\n {GOOD}", encoding="utf-8")
     candidate = resolve_candidate(f"{file}:Mine")
-    first, second = load_python_controller(candidate), load_python_controller(candidate)
+    first, second = load_controller(candidate), load_controller(candidate)
     assert first.instance is not second.instance
     assert type(first.instance) is type(second.instance)
 

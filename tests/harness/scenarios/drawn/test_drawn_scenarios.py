@@ -9,7 +9,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from drivegate.runs.scenario import RADIANS_PER_RPM, SETTLING_TIME, SHORTEST_WINDOW, observed_windows
 from drivegate.scenarios.drawn.families import (
     FAMILY_GROUPS,
     Family,
@@ -18,12 +17,14 @@ from drivegate.scenarios.drawn.families import (
     overspeed_scenarios,
 )
 from drivegate.scenarios.feasibility import coasts, is_fast_while_loaded
+from drivegate.scenarios.windows import SETTLING_TIME, SHORTEST_WINDOW, observed_windows
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.load import VehicleLoad
 from drivegate_cases.scenario.piecewise import breakpoints, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
+from drivegate_models.units import RADIANS_PER_RPM
 
 MOTOR = load_motor("paper-5-phase")
 FAMILIES = [family for group in FAMILY_GROUPS for family in group]

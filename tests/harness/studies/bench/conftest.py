@@ -2,15 +2,12 @@
 
 import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from drivegate.commands.command_line import main
 from drivegate.studies.bench.workbench import Workbench
-
-YARDSTICK = Path(__file__).parents[4] / "benchmarks" / "c_yardstick"
 
 
 @dataclass(frozen=True)
@@ -45,5 +42,5 @@ def bench(capsys, monkeypatch, tmp_path):
 
 @pytest.fixture
 def workbench(tmp_path):
-    """A workbench for quick measurements, with the yardstick."""
-    return Workbench(tmp_path, quick=True, yardstick_folder=YARDSTICK)
+    """A workbench for quick measurements."""
+    return Workbench(tmp_path, quick=True)

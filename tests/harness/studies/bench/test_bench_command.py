@@ -1,18 +1,17 @@
 """`drivegate bench`: what it prints, keeps, compares and refuses."""
 
 import json
-from pathlib import Path
 
 import pytest
 
 from drivegate.studies.bench import loop_rates, process_times
-from drivegate.studies.bench.measurement import Checked, Row, Value
+from drivegate.studies.bench.measurement import Checked, NotMeasured, Value
+from drivegate.studies.bench.plan import Planned
 from drivegate.studies.bench.process_times import gate_time, start_time
 from drivegate.studies.bench.record import BenchDocument, bench_document, compared_with
 from drivegate_cases.documents.document import parse_document
 
 QUICK = ("--quick", "--only", "loop.reference.1500.ideal", "--only", "start.import")
-YARDSTICK = Path(__file__).parents[4] / "benchmarks" / "c_yardstick"
 NAME = "loop.reference.1500.ideal"
 
 
@@ -63,12 +62,11 @@ def test_a_wrong_result_is_exit_code_1(bench, short, monkeypatch):
 
 def test_a_missing_compiler_is_told_and_fails_nothing(bench, monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
-    only = ("--only", "loop.c.1500.ideal", "--only", "yardstick")
-    ended = bench("--quick", *only, "--yardstick", YARDSTICK, "--json")
+    ended = bench("--quick", "--only", "loop.c.1500.ideal", "--json")
     assert ended.code == 0
-    for row in ended.document["rows"]:
-        assert (row["value"], row["valid"]) == (None, None)
-        assert "no-such-compiler" in row["check"]
+    row = ended.row("loop.c.1500.ideal")
+    assert (row["value"], row["valid"]) == (None, None)
+    assert "no-such-compiler" in row["check"]
     assert "no-such-compiler" in bench("--quick", "--only", "loop.c.1500.ideal").out
 
 
@@ -81,7 +79,6 @@ def test_a_missing_compiler_is_told_and_fails_nothing(bench, monkeypatch):
         (("--compare", "broken.json"), "broken.json"),
         (("--output", "missing/bench.json"), "its folder does not exist"),
         (("--output", "bench.txt"), "must end in .json"),
-        (("--yardstick", "nowhere"), "nowhere holds no yardstick.c"),
         (("--bogus",), "--bogus"),
     ],
 )
@@ -112,8 +109,21 @@ def document(*rows):
 
 
 def row(name, value, better="more", setting="4 s", valid=True):
-    made = None if value is None else Value(value, value, 3, Checked(valid, "told"))
-    return Row(name, "title", setting, "unit", better, None, made, "no tool")
+    def measure(_bench):
+        if value is None:
+            raise NotMeasured("no tool")
+        return Value(value, value, 3, Checked(valid, "told"))
+
+    return Planned(name, "title", setting, "unit", better, None, measure).row(None)
+
+
+def test_only_a_wrong_result_makes_a_document_invalid():
+    wrong, right, missing = row("wrong", 1.0, valid=False), row("right", 1.0), row("missing", None)
+    assert not document(right, wrong)["valid"]
+    assert document(right, missing)["valid"]
+    told = document(missing)["rows"][0]
+    assert told | {"value": None, "median": None, "rounds": 0, "valid": None, "check": "no tool"} == told
+    assert not {"earlier", "times_as_good"} & set(told), "it was compared with nothing"
 
 
 def test_only_the_same_work_is_compared_and_above_one_is_better(tmp_path):

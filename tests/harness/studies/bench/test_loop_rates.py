@@ -7,11 +7,10 @@ import pytest
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.bench import loop_rates, point_rates, python_overhead, run_memory
 from drivegate.studies.bench.measurement import NotMeasured
 from drivegate.studies.bench.workbench import operating_scenario
-from drivegate_models.loop import observation
 
 
 @pytest.fixture(scope="module")
@@ -24,15 +23,14 @@ def run():
 @pytest.mark.parametrize(
     ("entry", "factor", "valid"),
     [
-        (observation.RUN_SPEED_FINAL, 1.0, True),
-        (observation.RUN_SPEED_FINAL, 1.01, False),
-        (observation.RUN_EXCHANGE_ERROR, 1e9, False),
+        ("speed_final", 1.0, True),
+        ("speed_final", 1.01, False),
+        ("exchange_error", 1e9, False),
     ],
 )
 def test_speed_and_energy_decide_whether_a_run_is_right(run, monkeypatch, entry, factor, valid):
-    changed = run.run.copy()
-    changed[entry] *= factor
-    monkeypatch.setitem(run.__dict__, "run", changed)
+    changed = run.observed._replace(**{entry: getattr(run.observed, entry) * factor})
+    monkeypatch.setitem(run.__dict__, "observed", changed)
     assert loop_rates.checked_run(operating_scenario(1500, "ideal", 1.0), run).valid is valid
 
 
@@ -76,15 +74,6 @@ def test_a_kind_whose_compiler_is_missing_says_so(workbench, monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     with pytest.raises(NotMeasured, match="no-such-compiler"):
         loop_rates.loop_rate(workbench, "c", 1500, "ideal")
-    with pytest.raises(NotMeasured, match="no-such-compiler"):
-        workbench.yardstick()
-
-
-def test_a_yardstick_out_of_step_is_no_measure(workbench, monkeypatch):
-    monkeypatch.setattr(loop_rates, "YARDSTICK_SIMULATED", 2.0)
-    assert loop_rates.yardstick_ratio(workbench, "initial", 1500).checked.valid
-    monkeypatch.setattr(loop_rates, "LOCK_STEP_TOLERANCE", 0.0)
-    assert not loop_rates.yardstick_ratio(workbench, "initial", 1500).checked.valid
 
 
 @pytest.mark.parametrize("band", [0.25, 0.0])

@@ -1,6 +1,6 @@
 """How times are taken and what becomes of them."""
 
-from drivegate.studies.bench.measurement import Checked, Row, Value, duration, interleaved, rate, timed
+from drivegate.studies.bench.measurement import Checked, Value, duration, interleaved, rate, ratio, timed
 
 RIGHT = Checked(True, "right")
 
@@ -58,12 +58,6 @@ def test_the_best_round_counts_and_the_median_is_kept():
     assert duration([2.0, 5.0, 4.0], RIGHT, 1e3) == Value(2000.0, 4000.0, 3, RIGHT)
 
 
-def test_only_a_wrong_result_makes_a_row_invalid():
-    def row(value):
-        return Row("name", "title", "setting", "s", "less", None, value, "no tool")
-
-    assert row(Value(1.0, 1.0, 1, Checked(False, "wrong"))).is_invalid
-    assert not row(Value(1.0, 1.0, 1, RIGHT)).is_invalid
-    missing = row(None)
-    assert not missing.is_invalid
-    assert missing.document() | {"value": None, "valid": None, "check": "no tool"} == missing.document()
+def test_times_in_turns_are_set_against_each_other_turn_by_turn():
+    # The third turn was disturbed; best over best would be 1.
+    assert ratio([2.0, 6.0, 1.0], [1.0, 2.0, 1.0], RIGHT) == Value(2.0, 2.0, 3, RIGHT)

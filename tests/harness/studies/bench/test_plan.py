@@ -19,7 +19,7 @@ def test_every_candidate_speed_and_sensor_is_measured():
         for sensors in ("ideal", "mcs96")
     }
     others = {"steady.band", "steady.ideal", "oracle.least-sum", "gate.warm", "gate.cold", "start.help"}
-    others |= {"start.import", "memory.run", "yardstick.initial.1500", "overhead.python"}
+    others |= {"start.import", "memory.run", "overhead.python"}
     assert others <= set(NAMES)
 
 
@@ -29,7 +29,6 @@ def test_bars_are_those_of_the_design():
     assert bars["loop.python.1500.ideal"] == 50.0
     assert bars["loop.exec.1500.ideal"] == 3.0
     assert bars["overhead.python"] == 5.0
-    assert bars["yardstick.initial.1500"] == 1.2
     assert bars["steady.band"] == bars["steady.ideal"] == 50_000.0
     assert (bars["gate.warm"], bars["gate.cold"], bars["start.help"]) == (60.0, 120.0, 0.3)
     assert bars["start.import"] == 0.15
@@ -55,7 +54,7 @@ def test_rows_are_chosen_by_name_or_group(names, count):
 
 def test_an_unknown_name_is_refused_with_the_nearest():
     with pytest.raises(
-        InputError, match=r"'lop' names nothing .* nearest is 'loop'; there are loop, overhead, yardstick"
+        InputError, match=r"'lop' names nothing .* nearest is 'loop'; there are loop, overhead, steady"
     ):
         chosen(PLAN, ("loop", "lop"))
     with pytest.raises(InputError, match="names nothing"):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drivegate.candidates.builtin.loading import BuiltinController
-from drivegate.runs.scenario import RADIANS_PER_RPM, run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.compare.drive_cycle_run import VEHICLE, braking_grade, cycle_figures, cycle_scenario
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.drive_cycle import DriveCycle, load_drive_cycle
@@ -12,6 +12,7 @@ from drivegate_cases.scenario.load import GRAVITY
 from drivegate_cases.scenario.sensors import MCS96
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
+from drivegate_models.units import RADIANS_PER_RPM
 
 MOTOR = load_motor("paper-5-phase")
 SHORT = DriveCycle(

@@ -7,7 +7,7 @@ import pytest
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.runs.scenario import run_scenario
+from drivegate.drives.running import run_scenario
 from drivegate.studies.diff.diff import FIRST, SECOND, compared
 from drivegate.studies.diff.document import units_in_the_last_place
 from drivegate.studies.diff.jobs import Rule
@@ -21,7 +21,6 @@ from drivegate.studies.diff.record import (
 )
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
-from drivegate_models.loop.observation import TRACE_COLUMNS
 from drivegate_models.loop.step_recording import BLOCK_ROWS
 
 SHORT = load_scenario("lock-up").replaced(duration_s=1.0)
@@ -138,7 +137,7 @@ def test_a_record_is_exact_and_the_plant_played_back_is_the_plant(tmp_path):
     phases = scenario.motor.phases
     assert row_count(path, phases) == run.steps > BLOCK_ROWS
     rows = np.concatenate(list(recorded_rows(path, phases)))
-    columns = {name: run.trace[:, index] for index, name in enumerate(TRACE_COLUMNS)}
+    columns = run.trace
     assert np.array_equal(rows[:, 0], columns["time_s"])
     assert np.array_equal(np.degrees(1.0) * commands_of(rows)[:, 1], columns["advance_deg"])
     assert np.array_equal(some_rows(path, phases, 1500, 1503), rows[1500:1503])

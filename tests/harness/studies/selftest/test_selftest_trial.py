@@ -9,16 +9,17 @@ from drivegate.candidates.builtin.faults import find_mutation
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, LoadedCandidate
 from drivegate.containment.shared_progress import SharedProgress
-from drivegate.gate.shard import JudgedRun, ShardOutcome
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest import trial as trial_module
 from drivegate.studies.selftest.run import SelftestEffort, planned_trial
 from drivegate.studies.selftest.trial import Trial, run_trial
+from drivegate_cases.motor.motor import load_motor
 
-SCENARIO = fixed_scenarios()[0].to_mapping()
+SCENARIO = fixed_scenarios(load_motor("paper-5-phase"))[0].to_mapping()
 FAULTY = resolve_candidate("faulty:drifts")
 BASE = resolve_candidate("reference")
 # It is not made simpler, so that no run is made here.

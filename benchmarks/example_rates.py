@@ -1,0 +1,69 @@
+"""The controllers of examples/, which are one algorithm in several languages, in closed loop at 1500 rpm."""
+
+from __future__ import annotations
+
+import subprocess
+import time
+from pathlib import Path
+from statistics import median
+from typing import TYPE_CHECKING, Final
+
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.drives.running import run_scenario
+from drivegate.studies.bench.loop_rates import checked_run
+from drivegate.studies.bench.measurement import Checked, NotMeasured, Value, interleaved, rate, ratio, timed
+from drivegate.studies.bench.workbench import Workbench, operating_scenario
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate.candidates.controller import Controller
+
+SIMULATED: Final = 4.0
+"""Simulated time of each run (s)."""
+FOLDER: Final = Path(__file__).resolve().parents[1] / "examples"
+"""Where they are."""
+
+_SPECIFICATIONS: Final = {
+    "c": "c/controller.c",
+    "numba": "numba/controller.py:controller",
+    "python": "python/controller.py:Controller",
+}
+
+
+def example_ratio(bench: Workbench, language: str) -> Value:
+    """Measure the loop with a compiled example against that with the built-in reference, in turns."""
+    scenario = operating_scenario(1500, "ideal", bench.simulated(SIMULATED))
+    example, reference = _loaded(bench, language), bench.controller("reference")
+    checked = checked_run(scenario, run_scenario(scenario, example))
+    ours, theirs = interleaved(
+        (lambda: run_scenario(scenario, example), lambda: run_scenario(scenario, reference)),
+        time.process_time,
+        bench.rounds,
+    )
+    speeds = [scenario.duration_s / median(times) for times in (ours, theirs)]
+    told = f"{speeds[0]:.0f} against {speeds[1]:.0f} × real time, {checked.told}"
+    return ratio(ours, theirs, Checked(checked.valid, told))
+
+
+def python_example_rate(bench: Workbench) -> Value:
+    """Measure the closed loop with the example in Python."""
+    scenario = operating_scenario(1500, "ideal", bench.simulated(SIMULATED))
+    example = _loaded(bench, "python")
+    checked = checked_run(scenario, run_scenario(scenario, example))
+    times = timed(lambda: run_scenario(scenario, example), time.process_time, bench.rounds)
+    return rate(scenario.duration_s, times, checked)
+
+
+def _loaded(bench: Workbench, language: str) -> Controller:
+    if language == "rust":
+        library = bench.scratch / "example.so"
+        build = [FOLDER / "rust" / "build.sh", library]
+        built = subprocess.run(build, capture_output=True, encoding="utf-8", check=False)
+        if built.returncode != 0:
+            raise NotMeasured(built.stderr.strip() or "examples/rust/build.sh failed")
+        return load_controller(resolve_candidate(str(library)))
+    try:
+        return load_controller(resolve_candidate(str(FOLDER / _SPECIFICATIONS[language])))
+    except InputError as error:
+        raise NotMeasured(str(error)) from error

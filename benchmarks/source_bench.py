@@ -1,0 +1,86 @@
+"""``drivegate bench`` with the rows that it takes drivegate's sources for: the yardstick in C, and the examples.
+
+    python benchmarks/source_bench.py --only yardstick --compare before.json
+
+The options are those of ``drivegate bench``, and so is the document.
+"""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+from typing import Any, Final
+
+import click
+
+import example_rates
+import yardstick_ratio
+from drivegate.commands import bench
+from drivegate.commands.conduct import Outcome, conducted, wants_json
+from drivegate.studies.bench.loop_rates import SPEEDS_RPM
+from drivegate.studies.bench.plan import PYTHON_BAR, RATE_UNIT, Planned, planned, run_setting
+
+PROGRAM: Final = "python benchmarks/source_bench.py"
+YARDSTICK_BAR: Final = 1.2
+"""Time over that of the same algorithm in C that the closed loop is meant to stay below."""
+EXAMPLE_BAR: Final = 1.3
+"""Time of a run with a compiled candidate over that with the built-in reference."""
+
+
+def source_rows(*, quick: bool) -> tuple[Planned, ...]:
+    """List what can be measured in the sources alone."""
+    return (*_yardsticks(quick), *_examples(quick))
+
+
+def _yardsticks(quick: bool) -> list[Planned]:
+    titles = {"initial": "initial against all of it in C", "reference": "reference against its plant in C"}
+    return [
+        Planned(
+            f"yardstick.{candidate}.{speed}",
+            f"{title}, {speed} rpm",
+            run_setting(yardstick_ratio.SIMULATED, quick),
+            "× its time",
+            "less",
+            YARDSTICK_BAR,
+            partial(yardstick_ratio.yardstick_ratio, candidate=candidate, speed_rpm=speed),
+        )
+        for candidate, title in titles.items()
+        for speed in SPEEDS_RPM
+    ]
+
+
+def _examples(quick: bool) -> list[Planned]:
+    setting = run_setting(example_rates.SIMULATED, quick)
+    compiled = [
+        Planned(
+            f"example.{language}",
+            f"examples/{language} against the built-in reference, 1500 rpm",
+            setting,
+            "× its time",
+            "less",
+            EXAMPLE_BAR,
+            partial(example_rates.example_ratio, language=language),
+        )
+        for language in ("c", "numba", "rust")
+    ]
+    python = Planned(
+        "example.python",
+        "examples/python, 1500 rpm",
+        setting,
+        RATE_UNIT,
+        "more",
+        PYTHON_BAR,
+        example_rates.python_example_rate,
+    )
+    return [*compiled, python]
+
+
+@click.command(params=bench.command.params)
+def command(*, quick: bool, cold: bool, **options: Any) -> Outcome:
+    """Measure how fast drivegate is on this machine, also beside the same loop in C and with the examples."""
+    plan = (*planned(quick=quick, cold=cold), *source_rows(quick=quick))
+    return bench.bench_outcome(PROGRAM, plan, quick=quick, cold=cold, **options)
+
+
+if __name__ == "__main__":
+    sys.exit(conducted(lambda: command.main(standalone_mode=False), as_json=wants_json(sys.argv[1:])))

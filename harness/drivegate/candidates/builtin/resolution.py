@@ -1,0 +1,58 @@
+"""From the name of a controller that comes with drivegate, or a manifest with it, to a candidate."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DESIGN_CANDIDATES
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX
+from drivegate.version import __version__
+from drivegate_cases.documents.wording import nearest, one_line, shown_path
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate.candidates.manifest import Manifest
+
+
+def from_text(specification: str) -> Candidate:
+    """Find a controller by its bare name, or by its name with a prefix."""
+    return _candidate(specification, specification, specification, _declaration_of(specification))
+
+
+def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:  # noqa: ARG001  (as all kinds)
+    """Find the controller that a manifest names; it has a declaration of its own."""
+    if manifest.entry not in BUILTIN_CANDIDATES:
+        raise InputError(
+            f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', but must be "
+            f"one of the built-in candidates {', '.join(BUILTIN_CANDIDATES)}"
+        )
+    return _candidate(manifest.name, specification, manifest.entry, manifest.declaration())
+
+
+def _declaration_of(name: str) -> Declaration:
+    if name.startswith(FAULTY_PREFIX):
+        # Their registry is only read where one of them is named.
+        from drivegate.candidates.builtin.faults import find_mutation
+
+        return BUILTIN_CANDIDATES[find_mutation(name.removeprefix(FAULTY_PREFIX)).base]
+    if name.startswith(DESIGN_PREFIX):
+        return _design_declaration(name)
+    return BUILTIN_CANDIDATES[name]
+
+
+def _design_declaration(name: str) -> Declaration:
+    if name in DESIGN_CANDIDATES:
+        return DESIGN_CANDIDATES[name]
+    raise InputError(
+        f"the candidate '{one_line(name)}' is unknown, the nearest known one is "
+        f"'{nearest(name, list(DESIGN_CANDIDATES))}'; known are {', '.join(DESIGN_CANDIDATES)}"
+    )
+
+
+def _candidate(name: str, specification: str, entry: str, declaration: Declaration) -> Candidate:
+    digest = hashlib.sha256(f"drivegate {__version__} {entry}".encode()).hexdigest()
+    return Candidate(name, "builtin", specification, entry, Path.cwd(), (), digest, declaration)

@@ -1,0 +1,112 @@
+"""The kinds of candidate, one row each; all that the rest of the harness must know of a kind is in its row.
+
+The folder of a kind has two modules. `resolution` has ``from_text(specification)`` and
+``from_manifest(manifest, specification, folder)``, which return a `Candidate` and run none of its code. `loading` has
+``load_controller(candidate)``, which runs it. They are imported when they are needed: each kind brings libraries of
+its own, and a process needs those of one kind only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+from drivegate.candidates.candidate import Candidate
+
+if TYPE_CHECKING:
+    from drivegate.candidates.controller import Controller
+    from drivegate_cases.documents.document import Document
+
+EXEC_PREFIX: Final = "exec:"
+"""What the command line of a candidate that is a program begins with."""
+
+FAULTY_PREFIX: Final = "faulty:"
+"""What a faulty controller's name begins with; such controllers check the checks."""
+
+DESIGN_PREFIX: Final = "design:"
+"""What the name of a correct controller of another design begins with."""
+
+MANIFEST_SUFFIX: Final = ".toml"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of candidate.
+
+    Attributes
+    ----------
+    name : str
+        Its name in manifests and results.
+    folder : str
+        The folder beside this module that has its code.
+    ways : tuple of str
+        How a user writes such a candidate, as messages show it.
+    prefixes : tuple of str
+        What the string of such a candidate begins with.
+    suffix : str
+        Suffix of the file that such a candidate is as a whole; empty for none.
+    manifest_keys : tuple of str
+        Keys of a manifest that are for this kind alone.
+    comes_along : bool
+        Whether all of its code is drivegate's own, and so needs no process to contain it.
+    told_by_output : bool
+        Whether a fault without a traceback is told with what the candidate's process printed.
+    way_of_running : str
+        How its steps run, without which their time says little; empty where the controller itself tells.
+    """
+
+    name: str
+    folder: str
+    ways: tuple[str, ...] = ()
+    prefixes: tuple[str, ...] = ()
+    suffix: str = ""
+    manifest_keys: tuple[str, ...] = ()
+    comes_along: bool = False
+    told_by_output: bool = False
+    way_of_running: str = ""
+
+    def from_text(self, specification: str) -> Candidate:
+        """Find the candidate that a string names."""
+        candidate: Candidate = self._module("resolution").from_text(specification)
+        return candidate
+
+    def from_manifest(self, manifest: Document, specification: str, folder: Path) -> Candidate:
+        """Find the candidate that a `Manifest` describes, whose keys are checked against these rows."""
+        candidate: Candidate = self._module("resolution").from_manifest(manifest, specification, folder)
+        return candidate
+
+    def load_controller(self, candidate: Candidate) -> Controller:
+        """Make a new instance of a candidate."""
+        controller: Controller = self._module("loading").load_controller(candidate)
+        return controller
+
+    def _module(self, name: str) -> Any:
+        return import_module(f"drivegate.candidates.{self.folder}.{name}")
+
+
+_ALL: Final = (
+    Kind("python", "python", ways=("module:Class", "file.py:Class")),
+    Kind("builtin", "builtin", prefixes=(FAULTY_PREFIX, DESIGN_PREFIX), comes_along=True),
+    Kind("c", "native", ways=("file.c",), suffix=".c", manifest_keys=("include", "flags")),
+    Kind("so", "native", ways=("file.so",), suffix=".so"),
+    Kind("fmu", "fmu", ways=("file.fmu",), suffix=".fmu", way_of_running="FMU"),
+    Kind(
+        "exec",
+        "program",
+        ways=("exec:command",),
+        prefixes=(EXEC_PREFIX,),
+        manifest_keys=("step_deadline_s",),
+        told_by_output=True,
+        way_of_running="a process of its own",
+    ),
+    Kind("compose", "composed", manifest_keys=("blocks",), told_by_output=True, way_of_running="blocks"),
+)
+
+KINDS: Final = MappingProxyType({kind.name: kind for kind in _ALL})
+"""Every kind by its name, in the order in which messages list them."""
+
+WHOLE_FILE_SUFFIXES: Final = (MANIFEST_SUFFIX, *(kind.suffix for kind in _ALL if kind.suffix))
+"""Suffixes of candidates that are a file as a whole."""

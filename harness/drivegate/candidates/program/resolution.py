@@ -1,0 +1,107 @@
+"""A candidate that is a program of any language, named by its command line."""
+
+import os
+import shlex
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drivegate.candidates.candidate import STEP_DEADLINE, Candidate, Program, existing_file, hash_of
+from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.kinds import EXEC_PREFIX
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate.candidates.manifest import Manifest
+
+_EXAMPLE = "exec:python3 controller.py"
+
+
+def from_text(specification: str) -> Candidate:
+    """Find the program that a string names; it starts in the present folder."""
+    command = specification.removeprefix(EXEC_PREFIX).strip()
+    where = f"the candidate '{one_line(specification)}'"
+    words = _words(command, where, f"write {_EXAMPLE}")
+    folder = Path.cwd()
+    name = EXEC_PREFIX + one_line(_short_command(words, folder))
+    return _candidate(name, specification, command, folder, _program(words, folder, where), Declaration(), ())
+
+
+def from_manifest(manifest: "Manifest", specification: str, folder: Path) -> Candidate:
+    """Find the program that a manifest names; it starts in the manifest's folder."""
+    where = f"{shown_path(specification)}: the key 'entry'"
+    words = _words(manifest.entry, where, "write a command line, such as 'python3 controller.py'")
+    deadline = STEP_DEADLINE if manifest.step_deadline_s is None else manifest.step_deadline_s
+    program = _program(words, folder, where, deadline)
+    further = tuple(existing_file(folder / source) for source in manifest.sources)
+    return _candidate(
+        manifest.name, specification, manifest.entry, folder, program, manifest.declaration(), further
+    )
+
+
+def _candidate(
+    name: str,
+    specification: str,
+    command: str,
+    folder: Path,
+    program: Program,
+    declaration: Declaration,
+    further_sources: tuple[Path, ...],
+) -> Candidate:
+    named = (_file_named(word, folder) for word in program.arguments)
+    sources = tuple(dict.fromkeys((*(file for file in named if file is not None), *further_sources)))
+    entry = shlex.join(program.arguments)
+    digest = hash_of(sources, entry)
+    return Candidate(name, "exec", specification, command, folder, sources, digest, declaration, program)
+
+
+def _words(command: str, where: str, advice: str) -> tuple[str, ...]:
+    try:
+        words = tuple(shlex.split(command))
+    except ValueError as error:
+        raise InputError(f"{where} has {_quoting_problem(error)}; {advice}") from error
+    if not words or not words[0]:
+        raise InputError(f"{where} names no program; {advice}")
+    return words
+
+
+def _quoting_problem(error: ValueError) -> str:
+    return "a quote that is not closed" if "quotation" in str(error) else "a backslash at its end"
+
+
+def _program(words: Sequence[str], folder: Path, where: str, step_deadline: float = STEP_DEADLINE) -> Program:
+    """Find the executable: a name with a slash from the folder on, any other in PATH."""
+    word = words[0]
+    if "/" not in word:
+        found = shutil.which(word)
+        if found is None:
+            beside = "" if not (folder / word).is_file() else f", or ./{one_line(word)} for the file there"
+            raise InputError(
+                f"{where} starts '{one_line(word)}', which is no program in PATH; name an installed program{beside}"
+            )
+        return Program(Path(found).absolute(), tuple(words), step_deadline)
+    file = folder / word
+    if not file.is_file():
+        raise InputError(f"{where} starts {shown_path(file)}, which does not exist; name an existing program")
+    if not os.access(file, os.X_OK):
+        raise InputError(
+            f"{where} starts {shown_path(file)}, which is not executable; set its permission with chmod +x, or name "
+            "its interpreter first"
+        )
+    return Program(file.absolute(), tuple(words), step_deadline)
+
+
+def _file_named(word: str, folder: Path) -> Path | None:
+    try:
+        return (folder / word).resolve() if word and (folder / word).is_file() else None
+    except OSError:
+        return None
+
+
+def _short_command(words: Sequence[str], folder: Path) -> str:
+    """Leave out the folders of files, so that a waiver matches wherever they lie."""
+    return shlex.join(
+        Path(word).name if "/" in word and _file_named(word, folder) else word for word in words
+    )

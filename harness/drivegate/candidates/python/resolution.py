@@ -1,0 +1,79 @@
+"""From the name of a Python class, or a manifest with it, to a candidate; its module is found, but not imported."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drivegate.candidates.candidate import Candidate, existing_file, hash_of
+from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.module_search import module_sources
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate.candidates.manifest import Manifest
+
+
+def from_text(specification: str) -> Candidate:
+    """Find the class that a string names, in a module or a file."""
+    if Path(specification).suffix.lower() == ".py":
+        raise InputError(
+            f"the candidate '{one_line(specification)}' names no class; write {one_line(specification)}:Class"
+        )
+    return _candidate(_short_name(specification), specification, specification, Path.cwd())
+
+
+def installed_candidate(name: str, entry: str) -> Candidate:
+    """Find the class that an installed distribution offers under a name."""
+    return _candidate(name, name, entry, Path.cwd())
+
+
+def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
+    """Find the class that a manifest names."""
+    if ":" not in manifest.entry:
+        raise InputError(
+            f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', "
+            "but must be module:Class or file.py:Class"
+        )
+    sources = tuple(existing_file(folder / source) for source in manifest.sources)
+    return _candidate(manifest.name, specification, manifest.entry, folder, sources, manifest.declaration())
+
+
+def _short_name(specification: str) -> str:
+    """Leave out the folder, so that a waiver matches wherever the file lies."""
+    source, _, attribute = specification.rpartition(":")
+    return f"{Path(source).name}:{attribute}"
+
+
+def _candidate(
+    name: str,
+    specification: str,
+    entry: str,
+    folder: Path,
+    further_sources: tuple[Path, ...] = (),
+    declaration: Declaration | None = None,
+) -> Candidate:
+    source, _, attribute = entry.rpartition(":")
+    if not all(part.isidentifier() for part in attribute.split(".")):
+        raise InputError(
+            f"the candidate '{one_line(specification)}' names the class '{one_line(attribute)}', which is no "
+            "name of a Python class; write module:Class or file.py:Class"
+        )
+    if source.endswith(".py"):
+        file = existing_file(folder / source)
+        found: tuple[Path, ...] = (file,)
+        entry, folder = f"{file}:{attribute}", file.parent
+    else:
+        found = module_sources(source, folder, specification)
+    sources = tuple(dict.fromkeys((*found, *further_sources)))
+    return Candidate(
+        name,
+        "python",
+        specification,
+        entry,
+        folder,
+        sources,
+        hash_of(sources, attribute),
+        declaration or Declaration(),
+    )

@@ -1,0 +1,113 @@
+"""A kind of drive as those see it who judge controllers of any kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+if TYPE_CHECKING:
+    import numpy as np
+    from hypothesis.strategies import SearchStrategy
+    from numpy.typing import NDArray
+
+    from drivegate.checks.check import Check
+    from drivegate.runs.scenario import RunClosedLoop
+    from drivegate.scenarios.speed_range import SpeedRange
+    from drivegate_cases.motor.motor import Motor
+    from drivegate_cases.scenario.scenario import Scenario
+    from drivegate_models.half_bridge.steady.oracle import Optimum, TorquePoint
+
+FloatArray: TypeAlias = "NDArray[np.float64]"
+Drive: TypeAlias = Any
+"""Constants of a plant, as its own kind of drive has them."""
+
+
+class Oracle(Protocol):
+    """What a drive can do at best, whatever the controller: functions of its constants, in SI units."""
+
+    def feasible_edge(
+        self, drive: Drive, speed: float, torque: float, voltage: float | None = None, static: bool = False
+    ) -> float:
+        """Find the smallest advance angle that gives a torque; NaN where none does."""
+
+    def least_current_sum(
+        self, drive: Drive, speed: float, torque: float, voltage: float | None = None
+    ) -> Optimum:
+        """Find the advance angle that gives a torque with the least current sum."""
+
+    def least_input_power(
+        self, drive: Drive, speed: float, torque: float, voltage: float | None = None
+    ) -> Optimum:
+        """Find the advance angle that gives a torque with the least input power."""
+
+    def point_at_torque(
+        self, drive: Drive, speed: float, advance: float, torque: float, voltage: float | None = None
+    ) -> TorquePoint:
+        """Find the steady state that gives a torque at an advance angle."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SteadyStates:
+    """The solver of many steady states.
+
+    Attributes
+    ----------
+    columns : tuple of str
+        Names of what is computed of each.
+    solve : callable
+        From a drive's constants and arrays of speed (rad/s), advance angle (rad) and current reference (A) to rows of
+        those columns, which it writes into its last argument.
+    """
+
+    columns: tuple[str, ...]
+    solve: Callable[[Drive, FloatArray, FloatArray, FloatArray, FloatArray], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DriveKind:
+    """All that is asked of one kind of drive.
+
+    What is compiled, or takes long to import, is behind a function: a bundle costs nothing until it is asked.
+
+    Attributes
+    ----------
+    name : str
+        The kind.
+    default_motor : str
+        Name of the packaged motor that candidates are judged on where nobody names another.
+    motor : callable
+        Gives the class of the documents that describe such a motor.
+    closed_loop : callable
+        Gives the function that runs a controller against the plant.
+    oracle : callable
+        Gives what such a drive can do at best.
+    steady_state : callable
+        Gives the solver of one steady state.
+    steady_states : callable
+        Gives the solver of many.
+    checks : callable
+        Gives the checks that judge a run of such a drive.
+    fixed_scenarios : callable
+        From a motor, and the speeds that a candidate is made for, to the scenarios that every check runs first.
+    drawn_scenarios : callable
+        From the same, and the number of a group of families or None for all of them, to what is searched.
+    unfair_because : callable
+        From a scenario to the reason why no controller could do what it asks; None where one could.
+    """
+
+    name: str
+    default_motor: str
+    motor: Callable[[], type[Motor]]
+    closed_loop: Callable[[], RunClosedLoop]
+    oracle: Callable[[], Oracle]
+    steady_state: Callable[[], Callable[..., object]]
+    steady_states: Callable[[], SteadyStates]
+    checks: Callable[[], tuple[Check, ...]]
+    fixed_scenarios: Callable[[Motor, SpeedRange | None], tuple[Scenario, ...]]
+    drawn_scenarios: Callable[[Motor, SpeedRange | None, int | None], SearchStrategy[Scenario]]
+    unfair_because: Callable[[Scenario], str | None]
+
+    def is_fair(self, scenario: Scenario) -> bool:
+        """Tell whether a candidate may be judged on a scenario."""
+        return self.unfair_because(scenario) is None

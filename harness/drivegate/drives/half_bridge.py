@@ -1,0 +1,97 @@
+"""The phase-decoupled machine on half-bridge legs, at a split supply."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final
+
+from drivegate.drives.drive_kind import Drive, DriveKind, FloatArray, Oracle, SteadyStates
+
+if TYPE_CHECKING:
+    from hypothesis.strategies import SearchStrategy
+
+    from drivegate.checks.check import Check
+    from drivegate.runs.scenario import RunClosedLoop
+    from drivegate.scenarios.speed_range import SpeedRange
+    from drivegate_cases.motor.motor import Motor
+    from drivegate_cases.scenario.scenario import Scenario
+
+
+def _motor() -> type[Motor]:
+    from drivegate_cases.motor.motor import Motor
+
+    return Motor
+
+
+def _closed_loop() -> RunClosedLoop:
+    from drivegate_models.half_bridge.closed_loop import run_closed_loop
+
+    return run_closed_loop
+
+
+def _oracle() -> Oracle:
+    from drivegate_models.half_bridge.steady import oracle
+
+    return oracle
+
+
+def _steady_state() -> Callable[..., object]:
+    from drivegate_models.half_bridge.steady.steady_state import steady_state
+
+    return steady_state
+
+
+def _steady_states() -> SteadyStates:
+    from drivegate_models.half_bridge.plant.phases import make_phases
+    from drivegate_models.half_bridge.steady.grid import POINT_COLUMNS, solve_points
+    from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME
+
+    def solve(
+        drive: Drive, speeds: FloatArray, advances: FloatArray, references: FloatArray, values: FloatArray
+    ) -> None:
+        work, slices = make_phases(drive, KEPT_TIME), make_phases(drive)
+        solve_points(drive, work, slices, drive.half_supply_voltage, speeds, advances, references, values)
+
+    return SteadyStates(columns=POINT_COLUMNS, solve=solve)
+
+
+def _checks() -> tuple[Check, ...]:
+    from drivegate.checks.catalogue import CHECKS
+
+    return CHECKS
+
+
+def _fixed_scenarios(motor: Motor, speed_range: SpeedRange | None) -> tuple[Scenario, ...]:
+    from drivegate.scenarios.fixed import fixed_scenarios
+
+    return fixed_scenarios(motor, speed_range)
+
+
+def _drawn_scenarios(
+    motor: Motor, speed_range: SpeedRange | None, group: int | None
+) -> SearchStrategy[Scenario]:
+    from drivegate.scenarios.drawn.families import drawn_scenarios
+
+    return drawn_scenarios(motor, speed_range, group)
+
+
+def _unfair_because(scenario: Scenario) -> str | None:
+    from drivegate.scenarios.feasibility import unfair_because
+
+    return unfair_because(scenario)
+
+
+HALF_BRIDGE: Final = DriveKind(
+    name="half_bridge",
+    default_motor="paper-5-phase",
+    motor=_motor,
+    closed_loop=_closed_loop,
+    oracle=_oracle,
+    steady_state=_steady_state,
+    steady_states=_steady_states,
+    checks=_checks,
+    fixed_scenarios=_fixed_scenarios,
+    drawn_scenarios=_drawn_scenarios,
+    unfair_because=_unfair_because,
+)
+"""The drive of the paper."""

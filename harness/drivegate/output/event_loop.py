@@ -1,0 +1,40 @@
+"""Following the events of a check or a comparison: each is shown, and the last one has the result."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from drivegate.gate.events import CheckFinished, CheckStarted, Event, RunDone, Shrinking
+from drivegate.output.progress import Display
+from drivegate.results.result import CheckResult
+from drivegate_models.errors import HarnessFault
+
+
+def followed(events: Iterable[Event], display: Display) -> CheckResult | None:
+    """Show every event, and give the result if they end with one."""
+    result: CheckResult | None = None
+    for event in events:
+        _show(event, display)
+        if isinstance(event, CheckFinished):
+            result = event.result
+    return result
+
+
+def finished(events: Iterable[Event], display: Display) -> CheckResult:
+    """Show every event of a check, and give its result."""
+    result = followed(events, display)
+    if result is None:
+        raise HarnessFault("the check ended without a result")
+    return result
+
+
+def _show(event: Event, display: Display) -> None:
+    if isinstance(event, CheckStarted):
+        display.begin(event.candidate_name, event.planned_runs)
+    elif isinstance(event, RunDone):
+        worst = f"least margin so far {event.worst}" if event.worst else ""
+        display.advance(event.done, event.planned, worst, unit="runs")
+    elif isinstance(event, Shrinking):
+        display.remark(f"{event.done} of {event.planned} counterexamples made simpler")
+    elif isinstance(event, CheckFinished):
+        display.remark(f"{event.result.runs} runs made, {event.result.verdict}", always=True)

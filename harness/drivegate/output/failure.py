@@ -1,0 +1,96 @@
+"""Failures in one place: whatever ends a command, as one sentence, an exit code and a document."""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+import traceback
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from typing import Any, Final
+
+import click
+
+from drivegate.output.streams import write_to
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.errors import HarnessFault, InputError
+
+DEBUG_VARIABLE: Final = "DRIVEGATE_DEBUG"
+"""Environment variable that adds the traceback to the sentence of a failure when it is 1."""
+
+ERROR_SCHEMA: Final = 1
+"""Version of the document that tells an error."""
+
+
+class ExitCode(IntEnum):
+    """What the process tells a script."""
+
+    PASSED = 0
+    FAILED = 1
+    REFUSED = 2
+    HARNESS_FAULT = 3
+    INTERRUPTED = 130
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a command came to nothing.
+
+    Attributes
+    ----------
+    message : str
+        One sentence on one line.
+    exit_code : int
+        The exit code.
+    """
+
+    message: str
+    exit_code: int
+
+    def document(self) -> dict[str, Any]:
+        """Write the failure as plain data."""
+        return {"schema": ERROR_SCHEMA, "error": {"message": self.message, "exit_code": int(self.exit_code)}}
+
+    def about(self, name: str) -> Failure:
+        """Say first what the failure is about."""
+        return replace(self, message=f"{one_line(name)}: {self.message}")
+
+
+def failure_of(error: BaseException) -> Failure:
+    """Turn whatever ended a command into a sentence and an exit code."""
+    if isinstance(error, InputError):
+        return Failure(_sentence(str(error)), ExitCode.REFUSED)
+    if isinstance(error, click.ClickException):
+        return Failure(_sentence(error.format_message()), ExitCode.REFUSED)
+    if isinstance(error, KeyboardInterrupt) or isinstance(error.__cause__, KeyboardInterrupt):
+        return Failure("interrupted", ExitCode.INTERRUPTED)
+    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO):
+        place = f" at {error.filename}" if error.filename else ""
+        return Failure(_sentence(f"cannot write{place}: {error.strerror}"), ExitCode.HARNESS_FAULT)
+    text = str(error) if isinstance(error, HarnessFault) else f"{type(error).__name__}: {error}"
+    return Failure(
+        _sentence(
+            f"drivegate itself failed, which is no verdict on a candidate: {_ends(text)}; "
+            f"with {DEBUG_VARIABLE}=1 it tells where"
+        ),
+        ExitCode.HARNESS_FAULT,
+    )
+
+
+def complain(failure: Failure, error: BaseException | None = None) -> None:
+    """Tell a failure on standard error."""
+    if error is not None and os.environ.get(DEBUG_VARIABLE) == "1":
+        write_to(sys.stderr, "".join(traceback.format_exception(error)))
+    write_to(sys.stderr, f"error: {failure.message}\n")
+
+
+def _ends(text: str) -> str:
+    """Keep the first and the last line of a text: of a traceback, what failed and how."""
+    lines = text.replace("Traceback (most recent call last):", "").splitlines()
+    told = [line.strip().rstrip(":") for line in lines if line.strip()] or [""]
+    return told[0] if len(told) == 1 else f"{told[0]}: {told[-1]}"
+
+
+def _sentence(text: str) -> str:
+    return one_line(" ".join(text.split())).removesuffix(".")

@@ -1,0 +1,21 @@
+"""Names of what may be changed in a run: the plant, the nominal motor, and shares of the case's profiles."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from drivegate_cases.motor.motor import SETTABLE_KEYS
+from drivegate_cases.motor.scales import Scales
+
+SCALES: Final = tuple(Scales.model_fields)
+"""Parameters of the plant that its controller is not told of."""
+SHARES: Final = ("load_share", "supply_share")
+"""Parameters that multiply a profile of the case."""
+SPREADABLE: Final = (*SCALES, *SHARES)
+"""Parameters that may be drawn at random; each has its own place in a run's random numbers."""
+SPEED: Final = "speed_rpm"
+"""The parameter that replaces the case's speed reference by a constant one."""
+MOTOR_KEYS: Final = tuple(key for key in SETTABLE_KEYS if key not in ("name", "emf_shape", "emf_table"))
+"""Keys of the nominal motor, of which the controller is told."""
+GRID_KEYS: Final = (*SPREADABLE, SPEED, *MOTOR_KEYS)
+"""Parameters that may stand on a grid."""

@@ -1,0 +1,1 @@
+"""The motor derived anew from the published facts."""

@@ -1,0 +1,1 @@
+"""What comes along to run controllers on."""

@@ -1,0 +1,97 @@
+"""The scenarios, operating points, sweeps, drive cycles and motors that come along, as a document."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from drivegate_cases.motor.motor import load_motor, motor_names
+from drivegate_cases.scenario.drive_cycle import cycle_names, load_drive_cycle
+from drivegate_cases.scenario.operating_point import (
+    load_operating_point,
+    load_power_sweep,
+    operating_point_names,
+    power_sweep_names,
+)
+from drivegate_cases.scenario.scenario import load_scenario, scenario_names
+
+SCHEMA: Final = 1
+
+
+def cases_document() -> dict[str, Any]:
+    """List everything that comes along."""
+    return {
+        "schema": SCHEMA,
+        "scenarios": _scenarios(),
+        "operating_points": _operating_points(),
+        "sweeps": _sweeps(),
+        "drive_cycles": _drive_cycles(),
+        "motors": _motors(),
+    }
+
+
+def _scenarios() -> list[dict[str, Any]]:
+    return [
+        {
+            "name": name,
+            "description": scenario.description,
+            "motor": scenario.motor.name,
+            "duration_s": scenario.duration_s,
+        }
+        for name in scenario_names()
+        for scenario in [load_scenario(name)]
+    ]
+
+
+def _operating_points() -> list[dict[str, Any]]:
+    return [
+        {
+            "name": name,
+            "description": point.description,
+            "source": point.source,
+            "speed_rpm": point.speed_rpm,
+            "torque_nm": point.torque_nm,
+            "advance_deg": point.advance_deg,
+        }
+        for name in operating_point_names()
+        for point in [load_operating_point(name)]
+    ]
+
+
+def _sweeps() -> list[dict[str, Any]]:
+    return [
+        {
+            "name": name,
+            "description": sweep.description,
+            "source": sweep.source,
+            "speeds_rpm": list(sweep.speeds_rpm),
+            "power_w": sweep.power_w,
+        }
+        for name in power_sweep_names()
+        for sweep in [load_power_sweep(name)]
+    ]
+
+
+def _drive_cycles() -> list[dict[str, Any]]:
+    return [
+        {
+            "name": name,
+            "description": cycle.description,
+            "source": cycle.source,
+            "duration_s": cycle.duration_s,
+            "distance_m": cycle.distance_m,
+        }
+        for name in cycle_names()
+        for cycle in [load_drive_cycle(name)]
+    ]
+
+
+def _motors() -> list[dict[str, Any]]:
+    return [
+        {
+            "name": name,
+            "description": f"{motor.phases} phases, {2 * motor.pole_pairs} poles, {motor.rated_power_w:g} W, "
+            f"{motor.base_speed_rpm:g} rpm, 2 × {motor.supply_voltage_v:g} V",
+        }
+        for name in motor_names()
+        for motor in [load_motor(name)]
+    ]

@@ -1,0 +1,1 @@
+"""The steady state at one operating point."""

@@ -1,0 +1,52 @@
+"""The steady state at one operating point on the console."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from drivegate.output.console import number, plain, table
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from drivegate_models.half_bridge.plant.drive import Drive
+
+_ROWS: Final = (
+    ("speed_rpm", "speed", "rpm"),
+    ("advance_deg", "advance angle", "°"),
+    ("current_reference_a", "current reference", "A"),
+    ("torque_mean_nm", "torque, mean", "N·m"),
+    ("torque_ripple_percent", "torque ripple, peak to peak over mean", "%"),
+    ("torque_ripple_one_sided_percent", "torque ripple, greatest deviation over mean", "%"),
+    ("current_sum_a", "Σ|i|, mean", "A"),
+    ("exchanged_power_w", "power exchanged with the supply", "W"),
+    ("input_power_w", "input power, net", "W"),
+    ("copper_loss_w", "copper loss", "W"),
+    ("core_loss_w", "core loss", "W"),
+    ("current_peak_a", "phase current, peak", "A"),
+)
+
+
+def show_point(console: Console, document: dict[str, Any], drive: Drive, torque: float | None) -> None:
+    """Print the values, and what they do not hold for."""
+    values = table("quantity", "value", "unit", right=("value",))
+    for key, name, unit in _ROWS:
+        values.add_row(name, number(document[key]), unit)
+    console.print(values)
+    if not document["feasible"]:
+        asked = (
+            f"{torque:g} N·m cannot be produced here at the current limit of {drive.current_limit:g} A; "
+            "the values are those at the limit"
+            if torque is not None
+            else f"the current reference exceeds the limit of {drive.current_limit:g} A"
+        )
+        console.print(plain(f"not feasible: {asked}", "yellow"))
+    if document.get("averaged_cycles", 1) > 1:
+        console.print(
+            plain(
+                f"no periodic state exists here; means are over {document['averaged_cycles']} electrical cycles"
+            )
+        )
+    console.print(
+        plain("next: another angle shows what Σ|i| costs; drivegate cases lists published points", "dim")
+    )

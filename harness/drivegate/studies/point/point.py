@@ -1,0 +1,104 @@
+"""The steady state at one operating point, at a torque or at a current reference, as a document."""
+
+from __future__ import annotations
+
+from math import pi, radians
+from typing import TYPE_CHECKING, Any, Final
+
+from drivegate_cases.documents.wording import counted
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate_models.half_bridge.plant.drive import Drive
+    from drivegate_models.half_bridge.steady.oracle import TorquePoint
+    from drivegate_models.half_bridge.steady.steady_state import SteadyState
+
+SCHEMA: Final = 1
+LONGEST_TIME: Final = 3600.0
+"""Longest simulated time of all cycles together (s), so that an answer comes within seconds to minutes."""
+
+_NO_TORQUE: Final = 1e-9
+
+
+def point_document(
+    drive: Drive,
+    speed_rpm: float,
+    advance_deg: float,
+    *,
+    torque_nm: float | None,
+    current_a: float | None,
+    cycles: int | None,
+) -> dict[str, Any]:
+    """Compute the steady state at a speed, an angle, and either a torque or a current reference."""
+    speed, advance = speed_rpm * pi / 30.0, radians(advance_deg)
+    _check_length(drive, speed, cycles or 1)
+    heading = {"schema": SCHEMA, "speed_rpm": speed_rpm, "advance_deg": advance_deg}
+    if torque_nm is not None:
+        return heading | _values_at_torque(drive, speed, advance, torque_nm)
+    assert current_a is not None, "one of torque and current is given"
+    return heading | _values_at_current(drive, speed, advance, current_a, cycles)
+
+
+def _check_length(drive: Drive, speed: float, cycles: int) -> None:
+    """Refuse what would take hours to compute."""
+    cycle = 2.0 * pi / (drive.pole_pairs * speed)
+    if cycles * cycle > LONGEST_TIME:
+        lowest = 60.0 * cycles / (drive.pole_pairs * LONGEST_TIME)
+        raise InputError(
+            f"at this speed {counted(cycles, 'electrical cycle')} would take {cycles * cycle:.4g} s, "
+            f"but at most {LONGEST_TIME:g} s are computed; give fewer cycles, or a speed of {lowest:.3g} rpm or more"
+        )
+
+
+def _values_at_torque(drive: Drive, speed: float, advance: float, torque: float) -> dict[str, Any]:
+    from drivegate_models.half_bridge.steady.oracle import point_at_torque
+
+    point = point_at_torque(drive, speed, advance, torque)
+    if not point.robust:
+        at_limit = _values_at_current(drive, speed, advance, drive.current_limit, None)
+        return at_limit | {"feasible": False, "feasible_below_limit": point.static}
+    values = _values(point.reference, True, point, point.input_power)
+    return values | {"certified": point.certified, "feasible_below_limit": point.static}
+
+
+def _values_at_current(
+    drive: Drive, speed: float, advance: float, reference: float, cycles: int | None
+) -> dict[str, Any]:
+    from drivegate_models.half_bridge.plant.phases import make_phases
+    from drivegate_models.half_bridge.steady import steady_state as solver
+
+    if cycles is None:
+        state = solver.steady_state(drive, speed, reference, advance)
+        averaged = {} if state.certified else {"averaged_cycles": solver.AVERAGED_CYCLES}
+    else:
+        work = make_phases(drive, solver.KEPT_TIME)
+        voltage = drive.half_supply_voltage
+        state = solver.cycles_from_rest(drive, work, speed, voltage, reference, advance, cycles)
+        averaged = {"averaged_cycles": 1}
+    input_power = state.source_power + state.core_source_power + state.switching_loss
+    values = _values(reference, reference <= drive.current_limit, state, input_power)
+    return values | {"certified": bool(state.certified)} | averaged
+
+
+def _values(
+    reference: float, feasible: bool, state: SteadyState | TorquePoint, input_power: float
+) -> dict[str, Any]:
+    mean, lowest, highest = state.torque, state.torque_lowest, state.torque_highest
+    return {
+        "current_reference_a": reference,
+        "feasible": feasible,
+        "torque_mean_nm": mean,
+        "torque_ripple_percent": _percent(highest - lowest, mean),
+        "torque_ripple_one_sided_percent": _percent(max(highest - mean, mean - lowest), mean),
+        "current_sum_a": state.current_sum,
+        "exchanged_power_w": state.exchanged_power,
+        "input_power_w": input_power,
+        "copper_loss_w": state.copper_loss,
+        "core_loss_w": state.core_loss,
+        "current_peak_a": state.current_peak,
+    }
+
+
+def _percent(part: float, whole: float) -> float | None:
+    """Return a share of the mean's magnitude; None where the mean is no more than rounding leaves of 0."""
+    return 100.0 * part / abs(whole) if abs(whole) > _NO_TORQUE else None

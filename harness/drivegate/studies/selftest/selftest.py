@@ -1,0 +1,69 @@
+"""The whole self-test: the faulty controllers that are asked for, and every correct design."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from drivegate.candidates.builtin.faults import MUTATIONS, Mutation, find_mutation
+from drivegate.candidates.kinds import FAULTY_PREFIX
+from drivegate.output.event_loop import finished
+from drivegate.output.progress import progress_on
+
+if TYPE_CHECKING:
+    from drivegate.studies.selftest.matrix import DesignRow, FaultRow, Matrix
+    from drivegate.studies.selftest.run import SelftestEffort
+
+TITLE = "faulty controllers"
+
+
+def chosen_mutations(names: Sequence[str]) -> tuple[Mutation, ...]:
+    """Find faulty controllers by their names; without any, all."""
+    if not names:
+        return tuple(MUTATIONS.values())
+    return tuple(find_mutation(name.removeprefix(FAULTY_PREFIX)) for name in dict.fromkeys(names))
+
+
+def selftested(mutations: Sequence[Mutation], effort: SelftestEffort, *, designs: bool) -> Matrix:
+    """Put faulty controllers before the checks, and the correct designs if they are wanted."""
+    from drivegate.checks.catalogue import CHECKS
+    from drivegate.studies.selftest.matrix import Matrix
+
+    rows = _tried(mutations, effort)
+    return Matrix(tuple(check.id for check in CHECKS), rows, _judged(effort) if designs else ())
+
+
+def _tried(mutations: Sequence[Mutation], effort: SelftestEffort) -> tuple[FaultRow, ...]:
+    # It brings the compiled plant, which a name that is refused does not need.
+    from drivegate.studies.selftest.run import try_faults
+
+    rows: list[FaultRow] = []
+    with progress_on(sys.stderr) as display:
+        display.begin(TITLE, len(mutations))
+        for row in try_faults(mutations, effort):
+            rows.append(row)
+            # Each line tells of another controller, so none is left out.
+            display.advance(len(rows), len(mutations), in_short(row), always=True)
+    return tuple(rows)
+
+
+def _judged(effort: SelftestEffort) -> tuple[DesignRow, ...]:
+    from drivegate.studies.selftest.correct_designs import correct_designs
+    from drivegate.studies.selftest.run import design_check, judged_design
+
+    rows = []
+    for design in correct_designs():
+        for seed in range(effort.seeds):
+            with progress_on(sys.stderr) as display:
+                result = finished(design_check(design, seed, effort), display)
+            rows.append(judged_design(design, result))
+    return tuple(rows)
+
+
+def in_short(row: FaultRow) -> str:
+    """Tell in a few words what has become of a faulty controller."""
+    slowest = row.slowest
+    if slowest is None:
+        return f"{row.name}: missed by {row.check} in {row.runs} runs"
+    return f"{row.name}: caught by {row.check} in run {slowest.runs}"

@@ -1,0 +1,203 @@
+"""Where a phase is in its electrical cycle: the piece of the back-EMF shape, and the conduction window."""
+
+from __future__ import annotations
+
+from math import floor, inf, pi
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined
+
+
+@inlined
+def wrapped(angle: float) -> float:
+    """Return an angle in [0, 2 pi) (rad).
+
+    Parameters
+    ----------
+    angle : float
+        Any angle (rad).
+
+    Returns
+    -------
+    float
+        The same less whole turns.
+    """
+    turns = floor(angle * (0.5 / pi))
+    return max(angle - 2.0 * pi * turns, 0.0)
+
+
+class Shape(NamedTuple):
+    """The straight piece of the back-EMF shape that a phase is in; times from the beginning of the advance (s)."""
+
+    corner: int
+    """Index of its first corner."""
+    turn: float
+    """Angle from the phase's angle at the beginning to the start of the cycle of that corner (rad)."""
+    begin: float
+    end: float
+    start: float
+    """Shape at `begin` (1)."""
+    rate: float
+    """Its rate (1/s)."""
+
+
+class Window(NamedTuple):
+    """The conduction window that a phase is in, or the gap behind it."""
+
+    sector: int
+    """1, -1, or 0 between windows."""
+    following: int
+    """The next window while between windows."""
+    end: float
+    """(s)."""
+
+
+@inlined
+def _corner_before(corners: NDArray[np.float64], angle: float) -> int:
+    """Return the index of the corner at or before an angle, by bisection."""
+    low = 0
+    high = corners.size - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if corners[middle] <= angle:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@inlined
+def shape_at(
+    corners: NDArray[np.float64],
+    corner_values: NDArray[np.float64],
+    corner_slopes: NDArray[np.float64],
+    angle: float,
+    electrical: float,
+) -> Shape:
+    """Return the piece of the back-EMF shape at an angle, which is at time zero.
+
+    Parameters
+    ----------
+    corners, corner_values, corner_slopes : ndarray
+        The drive's `emf_angles`, `emf_values` and `emf_slopes`.
+    angle : float
+        Electrical angle in [0, 2 pi) (rad).
+    electrical : float
+        Electrical speed (rad/s); 0 at standstill.
+
+    Returns
+    -------
+    Shape
+        Without an end at standstill.
+    """
+    corner = _corner_before(corners, angle)
+    if electrical == 0.0:
+        value = corner_values[corner] + corner_slopes[corner] * (angle - corners[corner])
+        return Shape(corner, -angle, 0.0, inf, value, corner_slopes[corner] * electrical)
+    per_radian = 1.0 / electrical
+    return Shape(
+        corner,
+        -angle,
+        (corners[corner] + -angle) * per_radian,
+        (corners[corner + 1] + -angle) * per_radian,
+        corner_values[corner],
+        corner_slopes[corner] * electrical,
+    )
+
+
+@inlined
+def next_shape(
+    corners: NDArray[np.float64],
+    corner_values: NDArray[np.float64],
+    corner_slopes: NDArray[np.float64],
+    shape: Shape,
+    electrical: float,
+) -> Shape:
+    """Return the piece of the back-EMF shape behind one.
+
+    Parameters
+    ----------
+    corners, corner_values, corner_slopes : ndarray
+        The drive's `emf_angles`, `emf_values` and `emf_slopes`.
+    shape : Shape
+        The piece that ends.
+    electrical : float
+        Electrical speed (rad/s), above 0.
+
+    Returns
+    -------
+    Shape
+        The next one.
+    """
+    per_radian = 1.0 / electrical
+    corner = shape.corner + 1
+    turn = shape.turn
+    if corner > corners.size - 2:
+        corner = 0
+        turn += 2.0 * pi
+    return Shape(
+        corner,
+        turn,
+        (corners[corner] + turn) * per_radian,
+        (corners[corner + 1] + turn) * per_radian,
+        corner_values[corner],
+        corner_slopes[corner] * electrical,
+    )
+
+
+@inlined
+def window_at(angle: float, width: float, electrical: float) -> Window:
+    """Return the window at an advanced angle, which is at time zero.
+
+    Parameters
+    ----------
+    angle : float
+        Electrical angle, advance included (rad).
+    width : float
+        Width of each window (rad).
+    electrical : float
+        Electrical speed (rad/s); 0 at standstill.
+
+    Returns
+    -------
+    Window
+        Without an end at standstill.
+    """
+    per_radian = 1.0 / electrical if electrical > 0.0 else inf
+    position = wrapped(angle - 0.5 * (pi - width))
+    if position < width:
+        sector, to_edge, following = 1, width - position, -1
+    elif position < pi:
+        sector, to_edge, following = 0, pi - position, -1
+    elif position < pi + width:
+        sector, to_edge, following = -1, pi + width - position, 1
+    else:
+        sector, to_edge, following = 0, 2.0 * pi - position, 1
+    return Window(sector, following, to_edge * per_radian if electrical > 0.0 else inf)
+
+
+@inlined
+def next_window(window: Window, width: float, electrical: float) -> Window:
+    """Return what follows a window or the gap behind it.
+
+    Parameters
+    ----------
+    window : Window
+        The window, or the gap, that ends.
+    width : float
+        Width of each window (rad).
+    electrical : float
+        Electrical speed (rad/s), above 0.
+
+    Returns
+    -------
+    Window
+        What follows.
+    """
+    per_radian = 1.0 / electrical
+    if window.sector != 0:
+        return Window(0, -window.sector, window.end + (pi - width) * per_radian)
+    return Window(window.following, window.following, window.end + width * per_radian)

@@ -1,0 +1,161 @@
+"""Asking a controller for one step: the only place where compiled code does it."""
+
+from __future__ import annotations
+
+from math import inf, isfinite, nan
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.calling import call_step
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
+
+COMPLETED: Final = 0
+"""Status: the controller has answered; of a whole run, that it reached its end."""
+STOPPED: Final = 1
+"""Status: the controller's bridge asked to stop; it knows why."""
+NOT_FINITE: Final = 2
+"""Status: the controller's command was not finite; the last Sense shows what it saw."""
+
+_WORD = 0xFFFFFFFF
+_FNV_PRIME = 16777619
+
+
+class Exchange(NamedTuple):
+    """The records through which loop and controller talk, and where the controller is."""
+
+    sense: NDArray[Any]
+    """Shape (1,) of contract.SENSE."""
+    command: NDArray[Any]
+    """Shape (1,) of contract.COMMAND."""
+    command_bits: NDArray[np.int64]
+    """The command's bits, shape (4,)."""
+    sensed_currents: NDArray[np.float64]
+    """Shape (m,) or longer (A)."""
+    progress: NDArray[np.int64]
+    """Shape (1,): number of steps begun, watched by the parent process."""
+    step_address: int
+    """Address of the controller's step."""
+    state_address: int
+    """Address of its state."""
+    sense_address: int
+    """Address of `sense`."""
+    command_address: int
+    """Address of `command`."""
+
+
+def make_exchange(
+    phases: int,
+    *,
+    step_address: int,
+    state_address: int,
+    sense: NDArray[Any] | None = None,
+    sensed_currents: NDArray[np.float64] | None = None,
+    progress: NDArray[np.int64] | None = None,
+) -> Exchange:
+    """Set up the records of a controller that has been reset.
+
+    Parameters
+    ----------
+    phases : int
+        Number of phases m.
+    step_address, state_address : int
+        Addresses of the controller's step function and of its state.
+    sense : ndarray of SENSE, shape (1,), optional
+        The record to hand to the controller, where another process is to see it.
+    sensed_currents : ndarray, shape (m,) or longer, optional
+        Where its phase currents belong (A).
+    progress : ndarray of int64, shape (1,), optional
+        Receives the number of steps begun.
+
+    Returns
+    -------
+    Exchange
+        The records, sized and tied together.
+    """
+    sense = np.zeros(1, SENSE) if sense is None else sense
+    currents = np.zeros(phases) if sensed_currents is None else sensed_currents
+    command = np.zeros(1, COMMAND)
+    sense[0]["struct_size"] = SENSE.itemsize
+    sense[0]["phase_count"] = phases
+    sense[0]["phase_currents"] = currents.ctypes.data
+    command[0]["struct_size"] = COMMAND.itemsize
+    return Exchange(
+        sense=sense,
+        command=command,
+        command_bits=command.view(np.int64),
+        sensed_currents=currents,
+        progress=np.zeros(1, np.int64) if progress is None else progress,
+        step_address=step_address,
+        state_address=state_address,
+        sense_address=sense.ctypes.data,
+        command_address=command.ctypes.data,
+    )
+
+
+@inlined
+def ask(exchange: Exchange, step: int) -> int:
+    """Call the controller's step on what its Sense holds, and look at the command.
+
+    Parameters
+    ----------
+    exchange : Exchange
+        The records; the command is written anew.
+    step : int
+        Number of the step, from 0.
+
+    Returns
+    -------
+    int
+        `COMPLETED`, `STOPPED` or `NOT_FINITE`.
+    """
+    command = exchange.command
+    # What a controller leaves out is not what it answered the step before.
+    command[0].current_reference = nan
+    command[0].advance_angle = nan
+    command[0].input_power = nan
+    # Counted before the call, so that whoever watches knows in which step a controller hangs.
+    exchange.progress[0] = step + 1
+    call_step(exchange.step_address, exchange.state_address, exchange.sense_address, exchange.command_address)
+    if command[0].struct_size < 0:
+        return STOPPED
+    finite = isfinite(command[0].current_reference) and isfinite(command[0].advance_angle)
+    # A power of NaN means that the controller estimates none.
+    if not finite or abs(command[0].input_power) == inf:
+        return NOT_FINITE
+    return COMPLETED
+
+
+@inlined
+def _digested(digest: int, bits: int) -> int:
+    """Add a 64-bit word to a digest: two rounds of FNV-1a over its halves, each mixed downward, in 63 bits."""
+    low = digest & _WORD
+    high = digest >> 32
+    low = ((low ^ (bits & _WORD)) * _FNV_PRIME) & _WORD
+    low ^= low >> 15
+    high = ((high ^ low ^ ((bits >> 32) & _WORD)) * _FNV_PRIME) & _WORD
+    high = (high ^ (high >> 15)) & 0x7FFFFFFF
+    return (high << 32) | low
+
+
+@inlined
+def digested_command(digest: int, exchange: Exchange) -> int:
+    """Add the numbers of a command, bit for bit, to a digest.
+
+    Parameters
+    ----------
+    digest : int
+        Digest of the commands before.
+    exchange : Exchange
+        Holds the command.
+
+    Returns
+    -------
+    int
+        Digest of them all.
+    """
+    for word in range(1, 4):
+        digest = _digested(digest, exchange.command_bits[word])
+    return digest

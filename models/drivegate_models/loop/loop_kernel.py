@@ -1,0 +1,307 @@
+"""The compiled loop over the control periods of a run: controller, plant, sensors, shaft, and what is observed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.loop.exchange import COMPLETED, Exchange, ask, digested_command
+from drivegate_models.loop.observing import (
+    Applied,
+    observe_command,
+    observe_energy,
+    observe_power_estimate,
+    observe_window,
+    write_trace,
+)
+from drivegate_models.loop.ripple_watch import fresh_watch, observe_ripple, widened_watch
+from drivegate_models.loop.schedule import Conditions, Schedule, conditions_at
+from drivegate_models.loop.sensors import (
+    Sensors,
+    show_currents,
+    shown_speed,
+    shown_supply,
+    turn_encoder,
+)
+from drivegate_models.loop.shaft import speed_after, within_a_turn
+from drivegate_models.machine import ledger
+from drivegate_models.machine.load import LOCKED, Load, load_torque
+
+PLANT_FAULT: Final = 3
+"""Status of a run, besides those of `exchange`: the plant reported a fault of the harness."""
+
+_BEGIN, _END, _RIPPLE_BEGIN = range(3)
+
+
+@dataclass(frozen=True)
+class PlantKernels:
+    """What the closed loop needs of a plant: five functions, compiled but for the first.
+
+    Attributes
+    ----------
+    make_phases : callable
+        ``(drive, longest_advance=0.0)`` gives phases at rest: a named tuple with `currents` (A), `magnitudes` (A s),
+        both of shape (m,), `rows` and `row_counts`, where the segments of an advance are kept.
+    advance_phases : callable
+        ``(drive, phases, angle, speed, upper, lower, reference, advance, duration, totals)`` advances them in SI
+        units and returns 0.
+    stored_energy : callable
+        ``(drive, currents)`` gives the energy in the windings (J).
+    drifted : callable
+        ``(drive, resistance_factor, emf_factor)`` gives the drive at another temperature.
+    torque_range : callable
+        ``(drive, phases, positions, duration, lowest, highest)`` widens a range by the torque over the last advance
+        (N m); `positions` is room of shape (m,).
+    """
+
+    make_phases: Callable[..., Any]
+    advance_phases: Callable[..., int]
+    stored_energy: Callable[..., float]
+    drifted: Callable[..., Any]
+    torque_range: Callable[..., tuple[float, float]]
+
+
+class Timing(NamedTuple):
+    """When things happen in a run."""
+
+    control_period: float
+    steps: int
+    initial_speed: float
+    base_speed: float
+    block: int
+    """Control periods over which the current sum is averaged."""
+    trace_every: int
+    """Keep every n-th control period; n is at least 1."""
+    windows: NDArray[np.int64]
+    """First step, step behind the last, and first step whose ripple is followed, of each window; shape (w, 3)."""
+
+
+class Records(NamedTuple):
+    """What a run fills in."""
+
+    run: NDArray[Any]
+    windows: NDArray[Any]
+    trace: NDArray[Any]
+    totals: NDArray[np.float64]
+
+
+class Room(NamedTuple):
+    """Room for the loop's computations."""
+
+    course_positions: NDArray[np.int64]
+    row_positions: NDArray[np.int64]
+    products: NDArray[np.float64]
+    period: NDArray[np.float64]
+    block_sums: NDArray[np.float64]
+
+
+class _Measured(NamedTuple):
+    """What the controller saw, kept here since it may write over its Sense."""
+
+    speed: float
+    supply: float
+    current_sum: float
+
+
+@inlined
+def _write_sense(
+    exchange: Exchange,
+    sensors: Sensors,
+    phases: Any,
+    conditions: Conditions,
+    time: float,
+    speed: float,
+    current_sum: float,
+    control_period: float,
+) -> _Measured:
+    """Write the Sense of a control period, and return what is in it."""
+    measured_speed = shown_speed(sensors, time, speed)
+    measured_supply = shown_supply(sensors, time, conditions.supply)
+    measured_sum = show_currents(
+        sensors, time, phases.currents, phases.magnitudes, control_period, exchange.sensed_currents
+    )
+    if sensors.ideal and measured_sum > 0.0:
+        # The sum over the phases as the ledger has it, not the sum of its differences.
+        measured_sum = current_sum
+    sense = exchange.sense
+    sense[0].time = time
+    sense[0].speed_reference = conditions.speed_reference
+    sense[0].speed = measured_speed
+    sense[0].current_magnitude_sum = measured_sum
+    sense[0].half_supply_voltage = measured_supply
+    return _Measured(measured_speed, measured_supply, measured_sum)
+
+
+@inlined
+def _mean_product(products: NDArray[np.float64], step: int, product: float) -> float:
+    """Return the mean of the last products, as many as there is room for."""
+    count = products.size
+    products[step % count] = product
+    if count == 1:
+        return product
+    known = min(step + 1, count)
+    total = 0.0
+    for index in range(known):
+        total += products[index]
+    return total / known
+
+
+@inlined
+def _watched_window(windows: NDArray[np.int64], step: int) -> int:
+    """Return the last window whose ripple is followed in a step, or -1."""
+    watched = -1
+    for window in range(windows.shape[0]):
+        if windows[window, _RIPPLE_BEGIN] <= step < windows[window, _END]:
+            watched = window
+    return watched
+
+
+@inlined
+def _observe_windows(
+    timing: Timing, records: Records, room: Room, step: int, speed_reference: float, applied: Applied
+) -> None:
+    """Add one control period to every window that it lies in."""
+    windows = timing.windows
+    for window in range(windows.shape[0]):
+        if windows[window, _BEGIN] <= step < windows[window, _END]:
+            room.block_sums[window] = observe_window(
+                records.windows[window],
+                applied,
+                speed_reference,
+                room.block_sums[window],
+                step + 1 - windows[window, _BEGIN],
+                timing.block,
+            )
+
+
+@inlined
+def _observe_answer(
+    observed: Any, exchange: Exchange, time: float, measured: _Measured, base_speed: float, product: float
+) -> None:
+    """Add the controller's answer, as it gave it, to what is observed of the run."""
+    command = exchange.command
+    observe_command(
+        observed, command[0].current_reference, command[0].advance_angle, time, measured.speed, base_speed
+    )
+    observe_power_estimate(observed, command[0].input_power, product)
+
+
+@inlined
+def _applied(
+    period: NDArray[np.float64],
+    length: float,
+    reference: float,
+    advance: float,
+    speed: float,
+    current_sum: float,
+    load: float,
+) -> Applied:
+    """Return what drove the plant in a control period, and what came of it."""
+    return Applied(
+        reference,
+        advance,
+        speed,
+        current_sum,
+        period[ledger.IMPULSE] / length,
+        load,
+        ledger.source_energy(period) / length,
+        period[ledger.EXCHANGED] / length,
+        period[ledger.PEAK],
+    )
+
+
+def loop_of(kernels: PlantKernels) -> Any:
+    """Return the compiled loop of a kind of drive; numba takes the plant's kernels as constants of it."""
+    advance_phases = kernels.advance_phases
+    stored_energy = kernels.stored_energy
+    drifted = kernels.drifted
+    torque_range = kernels.torque_range
+
+    def run(
+        drive: Any,
+        phases: Any,
+        recorded: Any,
+        load: Load,
+        schedule: Schedule,
+        sensors: Sensors,
+        exchange: Exchange,
+        timing: Timing,
+        records: Records,
+        room: Room,
+    ) -> tuple[int, int]:
+        observed = records.run[0]
+        period = room.period
+        length = timing.control_period
+        inertia = drive.inertia + load.inertia
+        stored = stored_energy(drive, phases.currents)
+        speed = timing.initial_speed
+        angle = 0.0
+        current_sum = 0.0
+        digest = 0
+        traced = 0
+        watch = fresh_watch(False)
+        for k in range(timing.steps):
+            time = k * length
+            conditions = conditions_at(schedule, room.course_positions, time)
+            plant = drifted(drive, conditions.resistance_factor, conditions.emf_factor)
+            if load.kind == LOCKED:
+                speed = conditions.speed_reference
+            measured = _write_sense(exchange, sensors, phases, conditions, time, speed, current_sum, length)
+            status = ask(exchange, k)
+            if status != COMPLETED:
+                observed.steps = k
+                return status, digest
+            digest = digested_command(digest, exchange)
+            product = _mean_product(room.products, k, measured.supply * measured.current_sum)
+            _observe_answer(observed, exchange, time, measured, timing.base_speed, product)
+            # The inverter keeps to its limits whatever it is commanded; the checks judge the command as it was.
+            reference = min(max(exchange.command[0].current_reference, 0.0), drive.current_limit)
+            advance = min(max(exchange.command[0].advance_angle, 0.0), 0.5 * pi)
+
+            for entry in range(ledger.ENTRIES):
+                period[entry] = 0.0
+            watched = _watched_window(timing.windows, k)
+            moving = recorded if watched >= 0 else phases
+            upper = conditions.supply * (1.0 + conditions.imbalance)
+            lower = conditions.supply * (1.0 - conditions.imbalance)
+            if advance_phases(plant, moving, angle, speed, upper, lower, reference, advance, length, period):
+                observed.steps = k
+                return PLANT_FAULT, digest
+            ledger.add_period(records.totals, period)
+            now_stored = stored_energy(drive, phases.currents)
+            observe_energy(observed, plant.resistance, speed, stored, now_stored, period)
+            stored = now_stored
+            current_sum = period[ledger.MAGNITUDE] / length
+            load_now = load_torque(load, conditions.load_factor, speed)
+            applied = _applied(period, length, reference, advance, speed, current_sum, load_now)
+            _observe_windows(timing, records, room, k, conditions.speed_reference, applied)
+            if traced < records.trace.shape[0] and k % timing.trace_every == 0:
+                write_trace(records.trace[traced], time, conditions, applied, measured.speed)
+                traced += 1
+
+            turn_encoder(sensors, k, time, length, speed)
+            turned = angle + drive.pole_pairs * speed * length
+            if watched >= 0:
+                lowest, highest = torque_range(
+                    plant, recorded, room.row_positions, length, watch.lowest, watch.highest
+                )
+                watch = widened_watch(watch, lowest, highest, period[ledger.IMPULSE], length)
+                if turned >= 2.0 * pi:
+                    observe_ripple(records.windows[watched], watch)
+                    watch = fresh_watch(True)
+            else:
+                watch = fresh_watch(False)
+            angle = within_a_turn(turned)
+            if load.kind != LOCKED:
+                speed = speed_after(drive, observed, inertia, speed, load_now, period, length)
+        observed.steps = timing.steps
+        observed.speed_final = speed
+        return COMPLETED, digest
+
+    return unallocating(run)

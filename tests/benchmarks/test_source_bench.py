@@ -1,0 +1,151 @@
+"""What is measured in the sources alone, and how it is told."""
+
+import json
+import sys
+
+import pytest
+
+import example_rates
+import source_bench
+import speed_tables
+import yardstick_ratio
+from drivegate.commands.conduct import conducted
+from drivegate.studies.bench.measurement import NotMeasured
+from drivegate.studies.bench.plan import planned
+from drivegate.studies.bench.workbench import Workbench
+from in_turns import table, turn
+
+ROWS = source_bench.source_rows(quick=False)
+
+
+@pytest.fixture
+def workbench(tmp_path):
+    return Workbench(tmp_path, quick=True)
+
+
+def test_rows_and_bars_are_those_of_the_design():
+    assert {one.name: one.bar for one in ROWS} == {
+        **{
+            f"yardstick.{name}.{rpm}": 1.2
+            for name in ("initial", "reference")
+            for rpm in range(500, 2001, 500)
+        },
+        **{f"example.{language}": 1.3 for language in ("c", "numba", "rust")},
+        "example.python": 50.0,
+    }
+    assert not {one.name for one in ROWS} & {one.name for one in planned(quick=False, cold=True)}
+    quick = {one.name: one.setting for one in source_bench.source_rows(quick=True)}
+    assert all(quick[one.name] != one.setting for one in ROWS)
+
+
+def test_a_yardstick_out_of_step_is_no_measure(workbench, monkeypatch):
+    monkeypatch.setattr(yardstick_ratio, "SIMULATED", 2.0)
+    assert yardstick_ratio.yardstick_ratio(workbench, "initial", 1500).checked.valid
+    monkeypatch.setattr(yardstick_ratio, "LOCK_STEP_TOLERANCE", 0.0)
+    assert not yardstick_ratio.yardstick_ratio(workbench, "initial", 1500).checked.valid
+
+
+@pytest.mark.parametrize("language", ["c", "numba", "rust"])
+def test_compiled_examples_are_measured_beside_the_reference(workbench, monkeypatch, language):
+    monkeypatch.setattr(example_rates, "SIMULATED", 1.0)
+    value = example_rates.example_ratio(workbench, language)
+    assert value.checked.valid, value.checked.told
+    assert 0.1 < value.value < 10.0
+
+
+def test_the_example_in_python_is_measured(workbench, monkeypatch):
+    monkeypatch.setattr(example_rates, "SIMULATED", 1.0)
+    value = example_rates.python_example_rate(workbench)
+    assert value.checked.valid, value.checked.told
+    assert value.value >= value.median > 0.0
+
+
+def test_an_example_whose_compiler_is_missing_says_so(workbench, monkeypatch):
+    monkeypatch.setenv("PATH", "/usr/bin:/bin")
+    monkeypatch.setattr(example_rates, "FOLDER", workbench.scratch)
+    (workbench.scratch / "rust").mkdir()
+    build = workbench.scratch / "rust" / "build.sh"
+    build.write_text("#!/bin/sh\necho 'there is no rustc' >&2\nexit 1\n")
+    build.chmod(0o755)
+    with pytest.raises(NotMeasured, match="there is no rustc"):
+        example_rates.example_ratio(workbench, "rust")
+
+
+def test_a_missing_compiler_is_told_and_fails_nothing(capsys, monkeypatch):
+    monkeypatch.setenv("CC", "no-such-compiler")
+    words = ["--quick", "--only", "yardstick", "--only", "example.c", "--json"]
+    code = conducted(lambda: source_bench.command.main(words, standalone_mode=False), as_json=True)
+    assert code == 0
+    document = json.loads(capsys.readouterr().out)
+    assert len(document["rows"]) == 9
+    assert document["command"].startswith("python benchmarks/source_bench.py --quick --only yardstick")
+    for row in document["rows"]:
+        assert (row["value"], row["valid"]) == (None, None)
+        assert "no-such-compiler" in row["check"]
+
+
+def test_two_installations_are_compared_turn_by_turn(tmp_path):
+    """The programs take a turn each; the second is given what the first one wrote."""
+    program = tmp_path / "drivegate"
+    program.write_text(
+        f"#!{sys.executable}\n"
+        "import json, sys\n"
+        "from pathlib import Path\n"
+        "words = sys.argv[1:]\n"
+        "assert words[:3] == ['bench', '--only', 'loop']\n"
+        "earlier = '--compare' in words\n"
+        "assert not earlier or Path(words[words.index('--compare') + 1]).is_file()\n"
+        "rows = [{'name': 'loop', 'times_as_good': 1.5}, {'name': 'other', 'times_as_good': None}]\n"
+        "Path(words[words.index('--output') + 1]).write_text(json.dumps({'rows': rows if earlier else []}))\n"
+    )
+    program.chmod(0o755)
+    assert turn([str(program), str(program)], ["--only", "loop"], tmp_path) == {"loop": 1.5}
+    program.write_text("#!/bin/sh\nexit 2\n")
+    with pytest.raises(SystemExit, match="nothing is compared"):
+        turn([str(program), str(program)], [], tmp_path)
+
+
+def test_the_median_and_the_range_of_all_turns_are_told():
+    lines = table([{"a": 1.0, "b": 2.0}, {"a": 3.0}, {"a": 2.5, "b": 1.0}]).splitlines()
+    assert [line.split() for line in lines[1:]] == [["a", "2.500", "1.000", "3.000"]]
+
+
+def test_tables_are_made_of_all_rows():
+    rows = {
+        one.name: {
+            "title": one.title,
+            "setting": one.setting,
+            "unit": one.unit,
+            "better": one.better,
+            "bar": one.bar,
+            "value": 2.0,
+            "check": "right",
+        }
+        for one in (*planned(quick=False, cold=True), *ROWS)
+    }
+    loops, others = speed_tables.loop_table(rows), speed_tables.other_table(rows)
+    assert sum("| 2.00 | 2.00 | 2.00 | 2.00 |" in line for line in loops) == 10
+    assert sum("| right |" in line for line in others) == len(rows) - 40
+    peers = [
+        {"peer": "one", "reason": "not installed"},
+        {
+            "peer": "two",
+            "version": "1",
+            "job": "job",
+            "times_real_time": 0.5,
+            "valid": True,
+            "check": "right",
+        },
+        {
+            "peer": "three",
+            "version": "1",
+            "job": "job",
+            "times_real_time": 0.5,
+            "valid": False,
+            "check": "off",
+        },
+    ]
+    told = "\n".join(speed_tables.peer_table(peers, 2.0))
+    assert "| one | not installed |" in told
+    assert "| two 1 | job | 0.500 | 4.00 | right |" in told
+    assert "| three 1 | job | – | – | WRONG: off |" in told

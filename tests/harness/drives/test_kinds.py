@@ -1,0 +1,55 @@
+"""Each kind of drive: its bundle costs nothing until it is asked, and holds all that is asked of a drive."""
+
+import math
+import subprocess
+import sys
+
+import pytest
+
+from drivegate.checks.catalogue import CHECKS
+from drivegate.drives.drive_kind import DriveKind
+from drivegate.drives.kinds import DEFAULT_KIND, DEFAULT_MOTOR, DRIVE_KINDS, kind_of
+from drivegate_cases.motor.motor import load_motor
+
+HEAVY = ("hypothesis", "numba", "numpy", "pandas", "pydantic", "scipy")
+
+
+@pytest.fixture(params=DRIVE_KINDS.values(), ids=lambda kind: kind.name)
+def kind(request: pytest.FixtureRequest) -> DriveKind:
+    found: DriveKind = request.param
+    return found
+
+
+def test_the_bundles_load_nothing_heavy() -> None:
+    code = f"import sys, drivegate.drives.kinds; print([name for name in {HEAVY} if name in sys.modules])"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ended.stdout.strip() == "[]"
+
+
+def test_a_kind_is_found_by_its_motor(kind: DriveKind) -> None:
+    assert kind_of(load_motor(kind.default_motor)) is kind
+    assert DEFAULT_KIND in DRIVE_KINDS.values()
+    assert DEFAULT_KIND.default_motor == DEFAULT_MOTOR
+
+
+def test_its_scenarios_are_fair_and_on_its_motor(kind: DriveKind) -> None:
+    motor = load_motor(kind.default_motor)
+    fixed = kind.fixed_scenarios(motor, None)
+    assert fixed
+    assert all(scenario.motor == motor and kind.is_fair(scenario) for scenario in fixed)
+    assert not kind.drawn_scenarios(motor, None, 0).is_empty
+    assert {check.id for check in kind.checks()} <= {check.id for check in CHECKS}
+
+
+def test_its_oracle_and_its_steady_states_are_of_the_same_drive(kind: DriveKind) -> None:
+    import numpy as np
+
+    motor = load_motor(kind.default_motor)
+    drive, oracle, states = motor.drive(), kind.oracle(), kind.steady_states()
+    speed, torque = 2.0 * motor.base_speed_rpm * math.pi / 30.0, 5.0
+    best = oracle.least_current_sum(drive, speed, torque)
+    values = np.empty((1, len(states.columns)))
+    states.solve(drive, np.array([speed]), np.array([best.advance]), np.array([best.reference]), values)
+    found = dict(zip(states.columns, values[0], strict=True))
+    assert found["torque_mean_nm"] == pytest.approx(torque, rel=1e-3)
+    assert oracle.feasible_edge(drive, speed, torque) <= best.advance + 1e-3
