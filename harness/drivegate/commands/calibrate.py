@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-
 @click.command("calibrate")
 @json_option
 def command() -> Outcome:

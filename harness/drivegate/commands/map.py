@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-
 @click.command("map")
 @click.argument("candidate", required=False)
 @click.option("--speed-rpm", metavar="AXIS", help="Speeds.")

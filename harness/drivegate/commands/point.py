@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-
 @click.command("point")
 @click.option("--speed-rpm", type=bounded(0.0, 1e5, above=True), required=True, help="Speed of the shaft.")
 @click.option(
