@@ -1,6 +1,6 @@
 """The manifest `candidate.toml`: what a candidate is made of, and what it declares of itself."""
 
-from math import pi, radians
+from math import radians
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import KINDS
 from drivegate_cases.documents.document import Document, Section
+from drivegate_models.units import RADIANS_PER_RPM
 
 # A type checker cannot read a Literal that is made of the registry.
 if TYPE_CHECKING:
@@ -144,7 +145,7 @@ def _profile(flowchart: Flowchart | None) -> FlowchartProfile | None:
     if flowchart is None:
         return None
     return FlowchartProfile(
-        speed_tolerance=flowchart.k1_rpm * pi / 30,
+        speed_tolerance=flowchart.k1_rpm * RADIANS_PER_RPM,
         power_tolerance=flowchart.k2_w or 0.0,
         power_tolerance_fraction=(flowchart.k2_percent or 0.0) / 100,
         step=radians(flowchart.step_deg),

@@ -9,6 +9,7 @@ from drivegate_cases.motor.motor import Motor
 from drivegate_cases.scenario.load import ConstantPowerLoad, ConstantTorqueLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.units import RADIANS_PER_RPM
 
 LOAD_RAMP_S = 0.2
 """Time in which a load comes on, so that a run starts in a true steady state, unloaded at speed (s)."""
@@ -24,7 +25,7 @@ def steady_scenario(motor: Motor, speed_rpm: float, *, power_share: float, const
     if constant_power:
         load = ConstantPowerLoad(kind="constant_power", power_w=power, factor=factor)
     else:
-        torque = round(power / (speed_rpm * math.pi / 30.0), 3)
+        torque = round(power / (speed_rpm * RADIANS_PER_RPM), 3)
         load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque, factor=factor)
     return titled(
         Scenario(

@@ -1,19 +1,20 @@
 """The candidates that come with drivegate, and what they declare of themselves."""
 
 import re
-from math import pi, radians
+from math import radians
 from types import MappingProxyType
 from typing import Final
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX
+from drivegate_models.units import RADIANS_PER_RPM
 
 BUILTIN_CANDIDATES: Final = MappingProxyType(
     {
         "reference": Declaration(estimates_power=True),
         "published": Declaration(
             flowchart=FlowchartProfile(
-                speed_tolerance=5 * pi / 30,
+                speed_tolerance=5.0 * RADIANS_PER_RPM,
                 power_tolerance=0.0,
                 power_tolerance_fraction=0.001,
                 step=radians(1),

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi, radians
+from math import radians
 from types import MappingProxyType
 from typing import Final, Literal
 
 from drivegate_cases.documents.wording import nearest, one_line
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.faults import state as faults
-
-_RPM = pi / 30.0
+from drivegate_models.units import RADIANS_PER_RPM
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ _ALL: Final = (
         "Adds 1° a rpm of speed error behind the limits of the angle, wherever the error exceeds k1.",
         "ADV-2",
         fault=faults.BOOST_BEHIND_LIMITS,
-        size=radians(1.0) / _RPM,
+        size=radians(1.0) / RADIANS_PER_RPM,
     ),
     Mutation(
         "slope-doubled",
@@ -216,7 +215,7 @@ _ALL: Final = (
         "rpm-for-radians",
         "Takes the base speed's 500 rpm for rad/s, and so never advances.",
         "CPW-1",
-        factors=(("base_speed", 1.0 / _RPM), ("advance_begins", 1.0 / _RPM)),
+        factors=(("base_speed", 1.0 / RADIANS_PER_RPM), ("advance_begins", 1.0 / RADIANS_PER_RPM)),
     ),
     Mutation(
         "no-integral",

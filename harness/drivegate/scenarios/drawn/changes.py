@@ -18,6 +18,7 @@ from drivegate.scenarios.drawn.steps import change_times, loaded_speeds, shares,
 from drivegate.scenarios.speed_range import SpeedRange
 from drivegate_cases.motor.motor import Motor
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.units import RADIANS_PER_RPM
 
 COASTING_SHARE = 0.5
 """Greatest rate at which a loaded reference falls, over the rate at which the load alone slows the shaft (1)."""
@@ -60,9 +61,9 @@ def speed_step_scenarios(motor: Motor, speed_range: SpeedRange | None = None) ->
         over = _RAMP_STEP_S * longer
         if after < before:
             # At the higher speed a constant power load is lightest.
-            torque = motor.rated_power_w * share / (faster * math.pi / 30.0)
+            torque = motor.rated_power_w * share / (faster * RADIANS_PER_RPM)
             fastest = COASTING_SHARE * torque / motor.inertia_kg_m2
-            least = (before - after) * math.pi / 30.0 / fastest
+            least = (before - after) * RADIANS_PER_RPM / fastest
             over += _RAMP_STEP_S * math.ceil(least / _RAMP_STEP_S)
         return with_speed(run, stepped(before, after, at, over_s=over))
 

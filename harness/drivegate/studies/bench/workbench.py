@@ -15,6 +15,7 @@ from drivegate.studies.bench.measurement import NotMeasured
 from drivegate.studies.new.write import write_candidate
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError
+from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate.candidates.controller import Controller
@@ -77,7 +78,7 @@ class Workbench:
 def operating_scenario(speed_rpm: int, sensors: str, seconds: float) -> Scenario:
     """Make a run at one speed: 9.8 N·m, or less where that would be more than rated power."""
     published = load_scenario("fig5-search")
-    rated = published.motor.rated_power_w / (speed_rpm * 3.141592653589793 / 30.0)
+    rated = published.motor.rated_power_w / (speed_rpm * RADIANS_PER_RPM)
     torque = round(min(_MOST_TORQUE, _SHARE_OF_POWER * rated), 2)
     return published.replaced(
         name=f"bench-{speed_rpm}-{sensors}",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import degrees, pi
+from math import degrees
 from typing import Any, Final
 
 from drivegate.candidates.fault import Fault, bounded_line
@@ -18,6 +18,7 @@ from drivegate.runs.record import RunRecord
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import HarnessFault
 from drivegate_models.machine import ledger
+from drivegate_models.units import RPM
 
 PASS: Final = "pass"
 FAIL: Final = "fail"
@@ -50,7 +51,6 @@ OBSERVATIONS: Final = (
 )
 """What is observed of every run, in people's units."""
 
-_RPM = 30.0 / pi
 _BY_ID = {check.id: check for check in CHECKS}
 
 
@@ -145,7 +145,7 @@ def _observed(record: RunRecord) -> dict[str, Any]:
     run, duration = record.run, record.scenario.duration_s
     windows = run.windows
     observed = {
-        "speed_final_rpm": run.observed.speed_final * _RPM,
+        "speed_final_rpm": run.observed.speed_final * RPM,
         "current_sum_mean_a": run.totals[ledger.MAGNITUDE] / duration,
         "current_peak_a": run.totals[ledger.PEAK],
         "torque_mean_nm": run.totals[ledger.IMPULSE] / duration,
@@ -155,7 +155,7 @@ def _observed(record: RunRecord) -> dict[str, Any]:
     }
     if windows:
         last = windows[-1]
-        observed["speed_error_worst_rpm"] = max(window.speed_error for window in windows) * _RPM
+        observed["speed_error_worst_rpm"] = max(window.speed_error for window in windows) * RPM
         observed["torque_ripple_worst_percent"] = max(window.ripple for window in windows) * 100.0
         observed["advance_mean_deg"] = degrees(last.angle)
     return {name: float(value) for name, value in observed.items()}

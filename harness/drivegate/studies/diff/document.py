@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import asdict
-from math import degrees, isfinite, pi
+from math import degrees, isfinite
 from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate
@@ -13,6 +13,7 @@ from drivegate.studies.diff.jobs import BITWISE, Rule
 from drivegate.studies.diff.record import commands_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.step_recording import OUTPUTS, SCALARS, differs
+from drivegate_models.units import RPM
 
 SCHEMA: Final = 1
 EQUAL: Final = "equal"
@@ -65,7 +66,7 @@ def _difference(found: Difference, rule: Rule) -> dict[str, Any]:
         "sense": found.sense._asdict(),
         "plant": {
             "speed": plant.speed,
-            "speed_rpm": plant.speed * 30.0 / pi,
+            "speed_rpm": plant.speed * RPM,
             "electrical_angle_deg": degrees(plant.angle),
             "phase_currents": plant.phase_currents,
             "half_supply_voltage": plant.half_supply_voltage,

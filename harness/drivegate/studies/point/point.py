@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate_cases.documents.wording import counted
 from drivegate_models.errors import InputError
+from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate_models.half_bridge.plant.drive import Drive
@@ -30,7 +31,7 @@ def point_document(
     cycles: int | None,
 ) -> dict[str, Any]:
     """Compute the steady state at a speed, an angle, and either a torque or a current reference."""
-    speed, advance = speed_rpm * pi / 30.0, radians(advance_deg)
+    speed, advance = speed_rpm * RADIANS_PER_RPM, radians(advance_deg)
     _check_length(drive, speed, cycles or 1)
     heading = {"schema": SCHEMA, "speed_rpm": speed_rpm, "advance_deg": advance_deg}
     if torque_nm is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from math import degrees, pi
+from math import degrees
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
@@ -16,6 +16,7 @@ from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.machine import ledger
+from drivegate_models.units import RPM
 
 if TYPE_CHECKING:
     import pandas
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 SCHEMA: Final = 1
 MOST_ROWS: Final = 1_000_000
 """Rows of a trace at most; of a longer run every n-th control period is kept."""
-
-_RPM = 30.0 / pi
 
 
 @dataclass(frozen=True)
@@ -87,7 +86,7 @@ def _summary(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
     worst = int(errors.argmax())
     return {
         "steps": run.steps,
-        "speed_final_rpm": run.observed.speed_final * _RPM,
+        "speed_final_rpm": run.observed.speed_final * RPM,
         "speed_error_worst_rpm": float(errors[worst]),
         "speed_error_worst_at_s": float(columns["time_s"][worst]),
         "current_sum_mean_a": float(run.totals[ledger.MAGNITUDE]) / duration,
@@ -108,8 +107,8 @@ def _windows(scenario: Scenario, run: ClosedLoopRun) -> list[dict[str, float]]:
         {
             "start_s": start,
             "end_s": end,
-            "speed_mean_rpm": row.speed * _RPM,
-            "speed_error_worst_rpm": row.speed_error * _RPM,
+            "speed_mean_rpm": row.speed * RPM,
+            "speed_error_worst_rpm": row.speed_error * RPM,
             "current_sum_mean_a": row.current_sum,
             "current_sum_spread_a": float(row.mean_highest - row.mean_lowest),
             "torque_mean_nm": row.torque,
