@@ -20,7 +20,7 @@ from drivegate_models.loop.observing import (
     observe_window,
     write_trace,
 )
-from drivegate_models.loop.ripple_watch import fresh_watch, observe_ripple, widened_watch
+from drivegate_models.loop.ripple_watch import RippleWatch, fresh_watch, observe_ripple, widened_watch
 from drivegate_models.loop.schedule import Conditions, Schedule, conditions_at
 from drivegate_models.loop.sensors import (
     Sensors,
@@ -216,12 +216,40 @@ def _applied(
     )
 
 
+def _ripple_follower(torque_range: Callable[..., tuple[float, float]]) -> Callable[..., RippleWatch]:
+    """Return the compiled function that adds a control period to the electrical period whose torque is followed."""
+
+    def follow(
+        plant: Any,
+        recorded: Any,
+        records: Records,
+        room: Room,
+        watched: int,
+        watch: RippleWatch,
+        impulse: float,
+        length: float,
+        wraps: bool,
+    ) -> RippleWatch:
+        if watched < 0:
+            return fresh_watch(False)
+        lowest, highest = torque_range(
+            plant, recorded, room.row_positions, length, watch.lowest, watch.highest
+        )
+        watch = widened_watch(watch, lowest, highest, impulse, length)
+        if not wraps:
+            return watch
+        observe_ripple(records.windows[watched], watch)
+        return fresh_watch(True)
+
+    return inlined(follow)
+
+
 def loop_of(kernels: PlantKernels) -> Any:
     """Return the compiled loop of a kind of drive; numba takes the plant's kernels as constants of it."""
     advance_phases = kernels.advance_phases
     stored_energy = kernels.stored_energy
     drifted = kernels.drifted
-    torque_range = kernels.torque_range
+    follow_ripple = _ripple_follower(kernels.torque_range)
 
     def run(
         drive: Any,
@@ -287,16 +315,17 @@ def loop_of(kernels: PlantKernels) -> Any:
 
             turn_encoder(sensors, k, time, length, speed)
             turned = angle + drive.pole_pairs * speed * length
-            if watched >= 0:
-                lowest, highest = torque_range(
-                    plant, recorded, room.row_positions, length, watch.lowest, watch.highest
-                )
-                watch = widened_watch(watch, lowest, highest, period[ledger.IMPULSE], length)
-                if turned >= 2.0 * pi:
-                    observe_ripple(records.windows[watched], watch)
-                    watch = fresh_watch(True)
-            else:
-                watch = fresh_watch(False)
+            watch = follow_ripple(
+                plant,
+                recorded,
+                records,
+                room,
+                watched,
+                watch,
+                period[ledger.IMPULSE],
+                length,
+                turned >= 2.0 * pi,
+            )
             angle = within_a_turn(turned)
             if load.kind != LOCKED:
                 speed = speed_after(drive, observed, inertia, speed, load_now, period, length)
