@@ -6,12 +6,10 @@ import json
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 from hypothesis import HealthCheck, Phase, assume, given, seed, settings, target
 from hypothesis import strategies as st
-from hypothesis.configuration import set_hypothesis_home_dir
 from hypothesis.errors import Unsatisfiable
 
 from drivegate.candidates.controller import Controller
@@ -22,6 +20,7 @@ from drivegate.checks.margin import Margin
 from drivegate.containment.messages import LoadedCandidate
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
+from drivegate.scenarios.drawn.isolation import from_the_seed_alone
 from drivegate_cases.motor.motor import Motor, load_motor
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -164,11 +163,8 @@ def run_drawn(loaded: LoadedCandidate, plan: DrawnRuns) -> ShardOutcome:
         for label, score in _scores(margins or ()).items():
             target(score, label=label)
 
-    with TemporaryDirectory(prefix="drivegate") as folder:
-        # Hypothesis keeps notes of its own; they belong to nobody's working folder.
-        set_hypothesis_home_dir(folder)
-        with suppress(Unsatisfiable):
-            explore()
+    with from_the_seed_alone(), suppress(Unsatisfiable):
+        explore()
     if collector.fault is not None:
         raise collector.fault
     return ShardOutcome(tuple(collector.runs), tuple(collector.set_aside))

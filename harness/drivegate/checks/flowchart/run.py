@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from tempfile import TemporaryDirectory
 from typing import Final
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
-from hypothesis.configuration import set_hypothesis_home_dir
 from hypothesis.strategies import SearchStrategy
 
 from drivegate.candidates.controller import Controller
@@ -20,6 +18,7 @@ from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import LoadedCandidate
 from drivegate.containment.shared_progress import SharedProgress
+from drivegate.scenarios.drawn.isolation import from_the_seed_alone
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.script import Script, ScriptRow
 
@@ -96,9 +95,7 @@ def _drawn(scripts: SearchStrategy[Script], plan: ScriptRuns) -> list[Script]:
     def draw(script: Script) -> None:
         drawn.append(script)
 
-    with TemporaryDirectory(prefix="drivegate") as folder:
-        # Hypothesis keeps notes of its own; they belong to nobody's working folder.
-        set_hypothesis_home_dir(folder)
+    with from_the_seed_alone():
         draw()
     return drawn
 
