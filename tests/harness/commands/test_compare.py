@@ -62,7 +62,7 @@ def test_the_built_in_candidates_are_compared_the_same_on_any_number_of_workers(
 
 
 def test_who_fails_or_is_refused_does_not_stop_the_others(compare, controllers, tmp_path):
-    ended = compare("nonsense", "initial", f"{controllers}:Raising", "--json")
+    ended = compare("nonsense", "initial", f"{controllers}:Raising", "--workers", 1, "--json")
     assert ended.code == 2
     assert "error: nonsense: the candidate 'nonsense' is unknown" in ended.err
     assert "Traceback" not in ended.err

@@ -3,6 +3,7 @@
 import json
 import textwrap
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,6 +14,7 @@ from drivegate.gate.shrinking import size_of
 from drivegate.results.result import CheckResult
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
 
@@ -30,10 +32,16 @@ def check(text: str, **options: object) -> CheckResult:
 
 @pytest.fixture
 def few_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A few short jobs: what is wrong with a candidate from its first steps shows in any of them."""
-    monkeypatch.setattr("drivegate.gate.plan.fixed_scenarios", lambda *range_: fixed_scenarios(*range_)[:3])
-    monkeypatch.setattr("drivegate.gate.plan.SHARDS", 2)
-    monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 2})
+    """Few short runs: what is wrong with a candidate from its first steps shows in any of them."""
+
+    def short(*given: Any) -> tuple[Scenario, ...]:
+        return tuple(
+            scenario.model_copy(update={"duration_s": 2.0}) for scenario in fixed_scenarios(*given)[:3]
+        )
+
+    monkeypatch.setattr("drivegate.scenarios.fixed.fixed_scenarios", short)
+    monkeypatch.setattr("drivegate.gate.plan.SHARDS", 1)
+    monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 1})
 
 
 @pytest.fixture(scope="module")

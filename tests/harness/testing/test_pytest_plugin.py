@@ -124,6 +124,12 @@ def suite(pytester: pytest.Pytester) -> Any:
     return run
 
 
+@pytest.fixture
+def one_shard(pytester: pytest.Pytester) -> None:
+    """Let the process of a suite draw one shard of scenarios beside the fixed ones."""
+    pytester.makeconftest("from drivegate.gate import plan\n\nplan.SHARDS = 1\n")
+
+
 def of_level(level: str) -> str:
     return next(check.id for check in CHECKS if check.level == level and check.subject == "candidate")
 
@@ -380,7 +386,9 @@ def test_the_items_of_the_reference_come_out_as_the_gate_has_them_for_real(pytes
     assert result.parseoutcomes()["skipped"] == len(CHECKS) - len(expected)
 
 
-def test_the_initial_angle_alone_misses_the_optimum_for_real(pytester: pytest.Pytester) -> None:
+def test_the_initial_angle_alone_misses_the_optimum_for_real(
+    pytester: pytest.Pytester, one_shard: None
+) -> None:
     pytester.makepyfile(SUITE.format(arguments='"initial", effort="quick"'))
     result = pytester.runpytest_subprocess("-k", "CNV-2 or ADV-2 or candidate")
     result.assert_outcomes(passed=2, failed=1, deselected=len(CHECKS) - 2)
@@ -391,7 +399,9 @@ def test_the_initial_angle_alone_misses_the_optimum_for_real(pytester: pytest.Py
     assert json.loads(Path(file).read_text(encoding="utf-8"))["check"] == "CNV-2"
 
 
-def test_a_controller_that_raises_fails_its_own_item_for_real(pytester: pytest.Pytester) -> None:
+def test_a_controller_that_raises_fails_its_own_item_for_real(
+    pytester: pytest.Pytester, one_shard: None
+) -> None:
     pytester.makepyfile(controllers=CONTROLLERS)
     pytester.makepyfile(SUITE.format(arguments='"controllers.py:Raising", effort="quick"'))
     result = pytester.runpytest_subprocess()

@@ -64,7 +64,7 @@ def test_a_weaker_machine_gets_its_torque_back_beyond_the_initial_angle() -> Non
     scenario = steady_scenario(MOTOR, 1500.0, power_share=1.0, constant_power=False)
     weaker = scenario.replaced(scales={"inductance": 1.2}, duration_s=14.2)
     held, lost = record(weaker), record(weaker, "initial")
-    speeds = [run.observed.speed_final for run in (held, lost)]
+    speeds = [run.run.observed.speed_final for run in (held, lost)]
     assert abs(speeds[0] - 157.08) < 0.53, f"the reference ends at {speeds[0]} rad/s"
     assert speeds[1] < 157.08 - 0.53, f"the initial angle alone holds the speed too: {speeds[1]} rad/s"
 
