@@ -42,8 +42,8 @@ def example_ratio(bench: Workbench, language: str) -> Value:
         bench.rounds,
     )
     speeds = [scenario.duration_s / median(times) for times in (ours, theirs)]
-    told = f"{speeds[0]:.0f} against {speeds[1]:.0f} × real time, {checked.told}"
-    return ratio(ours, theirs, Checked(checked.valid, told))
+    found = f"{speeds[0]:.0f} against {speeds[1]:.0f} × real time, {checked.told}"
+    return ratio(ours, theirs, Checked(checked.valid, found))
 
 
 def python_example_rate(bench: Workbench) -> Value:

@@ -44,8 +44,8 @@ def measured_peers(interpreters: dict[str, str]) -> list[dict[str, Any]]:
         name = peer.stem.removesuffix("_drive")
         command = [interpreters.get(name, sys.executable), str(peer)]
         ended = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
-        told = (ended.stderr.strip().splitlines() or ["it printed nothing"])[-1]
-        rows.append(json.loads(ended.stdout) if ended.stdout else {"peer": name, "reason": told})
+        reason = (ended.stderr.strip().splitlines() or ["it printed nothing"])[-1]
+        rows.append(json.loads(ended.stdout) if ended.stdout else {"peer": name, "reason": reason})
     return rows
 
 
@@ -119,8 +119,8 @@ def peer_table(peers: list[dict[str, Any]], own: float) -> list[str]:
             continue
         rate = peer["times_real_time"]
         check = peer["check"] if peer["valid"] else f"WRONG: {peer['check']}"
-        told = f"{number(rate)} | {number(own / rate)}" if peer["valid"] else "– | –"
-        lines.append(f"| {peer['peer']} {peer['version']} | {peer['job']} | {told} | {check} |")
+        rates = f"{number(rate)} | {number(own / rate)}" if peer["valid"] else "– | –"
+        lines.append(f"| {peer['peer']} {peer['version']} | {peer['job']} | {rates} | {check} |")
     return [*lines, ""]
 
 

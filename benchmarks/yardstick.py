@@ -103,7 +103,7 @@ class YardstickRun:
     mismatch : float
         Worst residual of the energy in a control period, over its throughput (1).
     rows : ndarray, shape (n, len(RECORD))
-        One row for each control period; n = 0 where none was asked for.
+        One row for each control period; n = 0 where none was requested.
     """
 
     totals: NDArray[np.float64]
@@ -187,8 +187,10 @@ def build_yardstick(folder: Path, scratch: Path) -> Path:
         [*words, "-o", str(library), "-lm"], folder=scratch, environment=environment, bounds=COMPILATION
     )
     if ended.status != 0:
-        told = next((line for line in ended.output.splitlines() if "error" in line), "it told nothing")
+        reported = next(
+            (line for line in ended.output.splitlines() if "error" in line), "it reported nothing"
+        )
         raise InputError(
-            f"{shown_path(folder / SOURCE)} does not compile with {' '.join(FLAGS)}: {one_line(told)}"
+            f"{shown_path(folder / SOURCE)} does not compile with {' '.join(FLAGS)}: {one_line(reported)}"
         )
     return library

@@ -25,7 +25,7 @@ whose ripple is followed, which the yardstick does not do."""
 TURNS: Final = 3
 """Turns of loop and yardstick for each round of other measurements."""
 LOCK_STEP_TOLERANCE: Final = 1e-9
-"""Difference up to which both did the same, as `difference` tells it."""
+"""Difference up to which both did the same, as `difference` measures it."""
 
 _COMPARED: Final = {
     "speed": ("speed_rpm", RADIANS_PER_RPM),
@@ -47,8 +47,8 @@ def yardstick_ratio(bench: Workbench, candidate: str, speed_rpm: int) -> Value:
         (lambda: run_scenario(scenario, controller), prepared), time.process_time, TURNS * bench.rounds
     )
     speeds = [scenario.duration_s / median(times) for times in (ours, theirs)]
-    told = f"{speeds[0]:.0f} against {speeds[1]:.0f} × real time, in step within {apart:.0e}"
-    return ratio(ours, theirs, Checked(together, told))
+    found = f"{speeds[0]:.0f} against {speeds[1]:.0f} × real time, in step within {apart:.0e}"
+    return ratio(ours, theirs, Checked(together, found))
 
 
 @cache
@@ -61,7 +61,7 @@ def compiled_yardstick(scratch: Path) -> Yardstick:
 
 
 def difference(ours: ClosedLoopRun, theirs: YardstickRun) -> float:
-    """Tell the greatest difference of two runs, relative to the greatest value of each signal, and of integrals."""
+    """Return the greatest difference of two runs, relative to the greatest value of each signal, and of integrals."""
     differences = []
     for signal, (column, unit) in _COMPARED.items():
         own = ours.trace[column]

@@ -50,7 +50,7 @@ static inline double time_to_pass(double value, double rate, double low, double 
     return 1e300;
 }
 
-/* The comparator without a band: tells whether the current is held at its reference, else sets the latch. */
+/* The comparator without a band: returns whether the current is held at its reference, else sets the latch. */
 static inline bool ideal_latch(double along, double reference, double needed, double front, double back, int *latch,
                                int *depart) {
     if (along != reference) {

@@ -29,7 +29,7 @@ def comparators(currents, references, gates):
 def main():
     """Measure and print."""
     try:
-        told = version("gym-electric-motor")
+        installed = version("gym-electric-motor")
     except PackageNotFoundError:
         sys.stderr.write("gym-electric-motor is not installed in this Python: not measured\n")
         return
@@ -63,7 +63,7 @@ def main():
     mean = sum(errors) / len(errors)
     row = {
         "peer": "gym-electric-motor",
-        "version": told,
+        "version": installed,
         "job": f"3 phases, hysteresis, {1e6 * system.tau:g} µs steps",
         "times_real_time": STEPS * system.tau / seconds,
         "valid": mean < 0.2 * PEAK_A,

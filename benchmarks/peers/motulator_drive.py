@@ -38,7 +38,7 @@ def drive():
 def main():
     """Measure and print."""
     try:
-        told = version("motulator")
+        installed = version("motulator")
     except PackageNotFoundError:
         sys.stderr.write("motulator is not installed in this Python: not measured\n")
         return
@@ -54,7 +54,7 @@ def main():
     speed = float(results.mdl.mechanics.w_M[-1])
     row = {
         "peer": "motulator",
-        "version": told,
+        "version": installed,
         "job": "3 phases, carrier PWM, adaptive solver",
         "times_real_time": SIMULATED_S / seconds,
         "valid": abs(speed - SPEED) < 1.0,

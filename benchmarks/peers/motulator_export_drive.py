@@ -3,7 +3,7 @@
 Run it with a Python in which motulator-export 0.11 or a later version is installed, and with gcc on the path; it prints
 one JSON object. The drive is that of `motulator_drive.py`, and so is what differs from drivegate's job. It is compiled
 and run once before it is timed. The rate is that of its compiled loop alone; a call as users make it also turns what
-the loop kept into results, in Python, and is told beside it.
+the loop kept into results, in Python, and is reported beside it.
 """
 
 import json
@@ -32,7 +32,7 @@ def simulated():
         return status
 
     plant, system = drive()
-    # Constants are what it takes the least time for.
+    # Constants cost it the least time.
     system.set_speed_ref(SPEED)
     plant.mechanics.set_external_load_torque(LOAD_NM)
     simulation = native.Simulation(plant, system, show_progress=False)
@@ -48,7 +48,7 @@ def simulated():
 def main():
     """Measure and print."""
     try:
-        told = version("motulator-export")
+        installed = version("motulator-export")
     except PackageNotFoundError:
         sys.stderr.write("motulator-export is not installed in this Python: not measured\n")
         return
@@ -57,7 +57,7 @@ def main():
     loop, whole, speed = map(min, zip(*rounds, strict=True))
     row = {
         "peer": "motulator-export",
-        "version": told,
+        "version": installed,
         "job": "the same, compiled from C",
         "times_real_time": SIMULATED_S / loop,
         "valid": abs(speed - SPEED) < 1.0,

@@ -98,7 +98,7 @@ def main():
         )
         seconds = time.perf_counter() - began
     found = re.search(r"^total\s*=\s*(\S+)", ended.stdout, re.MULTILINE)
-    told = float(found[1]) if found else math.nan
+    measured = float(found[1]) if found else math.nan
     release = subprocess.run([program, "--version"], capture_output=True, text=True, check=False).stdout
     number = re.search(r"ngspice-(\S+)", release)
     row = {
@@ -106,8 +106,8 @@ def main():
         "version": number[1] if number else "unknown",
         "job": "this drive, fixed speed and reference, 1 µs",
         "times_real_time": SIMULATED_S / seconds,
-        "valid": abs(told - state.current_sum) <= TOLERANCE * state.current_sum,
-        "check": f"sum of currents {told:.2f} A, drivegate {state.current_sum:.2f} A",
+        "valid": abs(measured - state.current_sum) <= TOLERANCE * state.current_sum,
+        "check": f"sum of currents {measured:.2f} A, drivegate {state.current_sum:.2f} A",
     }
     sys.stdout.write(json.dumps(row, ensure_ascii=False) + "\n")
 

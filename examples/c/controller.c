@@ -173,7 +173,7 @@ static void end_interval(controller *self) {
     }
 }
 
-/* Tell whether the speed has stayed behind for some time, or does not rise at the current limit. */
+/* Return whether the speed has stayed behind for some time, or does not rise at the current limit. */
 static bool has_lost_torque(controller *self, double error, double reference, double speed) {
     bool settled = self->phase == SEARCHING || self->phase == RESTING;
     bool strained = settled ? error > CALM : reference >= self->limit;

@@ -103,7 +103,7 @@ def token_of(files: list[Path], options: str) -> str:
 
 
 def compile_library(sources: list[Path], library: Path, fmi: int, phases: int, token: str) -> None:
-    """Compile with the system's compiler; its own messages tell what is wrong."""
+    """Compile with the system's compiler; its own messages say what is wrong."""
     command = ["cc", "-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"]
     command += [f"-DCONTROLLER_PHASES={phases}", f'-DFMU_TOKEN="{token}"']
     command += [
@@ -127,12 +127,12 @@ def header_folder(package: str, folder: str) -> Path:
 
 
 def library_suffix() -> str:
-    """Tell how shared libraries are called here."""
+    """Return how shared libraries are called here."""
     return ".dylib" if sys.platform == "darwin" else ".so"
 
 
 def platform_folder(fmi: int) -> str:
-    """Tell the folder for binaries of this platform."""
+    """Return the folder for binaries of this platform."""
     system = "darwin" if sys.platform == "darwin" else "linux"
     machine = {"arm64": "aarch64", "amd64": "x86_64"}.get(platform.machine().lower(), platform.machine())
     return f"{system}64" if fmi == 2 else f"{machine}-{system}"
@@ -208,7 +208,7 @@ def description_3(
 
 
 def add_log_categories(root: ElementTree.Element) -> None:
-    """Say that errors are told."""
+    """Say that errors are reported."""
     categories = ElementTree.SubElement(root, "LogCategories")
     ElementTree.SubElement(categories, "Category", name="logStatusError")
 
@@ -229,7 +229,7 @@ def pack(output: Path, description: ElementTree.Element, library: Path, folder: 
 
 
 def main() -> None:
-    """Build the FMU that the command line asks for."""
+    """Build the FMU that the command line requests."""
     parser = argparse.ArgumentParser(description="Build an FMU from a drivegate controller in C.")
     parser.add_argument("sources", nargs="+", type=Path, help="the controller's C files")
     parser.add_argument("--output", type=Path, help="the FMU to write; otherwise named like the first source")

@@ -34,7 +34,7 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[]) {
     (void)c, (void)on, (void)count, (void)categories;
-    return fmi2OK; /* only errors are told, and always */
+    return fmi2OK; /* only errors are reported, and always */
 }
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, fmi2String resources,

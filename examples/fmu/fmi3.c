@@ -36,7 +36,7 @@ const char *fmi3GetVersion(void) { return fmi3Version; }
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String categories[]) {
     (void)c, (void)on, (void)count, (void)categories;
-    return fmi3OK; /* only errors are told, and always */
+    return fmi3OK; /* only errors are reported, and always */
 }
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,

@@ -44,7 +44,7 @@ typedef struct instance {
     double phase_currents[CONTROLLER_PHASES];
     void *state; /* of the controller; NULL where it keeps its state in globals */
     report_function *report;
-    void *environment; /* what `report` is told first */
+    void *environment; /* first argument of `report` */
 } instance;
 
 /* Make an instance; NULL, after a report, when there cannot be one. */
@@ -62,7 +62,7 @@ int64_t *instance_integer(instance *self, unsigned reference);
 int instance_begin(instance *self);
 int instance_step(instance *self, double time, double period);
 
-/* Tell the importer what is wrong; always returns 1. */
+/* Report to the importer what is wrong; always returns 1. */
 int instance_report(instance *self, const char *format, ...);
 
 #endif

@@ -209,7 +209,7 @@ def try_next(state: Any) -> None:
 
 @numba.njit
 def has_lost_torque(state: Any, error: float, reference: float, speed: float) -> bool:
-    """Tell whether the speed has stayed behind for some time, or does not rise at the current limit."""
+    """Return whether the speed has stayed behind for some time, or does not rise at the current limit."""
     settled = state.phase == SEARCHING or state.phase == RESTING
     strained = error > CALM if settled else reference >= state.limit
     state.strained = state.strained + 1 if strained else 0

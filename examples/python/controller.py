@@ -2,7 +2,7 @@
 
 The same algorithm is in ../numba, ../c and ../rust, operation by operation, and gives the same commands bit for bit.
 It meets every required check in all fixed scenarios; what the search finds beyond them, and what the advisory ripple
-checks say, `drivegate check controller.py:Controller` tells.
+checks say, `drivegate check controller.py:Controller` reports.
 """
 
 from drivegate import Command, Nameplate, Sense
@@ -181,7 +181,7 @@ class Controller:
             self.enter(SEARCHING)
 
     def has_lost_torque(self, error: float, reference: float, speed: float) -> bool:
-        """Tell whether the speed has stayed behind for some time, or does not rise at the current limit."""
+        """Return whether the speed has stayed behind for some time, or does not rise at the current limit."""
         settled = self.phase == SEARCHING or self.phase == RESTING
         strained = error > CALM if settled else reference >= self.limit
         self.strained = self.strained + 1 if strained else 0

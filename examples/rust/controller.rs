@@ -285,7 +285,7 @@ impl Controller {
         }
     }
 
-    /// Tell whether the speed has stayed behind for some time, or does not rise at the current limit.
+    /// Return whether the speed has stayed behind for some time, or does not rise at the current limit.
     fn has_lost_torque(&mut self, error: f64, reference: f64, speed: f64) -> bool {
         let settled = self.phase == Phase::Searching || self.phase == Phase::Resting;
         let strained = if settled { error > CALM } else { reference >= self.limit };

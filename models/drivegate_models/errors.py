@@ -2,7 +2,7 @@
 
 
 class InputError(Exception):
-    """Something that a person or a file asked for cannot be done as asked.
+    """Something that a person or a file requested cannot be done as requested.
 
     The message is one sentence for that person: what is wrong, where, and what would be right. The command
     line prints it, without a traceback, and exits with code 2.

@@ -1,4 +1,4 @@
-"""What is measured in the sources alone, and how it is told."""
+"""What is measured in the sources alone, and how it is reported."""
 
 import json
 import sys
@@ -71,7 +71,7 @@ def test_an_example_whose_compiler_is_missing_says_so(workbench, monkeypatch):
         example_rates.example_ratio(workbench, "rust")
 
 
-def test_a_missing_compiler_is_told_and_fails_nothing(capsys, monkeypatch):
+def test_a_missing_compiler_is_reported_and_fails_nothing(capsys, monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     words = ["--quick", "--only", "yardstick", "--only", "example.c", "--json"]
     code = conducted(lambda: source_bench.command.main(words, standalone_mode=False), as_json=True)
@@ -105,7 +105,7 @@ def test_two_installations_are_compared_turn_by_turn(tmp_path):
         turn([str(program), str(program)], [], tmp_path)
 
 
-def test_the_median_and_the_range_of_all_turns_are_told():
+def test_the_median_and_the_range_of_all_turns_are_reported():
     lines = table([{"a": 1.0, "b": 2.0}, {"a": 3.0}, {"a": 2.5, "b": 1.0}]).splitlines()
     assert [line.split() for line in lines[1:]] == [["a", "2.500", "1.000", "3.000"]]
 
@@ -145,7 +145,7 @@ def test_tables_are_made_of_all_rows():
             "check": "off",
         },
     ]
-    told = "\n".join(speed_tables.peer_table(peers, 2.0))
-    assert "| one | not installed |" in told
-    assert "| two 1 | job | 0.500 | 4.00 | right |" in told
-    assert "| three 1 | job | – | – | WRONG: off |" in told
+    table = "\n".join(speed_tables.peer_table(peers, 2.0))
+    assert "| one | not installed |" in table
+    assert "| two 1 | job | 0.500 | 4.00 | right |" in table
+    assert "| three 1 | job | – | – | WRONG: off |" in table

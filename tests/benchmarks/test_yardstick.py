@@ -47,7 +47,7 @@ def test_it_is_in_lock_step_with_the_compiled_loop(yardstick, candidate, speed):
 
 
 @pytest.mark.parametrize("signal", ["speed", "current_reference", "current_sum", "totals"])
-def test_a_difference_in_any_signal_is_told(yardstick, signal):
+def test_a_difference_in_any_signal_is_reported(yardstick, signal):
     scenario = operating_scenario(1500, "ideal", 0.5)
     ours = run_scenario(scenario, load_controller(resolve_candidate("initial")), trace_every=1)
     theirs = yardstick.prepared(scenario)(recorded=True)
@@ -78,7 +78,7 @@ def test_a_run_that_it_does_not_know_is_refused(yardstick):
         yardstick.prepared(falling)
 
 
-def test_sources_that_do_not_compile_are_told_in_one_sentence(tmp_path):
+def test_sources_that_do_not_compile_are_reported_in_one_sentence(tmp_path):
     (tmp_path / "yardstick.c").write_text("int yardstick_run(void) { return nothing; }\n")
     with pytest.raises(InputError, match=r"does not compile with -std=c11 -O3.*nothing"):
         build_yardstick(tmp_path, tmp_path)

@@ -78,24 +78,24 @@ Open = Callable[..., Page]
 
 @pytest.fixture
 def opened(browser: Browser, pages: dict[str, Path]) -> Iterator[Open]:
-    """Open a page; whatever its console tells is an error at the end."""
-    told: list[str] = []
+    """Open a page; whatever its console reports is an error at the end."""
+    reported: list[str] = []
     contexts = []
 
     def open_page(name: str, width: int = 1280, **options: Any) -> Page:
         context = browser.new_context(viewport={"width": width, "height": 900}, **options)
         contexts.append(context)
         page = context.new_page()
-        page.on("console", lambda message: told.append(message.text))
-        page.on("pageerror", lambda error: told.append(str(error)))
-        page.on("requestfailed", lambda request: told.append(f"failed: {request.url}"))
+        page.on("console", lambda message: reported.append(message.text))
+        page.on("pageerror", lambda error: reported.append(str(error)))
+        page.on("requestfailed", lambda request: reported.append(f"failed: {request.url}"))
         page.goto(pages[name].as_uri())
         return page
 
     yield open_page
     for context in contexts:
         context.close()
-    assert told == [], f"the browser complains: {told}"
+    assert reported == [], f"the browser complains: {reported}"
 
 
 EACH = pytest.mark.parametrize("name", ["conformance", "reproduction", "comparison"])

@@ -105,7 +105,7 @@ class _FilesNamedByContent(caching.IndexDataCacheFile):
     """The files of one function, each named after the signature, the processor and the closure that it holds."""
 
     def save(self, key: Any, data: Any) -> None:
-        """Save compiled code, and tell the index where it is."""
+        """Save compiled code, and enter it in the index."""
         digest = hashlib.sha256(repr(key).encode()).digest()
         name = self._data_name(int.from_bytes(digest[:8]))
         self._save_data(name, data)
@@ -124,7 +124,7 @@ class _KernelCache(caching.FunctionCache):
         )
 
     def _index_key(self, signature: Any, codegen: Any) -> Any:
-        """Tell functions of one factory apart by what they close over, kernels by what they are.
+        """Distinguish functions of one factory by what they close over, kernels by what they are.
 
         numba pickles a kernel with an identity of its own in each process, so none would ever be found again.
         """

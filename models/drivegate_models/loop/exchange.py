@@ -1,4 +1,4 @@
-"""Asking a controller for one step: the only place where compiled code does it."""
+"""Calling a controller for one step: the only place where compiled code does it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 COMPLETED: Final = 0
 """Status: the controller has answered; of a whole run, that it reached its end."""
 STOPPED: Final = 1
-"""Status: the controller's bridge asked to stop; it knows why."""
+"""Status: the controller's bridge requested a stop; it knows why."""
 NOT_FINITE: Final = 2
 """Status: the controller's command was not finite; the last Sense shows what it saw."""
 
@@ -96,7 +96,7 @@ def make_exchange(
 
 
 @inlined
-def ask(exchange: Exchange, step: int) -> int:
+def step_controller(exchange: Exchange, step: int) -> int:
     """Call the controller's step on what its Sense holds, and look at the command.
 
     Parameters

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.loop.exchange import COMPLETED, Exchange, ask, digested_command
+from drivegate_models.loop.exchange import COMPLETED, Exchange, digested_command, step_controller
 from drivegate_models.loop.observing import (
     Applied,
     observe_command,
@@ -281,7 +281,7 @@ def loop_of(kernels: PlantKernels) -> Any:
             if load.kind == LOCKED:
                 speed = conditions.speed_reference
             measured = _write_sense(exchange, sensors, phases, conditions, time, speed, current_sum, length)
-            status = ask(exchange, k)
+            status = step_controller(exchange, k)
             if status != COMPLETED:
                 observed.steps = k
                 return status, digest

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import unallocating
-from drivegate_models.loop.exchange import COMPLETED, Exchange, ask, make_exchange
+from drivegate_models.loop.exchange import COMPLETED, Exchange, make_exchange, step_controller
 
 SIGNALS: Final = ("speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage")
 """Columns of the signals, fields of a Sense; the phase currents share the sum alike, with changing signs."""
@@ -37,7 +37,7 @@ def _make_steps(
         for phase in range(phases):
             exchange.sensed_currents[phase] = share
             share = -share
-        status = ask(exchange, k)
+        status = step_controller(exchange, k)
         if status != COMPLETED:
             return status, k
         angles[k] = exchange.command[0].advance_angle
@@ -50,7 +50,7 @@ class ScriptedSteps:
     Parameters
     ----------
     signals : ndarray, shape (n, len(SIGNALS))
-        What the controller is told, one row for each step, in SI units.
+        What the controller senses, one row for each step, in SI units.
     step_address, state_address : int
         Addresses of the controller's step function and of its state.
     phases : int
@@ -69,7 +69,7 @@ class ScriptedSteps:
     angles : ndarray, shape (n,)
         Advance angle that the controller answered with in each step made (rad).
     sense : ndarray of SENSE, shape (1,)
-        What the controller was told last.
+        What the controller sensed last.
     currents : ndarray
         Its phase currents (A).
     command : ndarray of COMMAND, shape (1,)

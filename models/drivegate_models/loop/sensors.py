@@ -253,7 +253,7 @@ def shown_speed(sensors: Sensors, time: float, speed: float) -> float:
     Returns
     -------
     float
-        What the controller is told (rad/s).
+        What the controller senses (rad/s).
     """
     if dropped(sensors, SPEED, time):
         return 0.0
@@ -278,7 +278,7 @@ def shown_supply(sensors: Sensors, time: float, supply: float) -> float:
     Returns
     -------
     float
-        What the controller is told (V).
+        What the controller senses (V).
     """
     if dropped(sensors, SUPPLY, time):
         return 0.0
@@ -315,7 +315,7 @@ def show_currents(
     period : float
         Its length (s).
     shown : ndarray, shape (m,) or longer
-        Receives what the controller is told (A).
+        Receives what the controller senses (A).
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Keeping every step of a controller as it was asked and answered, and asking another controller the same.
+"""Keeping every step of a controller as sensed and answered, and giving another controller the same to sense.
 
 A recorder stands between the closed loop and a controller: it passes each step on and writes a row of exact
 numbers. Its memory is one block of rows; a full one is handed to a function that empties it.
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.calling import call_step, double_at
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined, unallocating
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
-from drivegate_models.loop.exchange import COMPLETED, STOPPED, Exchange, ask, make_exchange
+from drivegate_models.loop.exchange import COMPLETED, STOPPED, Exchange, make_exchange, step_controller
 
 SCALARS: Final = ("time", "speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage")
 """First columns of a row: the Sense but for its phase currents, in SI units."""
@@ -89,21 +89,21 @@ def recording_step() -> Any:
         whole = carray(recorder, 1)
         senses = carray(sense, 1)
         answers = carray(command, 1)
-        kept, told, answer = whole[0], senses[0], answers[0]
+        kept, sensed, answer = whole[0], senses[0], answers[0]
         call_step(kept.step_address, kept.state_address, senses.ctypes.data, answers.ctypes.data)
         if answer.struct_size < 0:
             return
         row = kept.rows[kept.count]
-        row[0] = told.time
-        row[1] = told.speed_reference
-        row[2] = told.speed
-        row[3] = told.current_magnitude_sum
-        row[4] = told.half_supply_voltage
+        row[0] = sensed.time
+        row[1] = sensed.speed_reference
+        row[2] = sensed.speed
+        row[3] = sensed.current_magnitude_sum
+        row[4] = sensed.half_supply_voltage
         row[_FIRST_OUTPUT] = answer.current_reference
         row[_FIRST_OUTPUT + 1] = answer.advance_angle
         row[_FIRST_OUTPUT + 2] = answer.input_power
         for phase in range(kept.phases):
-            row[_FIRST_CURRENT + phase] = double_at(told.phase_currents, phase)
+            row[_FIRST_CURRENT + phase] = double_at(sensed.phase_currents, phase)
         kept.count += 1
         if kept.count == BLOCK_ROWS:
             call_step(kept.empty_address, whole.ctypes.data, senses.ctypes.data, answers.ctypes.data)
@@ -147,7 +147,7 @@ def _shadow(
     tolerance: float,
     answers: NDArray[np.float64],
 ) -> tuple[int, int]:
-    """Ask for an answer to each row; return the status and the number of rows that were answered alike."""
+    """Take an answer to each row; return the status and the number of rows that were answered alike."""
     sense = exchange.sense
     command = exchange.command
     for k in range(rows.shape[0]):
@@ -159,7 +159,7 @@ def _shadow(
         sense[0].half_supply_voltage = row[4]
         for phase in range(rows.shape[1] - _FIRST_CURRENT):
             exchange.sensed_currents[phase] = row[_FIRST_CURRENT + phase]
-        status = ask(exchange, begun + k)
+        status = step_controller(exchange, begun + k)
         if status == STOPPED:
             return STOPPED, k
         answers[k, 0] = command[0].current_reference
@@ -180,7 +180,7 @@ def _shadow(
 
 
 class Shadow:
-    """A controller, already reset, that is asked what another one was asked, row by row.
+    """A controller, already reset, that senses what another one sensed, row by row.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ class Shadow:
     Attributes
     ----------
     sense : ndarray of SENSE, shape (1,)
-        What the controller was told last.
+        What the controller sensed last.
     currents : ndarray
         Its phase currents (A).
     command : ndarray of COMMAND, shape (1,)
@@ -231,7 +231,7 @@ class Shadow:
     def answer(
         self, rows: NDArray[np.float64], *, judged: tuple[str, ...] = (), tolerance: float = -1.0
     ) -> tuple[int, int, NDArray[np.float64]]:
-        """Ask for answers to rows, which have to follow on those before.
+        """Take answers to rows, which have to follow on those before.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Torque that the driven machine asks for."""
+"""Torque that the driven machine demands."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FAN: Final = 3
 VEHICLE: Final = 4
 """A vehicle on a road; the factor is the road's grade."""
 SLOWEST: Final = 1.0
-"""Speed below which a constant power load asks for no more torque (rad/s)."""
+"""Speed below which a constant power load demands no more torque (rad/s)."""
 
 
 class Load(NamedTuple):
@@ -29,7 +29,7 @@ class Load(NamedTuple):
     size: float = 0.0
     """Torque (N m) or power (W); a vehicle's weight times its lever at the shaft (N m)."""
     speed: float = 1.0
-    """Speed at which a fan asks for `size` (rad/s); unused by the others."""
+    """Speed at which a fan demands `size` (rad/s); unused by the others."""
     rolling: float = 0.0
     """Rolling resistance of a vehicle as a share of its weight (1)."""
     drag: float = 0.0

@@ -1,6 +1,6 @@
 """The documents that people write for drivegate: typed, closed to unknown keys, with a schema number.
 
-A document is a pydantic model whose keys are the model's fields. Whatever is wrong with one is told in a
+A document is a pydantic model whose keys are the model's fields. Whatever is wrong with one is reported in a
 single sentence that names the document, each offending key, and what would be right.
 """
 

@@ -1,4 +1,4 @@
-"""Telling everything that is wrong with a document in one sentence, from pydantic's list of errors."""
+"""Reporting everything that is wrong with a document in one sentence, from pydantic's list of errors."""
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -17,18 +17,18 @@ _LONGEST_LIST = 8
 
 
 def described(error: ValidationError, model: type[BaseModel]) -> str:
-    """Tell every error of a document, joined by semicolons."""
+    """Report every error of a document, joined by semicolons."""
     parts = [_described_one(details, model) for details in error.errors(include_url=False)]
-    told = list(dict.fromkeys(parts))
-    if len(told) > _LONGEST_LIST:
-        told = [*told[:_LONGEST_LIST], f"and {len(told) - _LONGEST_LIST} more of this kind"]
-    return "; ".join(told)
+    reported = list(dict.fromkeys(parts))
+    if len(reported) > _LONGEST_LIST:
+        reported = [*reported[:_LONGEST_LIST], f"and {len(reported) - _LONGEST_LIST} more of this kind"]
+    return "; ".join(reported)
 
 
 def _described_one(details: ErrorDetails, model: type[BaseModel]) -> str:
     path = [step for step, _ in _walk(model, details["loc"])]
-    telling = _TELLINGS.get(details["type"], _tell_wrong_value)
-    return telling(details, path, model)
+    report = _REPORTS.get(details["type"], _report_wrong_value)
+    return report(details, path, model)
 
 
 def key_name(path: Location) -> str:
@@ -42,21 +42,21 @@ def key_name(path: Location) -> str:
     return one_line(text)
 
 
-def _tell_unknown(details: ErrorDetails, path: Location, model: type[BaseModel]) -> str:
+def _report_unknown(details: ErrorDetails, path: Location, model: type[BaseModel]) -> str:
     known = _keys_beside(model, details["loc"])
     closest = nearest(str(path[-1]), known)
     advice = f"the nearest known key is '{closest}'" if closest else "no key is known there"
     return f"the key '{key_name(path)}' is unknown, {advice}"
 
 
-def _tell_missing(details: ErrorDetails, path: Location, model: type[BaseModel]) -> str:
+def _report_missing(details: ErrorDetails, path: Location, model: type[BaseModel]) -> str:
     if path and isinstance(path[-1], int):
         return f"the key '{key_name(path[:-1])}' has too few entries, {path[-1]}"
     description = _description(model, details["loc"])
     return f"the key '{key_name(path)}' is missing" + (f", it gives the {description}" if description else "")
 
 
-def _tell_excess(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
+def _report_excess(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
     limits = details.get("ctx", {})
     return (
         f"the key '{key_name(path)}' has {limits.get('actual_length')} entries, "
@@ -64,8 +64,8 @@ def _tell_excess(details: ErrorDetails, path: Location, _: type[BaseModel]) -> s
     )
 
 
-def _tell_rule(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
-    """Tell what a rule of our own says; its message follows the key's value, or stands alone."""
+def _report_rule(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
+    """Report what a rule of our own says; its message follows the key's value, or stands alone."""
     reason = one_line(str(details["ctx"]["error"]))
     if not path:
         return reason
@@ -74,7 +74,7 @@ def _tell_rule(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str
     return f"in the key '{key_name(path)}', {reason}"
 
 
-def _tell_kind(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
+def _report_kind(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
     context = details["ctx"]
     kinds = context.get("expected_tags")
     key = key_name([*path, context["discriminator"].strip("'")])
@@ -83,7 +83,7 @@ def _tell_kind(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str
     return f"the key '{key}' is {shown(context['tag'])}, but must be one of {kinds}"
 
 
-def _tell_wrong_value(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
+def _report_wrong_value(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:
     requirement = _REQUIREMENTS.get(details["type"])
     if requirement is None:
         requirement = re.sub(r"^\w+ should", "must", one_line(details["msg"]))
@@ -91,13 +91,13 @@ def _tell_wrong_value(details: ErrorDetails, path: Location, _: type[BaseModel])
     return f"{place} is {shown(details['input'])}, but {requirement}"
 
 
-_TELLINGS: dict[str, Callable[[ErrorDetails, Location, type[BaseModel]], str]] = {
-    "extra_forbidden": _tell_unknown,
-    "missing": _tell_missing,
-    "too_long": _tell_excess,
-    "value_error": _tell_rule,
-    "union_tag_invalid": _tell_kind,
-    "union_tag_not_found": _tell_kind,
+_REPORTS: dict[str, Callable[[ErrorDetails, Location, type[BaseModel]], str]] = {
+    "extra_forbidden": _report_unknown,
+    "missing": _report_missing,
+    "too_long": _report_excess,
+    "value_error": _report_rule,
+    "union_tag_invalid": _report_kind,
+    "union_tag_not_found": _report_kind,
 }
 
 _REQUIREMENTS = {
@@ -156,7 +156,7 @@ def _fields(model: type[BaseModel]) -> Iterable[tuple[str, FieldInfo]]:
 
 
 def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:
-    """Take the values of a model's ``kind`` key, by which a union of models is told apart."""
+    """Take the values of a model's ``kind`` key, by which a union of models is distinguished."""
     kind = model.model_fields.get("kind")
     return get_args(kind.annotation) if kind and get_origin(kind.annotation) is Literal else ()
 

@@ -1,4 +1,4 @@
-"""The motor and its drive as data, and what the plant and a controller are told of it."""
+"""The motor and its drive as data, and what the plant and a controller know of it."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ class Motor(Document):
         )
 
     def nameplate(self, control_period: float) -> Nameplate:
-        """Make what a controller is told before a run, in SI units."""
+        """Make what a controller is given before a run, in SI units."""
         from drivegate_models.contract.outer_loop.signals import Nameplate
 
         return Nameplate(

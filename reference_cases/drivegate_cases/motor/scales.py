@@ -1,4 +1,4 @@
-"""How a plant differs from the nominal motor that its controller was told about."""
+"""How a plant differs from the nominal motor that its controller knows."""
 
 from pydantic import Field
 

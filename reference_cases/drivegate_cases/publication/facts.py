@@ -34,7 +34,7 @@ class Quantity(Section):
     )
 
     def agrees(self, ours: float) -> bool:
-        """Tell whether a value of ours meets the published one."""
+        """Return whether a value of ours meets the published one."""
         allowed = self.tolerance or 0.0
         above_lower = self.bound == "at_most" or ours >= self.value - allowed
         below_upper = self.bound == "at_least" or ours <= self.value + allowed

@@ -20,7 +20,7 @@ class Circumstance(Enum):
 
 
 def circumstance(scenario: Scenario) -> Circumstance:
-    """Tell what is not nominal about a run."""
+    """State what is not nominal about a run."""
     if scenario.drift or scenario.imbalance or scenario.dropouts or scenario.glitches:
         return Circumstance.FAULTS
     if scenario.sensors.kind != "ideal":

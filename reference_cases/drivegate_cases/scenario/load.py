@@ -1,4 +1,4 @@
-"""What the shaft drives: kinds of load, each with the torque that it asks for at a speed."""
+"""What the shaft drives: kinds of load, each with the torque that it demands at a speed."""
 
 import math
 from typing import Annotated, Literal
@@ -69,7 +69,7 @@ class FanLoad(_SwitchedLoad):
 
     kind: Literal["fan"] = Field(description="kind of load")
     torque_nm: _Torque = Field(description="torque of the whole load at speed_rpm, in newton metres")
-    speed_rpm: float = Field(gt=0.0, le=1e6, description="speed at which the fan asks for torque_nm, in rpm")
+    speed_rpm: float = Field(gt=0.0, le=1e6, description="speed at which the fan demands torque_nm, in rpm")
 
     def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
         """Torque of the load."""

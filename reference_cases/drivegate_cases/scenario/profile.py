@@ -95,7 +95,7 @@ def _conditions(dwell: Dwell) -> list[float]:
 
 
 def dwell_torque(scenario: Scenario, dwell: Dwell) -> float:
-    """Give the torque that the load asks for while nothing changes."""
+    """Give the torque that the load demands while nothing changes."""
     if isinstance(scenario.load, LockedLoad) or dwell.load_factor == 0.0 == dwell.speed_rpm:
         return 0.0
     return scenario.load.torque_at(dwell.speed_rpm, dwell.load_factor)
@@ -113,7 +113,7 @@ def dwell_scales(scenario: Scenario, dwell: Dwell) -> Scales:
 
 
 def is_after_change(scenario: Scenario, dwell: Dwell) -> bool:
-    """Tell whether load, speed reference, supply, plant or sensors have changed before a stretch."""
+    """Return whether load, speed reference, supply, plant or sensors have changed before a stretch."""
     earlier = [other for other in dwells(scenario) if other.start < dwell.start]
     failed = any(dropout.start_s < dwell.start for dropout in scenario.dropouts)
     failed |= any(glitch.time_s <= dwell.start for glitch in scenario.glitches)

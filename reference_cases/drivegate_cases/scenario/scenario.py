@@ -89,7 +89,7 @@ class Scenario(Document):
         match values.get("speed_rpm"):
             case ((_, float() | int() as first), *_) if 0.0 <= first <= _HIGHEST_SPEED_RPM:
                 return {**values, "initial_speed_rpm": first}
-        # The profile itself is refused, and told about, where it has no valid first speed.
+        # The profile itself is refused, and reported, where it has no valid first speed.
         return {**values, "initial_speed_rpm": 0.0}
 
     @field_validator("speed_rpm")
@@ -206,7 +206,7 @@ class Scenario(Document):
         return _STEADY if self.drift is None or self.drift.emf_constant is None else self.drift.emf_constant
 
     def nameplate(self) -> Nameplate:
-        """Give what the controller is told of its drive."""
+        """Give what the controller knows of its drive."""
         nameplate = self.motor.nameplate(self.control_period_s)
         if isinstance(self.load, VehicleLoad):
             return nameplate._replace(inertia=nameplate.inertia + self.load.inertia_kg_m2)

@@ -1,4 +1,4 @@
-"""A script: what a controller is told, interval by interval, without a plant behind it."""
+"""A script: what a controller senses, interval by interval, without a plant behind it."""
 
 from typing import Literal, Self
 
@@ -13,7 +13,7 @@ from drivegate_models.contract.outer_loop.signals import Nameplate
 class ScriptRow(Section):
     """What holds from one decision of the controller's search to the next."""
 
-    speed_reference_rpm: float = Field(ge=0.0, le=1e6, description="wanted speed, in rpm")
+    speed_reference_rpm: float = Field(ge=0.0, le=1e6, description="speed reference, in rpm")
     speed_rpm: float = Field(ge=0.0, le=1e6, description="measured speed, in rpm")
     current_sum_a: float = Field(
         ge=0.0, le=1e6, description="sum of the magnitudes of the phase currents, in amperes"
@@ -34,7 +34,7 @@ class Script(Document):
         default=0.0005, gt=0.0, le=0.0005, description="time between two steps of the controller, in seconds"
     )
     rows: tuple[ScriptRow, ...] = Field(
-        min_length=1, max_length=100_000, description="list of tables of what the controller is told"
+        min_length=1, max_length=100_000, description="list of tables of what the controller senses"
     )
 
     @model_validator(mode="after")
@@ -48,6 +48,6 @@ class Script(Document):
         return self
 
     def nameplate(self) -> Nameplate:
-        """Give what the controller is told of its drive."""
+        """Give what the controller knows of its drive."""
         motor: Motor = self.motor
         return motor.nameplate(self.control_period_s)

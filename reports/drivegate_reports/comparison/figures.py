@@ -79,7 +79,7 @@ def _differences(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequen
     if not panels:
         return []
     first = name(next(iter(inks)))
-    told = [
+    differences = [
         f"{panel.title}: "
         + ", ".join(
             f"{name(row.candidate)} {written(row.mean, 2, signed=True)} {panel.unit} "
@@ -93,7 +93,7 @@ def _differences(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequen
             "differences",
             f"How much more than {first}, and how sure that is",
             lambda: draw_differences(panels, inks),
-            f"Mean paired differences from {first} with their intervals. " + "; ".join(told) + ".",
+            f"Mean paired differences from {first} with their intervals. " + "; ".join(differences) + ".",
             f"Mean paired difference from {first} and its interval; to the right of zero is more. Open markers: "
             "no real difference. Only runs that both hold are paired.",
         )
@@ -156,14 +156,16 @@ def _cycle(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequence[Pag
         return []
     first = name(next(iter(inks)))
     rows = [row for row in document["tables"]["drive_cycle"] if row["seed"] is None]
-    told = ", ".join(f"{name(row['candidate'])} {written(row['energy_wh_per_km'], 2)} Wh/km" for row in rows)
+    energies = ", ".join(
+        f"{name(row['candidate'])} {written(row['energy_wh_per_km'], 2)} Wh/km" for row in rows
+    )
     return [
         _placed(
             "cycle",
             "The drive cycle, with ideal sensors",
             lambda: draw_cycle(document, inks),
             f"Speed over time of each candidate beside the cycle, and energy taken so far above that of {first}. "
-            f"{told}.",
+            f"{energies}.",
             f"Top: the cycle in grey and every candidate's speed. Bottom: energy taken so far, less that of {first}. "
             "Who leaves the cycle saves energy that way; the table says who follows.",
         )

@@ -1,4 +1,4 @@
-"""How the candidates of a comparison are told apart in every figure: by colour, dash and a label beside the line."""
+"""How the candidates of a comparison are distinguished in every figure: by colour, dash and a label beside the line."""
 
 from __future__ import annotations
 

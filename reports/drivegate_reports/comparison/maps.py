@@ -211,8 +211,8 @@ def _borders(centres: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def map_words(document: Mapping[str, Any], inks: Mapping[str, Ink], quantity: MapQuantity) -> str:
-    """Tell a map in words."""
-    told = []
+    """Describe a map in words."""
+    described = []
     for candidate in inks:
         drawn = candidate_map(document, candidate, quantity.key)
         known = drawn.values[np.isfinite(drawn.values)]
@@ -222,5 +222,5 @@ def map_words(document: Mapping[str, Any], inks: Mapping[str, Ink], quantity: Ma
         else:
             where = "not known anywhere"
         lost = int(drawn.lost.sum())
-        told.append(f"{name(candidate)} {where}" + (f", {lost} points not held" if lost else ""))
-    return f"Map of {quantity.scale} over speed and torque: {'; '.join(told)}."
+        described.append(f"{name(candidate)} {where}" + (f", {lost} points not held" if lost else ""))
+    return f"Map of {quantity.scale} over speed and torque: {'; '.join(described)}."

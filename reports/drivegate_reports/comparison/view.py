@@ -181,7 +181,7 @@ def _against(document: Mapping[str, Any], first: Mapping[str, Any], row: Mapping
 
 
 def _more(change: float, level: float, what: tuple[str, str], digits: int) -> str:
-    """Tell a change against a level before it, with its share."""
+    """State a change against a level before it, with its share."""
     unit, quantity = what
     before = level - change
     share = f" ({written(100.0 * change / before, 1, signed=True)} %)" if before else ""

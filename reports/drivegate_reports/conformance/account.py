@@ -14,21 +14,21 @@ from drivegate_reports.conformance.signals import RunSignals
 BAND_RPM: Final = 5.0
 """k1: the speed error that the checks of convergence allow (rpm)."""
 LASTING_S: Final = 0.2
-"""Time from which on something is told (s)."""
+"""Time from which on something is reported (s)."""
 _SHORTFALL: Final = 0.98
 _MOVED_DEG: Final = 0.02
 _AT_EDGE_DEG: Final = 0.2
 
 
 def account(signals: RunSignals) -> tuple[str, ...]:
-    """Tell a run."""
+    """Give an account of a run."""
     point = judged_point(signals)
-    told = [_what_was_run(signals)]
+    sentences = [_what_was_run(signals)]
     if _lasting(signals, np.abs(signals.speed_error_rpm) > BAND_RPM, _loaded_from(signals, point)) is None:
-        told += _held(signals)
+        sentences += _held(signals)
     else:
-        told += _lost(signals, point)
-    return (*told, *_optimum(point))
+        sentences += _lost(signals, point)
+    return (*sentences, *_optimum(point))
 
 
 def _what_was_run(signals: RunSignals) -> str:
@@ -42,7 +42,7 @@ def _loaded_from(signals: RunSignals, point: JudgedPoint | None) -> float:
 
 
 def _lost(signals: RunSignals, point: JudgedPoint | None) -> list[str]:
-    """Tell how the speed was lost, as events in the order of time."""
+    """Report how the speed was lost, as events in the order of time."""
     begin = _loaded_from(signals, point)
     # At the same time, the cause comes first.
     events = [] if point is None else _edge_passed(signals, point)
@@ -68,7 +68,7 @@ def _edge_passed(signals: RunSignals, point: JudgedPoint) -> list[tuple[float, s
     if not below.any():
         return []
     first = int(np.flatnonzero(below)[0])
-    meaning = f"the smallest at which the motor can give the {point.torque_nm:.3g} N·m asked for"
+    meaning = f"the smallest at which the motor can give the {point.torque_nm:.3g} N·m demanded"
     at = signals.time_s[first]
     if first == int(np.flatnonzero(after)[0]):
         angle = signals.advance_deg[first]
@@ -83,7 +83,7 @@ def _edge_passed(signals: RunSignals, point: JudgedPoint) -> list[tuple[float, s
 
 
 def _rest(signals: RunSignals) -> list[tuple[float, str]]:
-    """Tell from when on the angle did not move any more, if it rested for a second at least."""
+    """Report from when on the angle did not move any more, if it rested for a second at least."""
     moves = np.flatnonzero(np.abs(np.diff(signals.advance_deg)) > _MOVED_DEG)
     last = int(moves[-1]) + 1 if moves.size else 0
     at = signals.time_s[last]

@@ -41,7 +41,7 @@ class JudgedPoint:
 
 
 def judged_point(signals: RunSignals) -> JudgedPoint | None:
-    """Ask the oracle about the conditions at the end of the judged stretch."""
+    """Evaluate the oracle at the conditions at the end of the judged stretch."""
     end = signals.judged_s[1]
     held = [dwell for dwell in dwells(signals.scenario) if dwell.start < end <= dwell.end + 1e-9]
     if not held:

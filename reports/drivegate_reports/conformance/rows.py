@@ -112,7 +112,7 @@ class ComparisonRow:
 
 
 @dataclass(frozen=True)
-class FaultRow:
+class ShownFault:
     """A fault as the page shows it; texts are bounded and printable.
 
     Attributes
@@ -122,7 +122,7 @@ class FaultRow:
     when : str
         Step and simulated time; empty where the candidate was not stepped.
     sense : str
-        What the candidate had been told; empty where it was not stepped.
+        What the candidate had sensed; empty where it was not stepped.
     """
 
     kind: str
@@ -177,8 +177,8 @@ def _found(check: Mapping[str, Any]) -> str:
     if not isinstance(found, Mapping):
         return ""
     runs = found.get("runs")
-    told = f", made simpler in {runs} runs" if isinstance(runs, int) and runs > 0 else ""
-    return f"{clean(found.get('measured', ''))}{told}"
+    simplified = f", made simpler in {runs} runs" if isinstance(runs, int) and runs > 0 else ""
+    return f"{clean(found.get('measured', ''))}{simplified}"
 
 
 def _spread(margins: object) -> str:
@@ -206,10 +206,10 @@ def _in_short(scenario: Mapping[str, Any]) -> str:
         return str(scenario.get("name", "scenario"))
 
 
-def fault_row(fault: Mapping[str, Any]) -> FaultRow:
+def fault_row(fault: Mapping[str, Any]) -> ShownFault:
     """Prepare a fault."""
     step, time = fault["step"], fault["time_s"]
-    return FaultRow(
+    return ShownFault(
         kind=clean(fault["kind"]),
         message=clean(fault["message"]),
         phase=clean(fault["phase"]),

@@ -13,7 +13,7 @@ from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
 from drivegate_reports.conformance.account import account
 from drivegate_reports.conformance.figures import margin_distribution, recorded_run
-from drivegate_reports.conformance.figures import script as told_script
+from drivegate_reports.conformance.figures import script as script_figure
 from drivegate_reports.conformance.signals import RunSignals, signals_of
 from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.printable import clean
@@ -48,8 +48,10 @@ def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
         if signals is None:
             script = _script_of(check)
             if script is not None:
-                told = _script_figure(script, f"script-{clean(check['id'], 40)}")
-                shown[str(check["id"])] = ShownRun((_what_was_told(script, check),), told, drawn_before=False)
+                figure = _script_figure(script, f"script-{clean(check['id'], 40)}")
+                shown[str(check["id"])] = ShownRun(
+                    (_what_was_sensed(script, check),), figure, drawn_before=False
+                )
             continue
         key = (check["recording"]["trace"], signals.judged_s)
         known = key in drawn
@@ -64,7 +66,7 @@ def _figure(signals: RunSignals, name: str) -> PageFigure:
         svg = inline_svg(recorded_run.draw(signals), name)
     title = f"Run {clean(signals.scenario.name)}"
     caption = (
-        "Means over equal stretches of the run. Dashed: what is asked for, and the smallest angle that can give it at "
+        "Means over equal stretches of the run. Dashed: what is demanded, and the smallest angle that can give it at "
         "the operating point of the judged stretch, which is set off."
     )
     return PageFigure(name, title, svg, recorded_run.alternative(signals), caption)
@@ -81,16 +83,16 @@ def _script_of(check: Mapping[str, Any]) -> Script | None:
         return None
 
 
-def _what_was_told(script: Script, check: Mapping[str, Any]) -> str:
+def _what_was_sensed(script: Script, check: Mapping[str, Any]) -> str:
     rows = "1 row" if len(script.rows) == 1 else f"{len(script.rows)} rows"
     return clean(f"Script of {rows}, each held for one period of the search: {check['measured']}.")
 
 
 def _script_figure(script: Script, name: str) -> PageFigure:
     with house_style():
-        svg = inline_svg(told_script.draw(script), name)
+        svg = inline_svg(script_figure.draw(script), name)
     title = f"Script {clean(script.name)}"
-    return PageFigure(name, title, svg, told_script.alternative(script), told_script.CAPTION)
+    return PageFigure(name, title, svg, script_figure.alternative(script), script_figure.CAPTION)
 
 
 def margin_figure(document: Mapping[str, Any]) -> PageFigure | None:

@@ -39,7 +39,7 @@ class RunSignals:
     time_s : ndarray, shape (n,)
         Middle of each point's stretch (s).
     speed_reference_rpm, speed_rpm : ndarray, shape (n,)
-        Speed asked for, and true speed (rpm).
+        Speed reference, and true speed (rpm).
     current_sum_a, current_reference_a : ndarray, shape (n,)
         Σ|i| and the current reference (A).
     advance_deg : ndarray, shape (n,)

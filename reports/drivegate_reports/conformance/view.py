@@ -17,7 +17,7 @@ from drivegate_reports.conformance.rows import (
     TONES,
     CheckRow,
     ComparisonRow,
-    FaultRow,
+    ShownFault,
     check_row,
     comparison_row,
     fault_row,
@@ -54,7 +54,7 @@ class ResultView:
         In the order of the document.
     comparisons : tuple of ComparisonRow
         Of each check with the baseline; empty where there was none.
-    faults : tuple of FaultRow
+    faults : tuple of ShownFault
         The first `MOST_FAULTS` of them.
     more_faults : int
         Number of further ones.
@@ -80,7 +80,7 @@ class ResultView:
     next_step: str
     checks: tuple[CheckRow, ...]
     comparisons: tuple[ComparisonRow, ...]
-    faults: tuple[FaultRow, ...]
+    faults: tuple[ShownFault, ...]
     more_faults: int
     provenance: tuple[tuple[str, str], ...]
 
@@ -184,27 +184,27 @@ def _meaning(verdict: str, failing: Sequence[str]) -> str:
 
 
 def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[str, ...]:
-    told = []
+    sentences = []
     for level in ("required", "advisory"):
         of_level = [row for row in checks if row.level == level]
         counts = {row.verdict: sum(other.verdict == row.verdict for other in of_level) for row in of_level}
         listed = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
-        told.append(f"{len(of_level)} {level} checks: {listed or 'none'}.")
+        sentences.append(f"{len(of_level)} {level} checks: {listed or 'none'}.")
     fixed, corpus = len(document.get("fixed") or ()), int(document.get("corpus_runs") or 0)
-    told.append(
+    sentences.append(
         f"{document['runs']} runs: {fixed} fixed scenarios, {corpus} of the corpus, the others drawn with the seed "
         f"{document['seed']}."
     )
-    told.append(
-        f"{document['set_aside']} drawn scenarios were set aside: no controller could have done what they ask for, "
+    sentences.append(
+        f"{document['set_aside']} drawn scenarios were set aside: no controller could have done what they demand, "
         "since no angle gives the torque there, or the shaft would have to be braked."
     )
     if document["faults"]:
-        told.append(f"{len(document['faults'])} faults of the candidate, which no waiver covers.")
+        sentences.append(f"{len(document['faults'])} faults of the candidate, which no waiver covers.")
     waived = [row.id for row in checks if row.waiver]
     if waived:
-        told.append(f"Waivers for {', '.join(waived)}.")
-    return tuple(map(clean, told))
+        sentences.append(f"Waivers for {', '.join(waived)}.")
+    return tuple(map(clean, sentences))
 
 
 def _next_step(document: Mapping[str, Any], failing: Sequence[str]) -> str:

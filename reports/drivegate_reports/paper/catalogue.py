@@ -43,7 +43,7 @@ class PaperFigure:
     draw : callable
         Draws the data, in the house style.
     alternative, caption : callable
-        Tell the data in words: for who cannot see it, and below the figure.
+        Describe the data in words: for who cannot see it, and below the figure.
     """
 
     name: str

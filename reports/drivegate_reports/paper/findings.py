@@ -25,7 +25,7 @@ from drivegate_reports.paper.figures.search_trajectory import search_trajectory
 from drivegate_reports.paper.statements import out_of_reach_rpm
 
 EDGE_SPEEDS_RPM: Final = (550.0, 700.0, 1000.0, 1200.0, 1400.0, 1500.0, 2000.0)
-"""Speeds at which the feasible edge of 1.5 kW is told."""
+"""Speeds at which the feasible edge of 1.5 kW is reported."""
 
 
 @dataclass(frozen=True)
@@ -61,17 +61,17 @@ def _rated_power_at_base() -> _Numbers:
     base, limit = motor.base_speed_rpm, motor.current_limit_a
     unadvanced = steady_state(ideal_drive(), base * RADIANS_PER_RPM, limit, 0.0).torque
     edge = feasible_edge(ideal_drive(), base * RADIANS_PER_RPM, power_torque(base, motor.rated_power_w))
-    wanted = power_torque(550.0, motor.rated_power_w)
+    required = power_torque(550.0, motor.rated_power_w)
     low, high = 300.0, base
     while high - low > 0.1:
         middle = 0.5 * (low + high)
-        enough = steady_state(ideal_drive(), middle * RADIANS_PER_RPM, limit, 0.0).torque >= wanted
+        enough = steady_state(ideal_drive(), middle * RADIANS_PER_RPM, limit, 0.0).torque >= required
         low, high = (middle, high) if enough else (low, middle)
     return [
         (f"torque at 0°, {limit:g} A and {base:g} rpm", f"{unadvanced:.1f} N·m"),
         (f"rated torque at {base:g} rpm", f"{power_torque(base, motor.rated_power_w):.2f} N·m"),
         ("smallest angle for rated power there", f"{math.degrees(edge):.1f}°"),
-        ("torque of 1.5 kW at 550 rpm", f"{wanted:.1f} N·m"),
+        ("torque of 1.5 kW at 550 rpm", f"{required:.1f} N·m"),
         ("0° gives that much up to", f"{low:.0f} rpm"),
     ]
 

@@ -26,7 +26,7 @@ from drivegate_reports.paper.drive import (
 from drivegate_reports.paper.figures.instantaneous_torque import ADVANCE_DEG, torque_cycle
 from drivegate_reports.paper.figures.phase_currents import POINTS
 from drivegate_reports.paper.figures.speed_limit import speed_limit
-from drivegate_reports.paper.verdicts import Comparison, Number, Verdict
+from drivegate_reports.paper.verdicts import ComparedStatement, Number, Verdict
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ def quantity_keys() -> frozenset[tuple[str, str]]:
     return frozenset(_OURS)
 
 
-def compared(fact: Fact, quantity: Quantity) -> Comparison:
+def compared(fact: Fact, quantity: Quantity) -> ComparedStatement:
     """Compare one published quantity with what the models give."""
     ours = _OURS[fact.id, quantity.name]()
     relation = {"equal": "", "at_most": "at most ", "at_least": "at least "}[quantity.bound]
@@ -180,7 +180,7 @@ def compared(fact: Fact, quantity: Quantity) -> Comparison:
     else:
         verdict = "reproduced" if quantity.agrees(ours.value) else "not reproduced"
     at_least = "at least " if quantity.bound == "at_least" else ""
-    return Comparison(
+    return ComparedStatement(
         fact=fact.id,
         quantity=quantity.name,
         published=relation + _with_unit(quantity.value, quantity.unit),

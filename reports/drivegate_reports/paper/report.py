@@ -20,7 +20,7 @@ from drivegate_reports.paper.facts import all_comparisons
 from drivegate_reports.paper.figure_files import write_figure
 from drivegate_reports.paper.findings import RecomputedFinding, recomputed_findings
 from drivegate_reports.paper.placed import placed
-from drivegate_reports.paper.verdicts import Comparison, verdict_counts
+from drivegate_reports.paper.verdicts import ComparedStatement, verdict_counts
 
 SCHEMA: Final = 1
 PAGE_FILE: Final = "reproduction.html"
@@ -43,14 +43,14 @@ class Reproduced:
         The figure with its words.
     files : tuple of str
         Its files, relative to the page.
-    rows : tuple of Comparison
+    rows : tuple of ComparedStatement
         Published numbers and statements that it bears on.
     """
 
     label: str
     figure: PageFigure
     files: tuple[str, ...]
-    rows: tuple[Comparison, ...]
+    rows: tuple[ComparedStatement, ...]
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class NumberRow:
 
     Attributes
     ----------
-    comparison : Comparison
+    comparison : ComparedStatement
         The comparison.
     source : str
         Where in the paper the published side stands.
@@ -67,7 +67,7 @@ class NumberRow:
         Whether it is the first of its fact.
     """
 
-    comparison: Comparison
+    comparison: ComparedStatement
     source: str
     first: bool
 
@@ -95,14 +95,14 @@ def reproduce(folder: Path) -> dict[str, Any]:
     return document
 
 
-def _reproduced(figure: PaperFigure, compared: Sequence[Comparison], folder: Path) -> Reproduced:
+def _reproduced(figure: PaperFigure, compared: Sequence[ComparedStatement], folder: Path) -> Reproduced:
     files = write_figure(figure, folder / FIGURE_FOLDER)
     rows = tuple(row for row in compared if row.fact in figure.facts)
     relative = tuple(path.relative_to(folder).as_posix() for path in files)
     return Reproduced(figure.label, placed(figure), relative, rows)
 
 
-def _rows(compared: Sequence[Comparison]) -> list[NumberRow]:
+def _rows(compared: Sequence[ComparedStatement]) -> list[NumberRow]:
     sources = {fact.id: fact.source for fact in facts()}
     known: set[str] = set()
     rows = []

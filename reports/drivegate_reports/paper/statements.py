@@ -30,7 +30,7 @@ from drivegate_reports.paper.figures.instantaneous_torque import torque_cycle
 from drivegate_reports.paper.figures.phase_currents import POINTS, phase_currents
 from drivegate_reports.paper.figures.ripple_over_speed import ripple_over_speed
 from drivegate_reports.paper.figures.search_trajectory import SCENARIO, search_trajectory
-from drivegate_reports.paper.verdicts import Comparison, Number
+from drivegate_reports.paper.verdicts import ComparedStatement, Number
 
 _UNKNOWN_PLANTS: Final = {
     "half the resistance": {"resistance": 0.5},
@@ -42,12 +42,12 @@ _TOLERATED_EXCESS_PERCENT: Final = 2.0
 """What `CNV-2` allows."""
 
 
-def _power_sum() -> Comparison:
+def _power_sum() -> ComparedStatement:
     data = torque_cycle()
     speed = data.speed_rpm * RADIANS_PER_RPM
     point = point_at_torque(ideal_drive(), speed, math.radians(data.advance_deg), data.mean_nm)
     product = ideal_drive().half_supply_voltage * point.current_sum
-    return Comparison(
+    return ComparedStatement(
         fact="P4",
         quantity=f"net input power at 1500 rpm, 9.8 N·m, {data.advance_deg:g}°",
         published=f"V·Σ|i| = {product:.0f} W",
@@ -78,9 +78,9 @@ def out_of_reach_rpm() -> tuple[float, float]:
     return base, float(np.interp(0.0, gap, data.speed_rpm[last : last + 2]))
 
 
-def _published_line() -> Comparison:
+def _published_line() -> ComparedStatement:
     start, end = out_of_reach_rpm()
-    return Comparison(
+    return ComparedStatement(
         fact="P5",
         quantity="1.5 kW along a line from 0° at base speed to 58° at 1500 rpm",
         published="at every high speed",
@@ -93,11 +93,11 @@ def _published_line() -> Comparison:
     )
 
 
-def _literal_search() -> Comparison:
+def _literal_search() -> ComparedStatement:
     data = search_trajectory()
     error = float(data.published.speed_error_rpm[-1])
     holds = abs(error) <= 5.0
-    return Comparison(
+    return ComparedStatement(
         fact="P6",
         quantity="Fig. 4 taken literally, at 1500 rpm and 9.8 N·m",
         published="ends at the least Σ|i|",
@@ -115,10 +115,10 @@ def _literal_search() -> Comparison:
     )
 
 
-def _current_slopes() -> Comparison:
+def _current_slopes() -> ComparedStatement:
     slow, fast = (phase_currents(name) for name in POINTS)
     falls = slow.slope_a_per_ms < 0.0 and fast.slope_a_per_ms < slow.slope_a_per_ms
-    return Comparison(
+    return ComparedStatement(
         fact="P7",
         quantity="slope of the current before its window closes, 1200 and 1500 rpm",
         published="falls at both, faster at 1500 rpm",
@@ -136,12 +136,12 @@ def _current_slopes() -> Comparison:
     )
 
 
-def _worst_ripple() -> Comparison:
+def _worst_ripple() -> ComparedStatement:
     data = input_current_sweep()
     within = data.speed_rpm <= HIGHEST_PUBLISHED_RPM
     speeds, ripple = data.speed_rpm[within], data.optimal_ripple_percent[within]
     worst = int(np.argmax(ripple))
-    return Comparison(
+    return ComparedStatement(
         fact="P8",
         quantity="ripple of 1.5 kW at the optimal angle, 550 to 1500 rpm",
         published="below 13 %, worst at 1500 rpm",
@@ -159,9 +159,9 @@ def _worst_ripple() -> Comparison:
     )
 
 
-def _current_saving() -> Comparison:
+def _current_saving() -> ComparedStatement:
     saving = input_current_sweep().current_saving_percent
-    return Comparison(
+    return ComparedStatement(
         fact="P12",
         quantity="Σ|i| saved by the optimal angle, 550 to 2000 rpm",
         published="marked, at every speed",
@@ -177,9 +177,9 @@ def _current_saving() -> Comparison:
     )
 
 
-def _power_saving() -> Comparison:
+def _power_saving() -> ComparedStatement:
     saving = input_current_sweep().power_saving_percent
-    return Comparison(
+    return ComparedStatement(
         fact="P12",
         quantity="net input power saved by it",
         published="in proportion to Σ|i|",
@@ -195,10 +195,10 @@ def _power_saving() -> Comparison:
     )
 
 
-def _keeps_sign() -> Comparison:
+def _keeps_sign() -> ComparedStatement:
     data = ripple_over_speed()
     worst = float(np.max(data.optimal_percent))
-    return Comparison(
+    return ComparedStatement(
         fact="P9",
         quantity="sign of our own torque under phase advance, 550 to 2000 rpm",
         published="changes in the drives of the other work, stays here",
@@ -211,11 +211,11 @@ def _keeps_sign() -> Comparison:
     )
 
 
-def _insensitive_search() -> Comparison:
+def _insensitive_search() -> ComparedStatement:
     """Run the search against plants that it does not know of, and look how far it ends above the least Σ|i|."""
     excess = {name: _excess_percent(scales) for name, scales in _UNKNOWN_PLANTS.items()}
     worst = max(excess, key=lambda name: excess[name])
-    return Comparison(
+    return ComparedStatement(
         fact="P11",
         quantity="Σ|i| above the least, with resistance and friction unknown to the search",
         published="the search is insensitive to them",
@@ -243,10 +243,10 @@ def _excess_percent(scales: dict[str, float]) -> float:
     return 100.0 * (means["current_sum_a"] / least.current_sum - 1.0)
 
 
-def _transformer_emf() -> Comparison:
+def _transformer_emf() -> ComparedStatement:
     data = cycle_waveforms()
     met = data.rise_a > 0.0 > data.fall_a and data.opposing_v < 0.0
-    return Comparison(
+    return ComparedStatement(
         fact="Fig. 1",
         quantity="current from 1 to 2, and from 2 to 3; L di/dt from 2 to 3",
         published="rises to its greatest; falls; negative",
@@ -265,11 +265,11 @@ def _transformer_emf() -> Comparison:
     )
 
 
-def _greatest_rotational_emf() -> Comparison:
+def _greatest_rotational_emf() -> ComparedStatement:
     data = cycle_waveforms()
     supply = ideal_drive().half_supply_voltage
     peak = float(np.max(data.emf_v))
-    return Comparison(
+    return ComparedStatement(
         fact="Fig. 1",
         quantity="rotational EMF in the region of constant power",
         published="larger than the applied voltage",
@@ -285,7 +285,7 @@ def _greatest_rotational_emf() -> Comparison:
 FIGURE_1: Final = (_transformer_emf, _greatest_rotational_emf)
 """What is compared on Fig. 1."""
 
-STATEMENTS: Final[Mapping[str, tuple[Callable[[], Comparison], ...]]] = {
+STATEMENTS: Final[Mapping[str, tuple[Callable[[], ComparedStatement], ...]]] = {
     "P4": (_power_sum,),
     "P5": (_published_line,),
     "P6": (_literal_search,),

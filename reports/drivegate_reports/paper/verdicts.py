@@ -29,7 +29,7 @@ class Number:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ComparedStatement:
     """A published statement beside ours.
 
     Attributes
@@ -62,7 +62,7 @@ class Comparison:
     numbers: tuple[Number, ...] = ()
 
 
-def verdict_counts(rows: Sequence[Comparison]) -> tuple[tuple[Verdict, int], ...]:
+def verdict_counts(rows: Sequence[ComparedStatement]) -> tuple[tuple[Verdict, int], ...]:
     """Count the verdicts."""
     verdicts = [row.verdict for row in rows]
     return tuple((verdict, verdicts.count(verdict)) for verdict in get_args(Verdict))

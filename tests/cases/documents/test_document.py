@@ -57,7 +57,7 @@ def test_the_message_names_the_file(tmp_path: Path, refusal: Callable[..., str])
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reported"),
     [
         ({"tittle": "x"}, "the key 'tittle' is unknown, the nearest known key is 'title'"),
         ({"a\nb": 1}, "the key 'a\\nb' is unknown"),
@@ -98,29 +98,29 @@ def test_the_message_names_the_file(tmp_path: Path, refusal: Callable[..., str])
         ),
     ],
 )
-def test_each_mistake_is_told_with_its_key(
-    refusal: Callable[..., str], changes: dict[str, Any], told: str
+def test_each_mistake_is_reported_with_its_key(
+    refusal: Callable[..., str], changes: dict[str, Any], reported: str
 ) -> None:
     message = refusal(parse_document, VALID | changes, Sheet, "sheet.toml")
     assert message.startswith("sheet.toml: ")
-    assert told in message
+    assert reported in message
 
 
-def test_all_mistakes_are_told_at_once(refusal: Callable[..., str]) -> None:
+def test_all_mistakes_are_reported_at_once(refusal: Callable[..., str]) -> None:
     message = refusal(parse_document, {"schema": 1, "count": 0, "points": 1, "zzz": 1}, Sheet, "here")
     assert message.count("; ") == 3
     for key in ("title", "count", "points", "zzz"):
-        assert f"'{key}'" in message, f"the mistake in '{key}' is not told: {message}"
+        assert f"'{key}'" in message, f"the mistake in '{key}' is not reported: {message}"
 
 
-def test_of_very_many_mistakes_the_first_are_told(refusal: Callable[..., str]) -> None:
+def test_of_very_many_mistakes_the_first_are_reported(refusal: Callable[..., str]) -> None:
     message = refusal(parse_document, VALID | {"points": [["a", "b"]] * 100}, Sheet, "here")
     assert message.endswith("and 192 more of this kind")
     assert len(message) < 1000
 
 
 @pytest.mark.parametrize(
-    ("schema", "told"),
+    ("schema", "reported"),
     [
         (None, "the key 'schema' is missing, but must be 1"),
         (2, "schema 2 is newer than this drivegate reads"),
@@ -132,9 +132,9 @@ def test_of_very_many_mistakes_the_first_are_told(refusal: Callable[..., str]) -
         (True, "the key 'schema' is true, but must be the integer 1"),
     ],
 )
-def test_only_a_supported_schema_is_read(refusal: Callable[..., str], schema: object, told: str) -> None:
+def test_only_a_supported_schema_is_read(refusal: Callable[..., str], schema: object, reported: str) -> None:
     mapping = {"title": "one"} if schema is None else {"schema": schema, "title": "one"}
-    assert told in refusal(parse_document, mapping, Sheet, "here")
+    assert reported in refusal(parse_document, mapping, Sheet, "here")
 
 
 def test_the_previous_schema_is_translated(refusal: Callable[..., str]) -> None:
@@ -196,10 +196,10 @@ ANYTHING = st.recursive(
 @given(st.dictionaries(st.sampled_from([*Sheet.model_fields, "schema"]) | st.text(max_size=6), ANYTHING))
 @settings(deadline=None)
 def test_any_table_gives_a_document_or_a_sentence(mapping: dict[str, Any]) -> None:
-    told = "here"
+    reported = "here"
     try:
         parse_document({"schema": 1} | mapping, Sheet, "here")
     except InputError as error:
-        told = str(error)
-    assert told.isprintable(), f"the message does not fit on one line: {told!r}"
-    assert told.startswith("here"), f"the message does not say where: {told}"
+        reported = str(error)
+    assert reported.isprintable(), f"the message does not fit on one line: {reported!r}"
+    assert reported.startswith("here"), f"the message does not say where: {reported}"

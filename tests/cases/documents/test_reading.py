@@ -29,7 +29,7 @@ def test_a_byte_order_mark_is_no_error(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "told"),
+    ("name", "content", "reported"),
     [
         ("a.toml", "a = 1\nb = \n", "not well-formed TOML"),
         ("a.toml", "a = 1\nb = \n", "line 2"),
@@ -52,11 +52,11 @@ def test_a_byte_order_mark_is_no_error(tmp_path: Path) -> None:
         ("a", "a = 1", "must end in .toml or .json"),
     ],
 )
-def test_what_is_no_document_is_told(
-    tmp_path: Path, refusal: Callable[..., str], name: str, content: str | bytes, told: str
+def test_what_is_no_document_is_reported(
+    tmp_path: Path, refusal: Callable[..., str], name: str, content: str | bytes, reported: str
 ) -> None:
     message = refusal(read_mapping, written(tmp_path, name, content))
-    assert told in message
+    assert reported in message
     assert name in message
 
 
@@ -97,13 +97,13 @@ def test_a_huge_file_is_refused_at_its_size(tmp_path: Path, refusal: Callable[..
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_bytes_give_a_table_or_a_sentence(tmp_path: Path, content: bytes, suffix: str) -> None:
     path = written(tmp_path, f"a{suffix}", content)
-    told = path.name
+    reported = path.name
     try:
         assert isinstance(read_mapping(path), dict)
     except InputError as error:
-        told = str(error)
-    assert told.isprintable(), f"the message does not fit on one line: {told!r}"
-    assert path.name in told, f"the message does not name the file: {told}"
+        reported = str(error)
+    assert reported.isprintable(), f"the message does not fit on one line: {reported!r}"
+    assert path.name in reported, f"the message does not name the file: {reported}"
 
 
 PLAIN_TABLES = st.dictionaries(

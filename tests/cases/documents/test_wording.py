@@ -15,9 +15,9 @@ def test_any_text_becomes_one_printable_line(text: str) -> None:
     line.encode("utf-8")
 
 
-@pytest.mark.parametrize(("count", "told"), [(0, "0 runs"), (1, "1 run"), (2, "2 runs")])
-def test_a_number_agrees_with_its_noun(count, told):
-    assert counted(count, "run") == told
+@pytest.mark.parametrize(("count", "text"), [(0, "0 runs"), (1, "1 run"), (2, "2 runs")])
+def test_a_number_agrees_with_its_noun(count, text):
+    assert counted(count, "run") == text
 
 
 def test_printable_text_stays_as_it_is() -> None:

@@ -17,7 +17,7 @@ def test_a_half_cycle_of_peak_one_is_a_shape(table: EmfTable) -> None:
 
 
 @pytest.mark.parametrize(
-    ("table", "told"),
+    ("table", "reported"),
     [
         (((0.0, 0.0),), "begin at 0 and end at 180"),
         (((1.0, 0.0), (90.0, 1.0), (180.0, 0.0)), "begin at 0 and end at 180"),
@@ -33,6 +33,6 @@ def test_a_half_cycle_of_peak_one_is_a_shape(table: EmfTable) -> None:
         (((0.0, 0.0), (180.0, 0.0)), "the value 1 as its greatest"),
     ],
 )
-def test_a_broken_rule_is_told(table: EmfTable, told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+def test_a_broken_rule_is_reported(table: EmfTable, reported: str) -> None:
+    with pytest.raises(ValueError, match=reported):
         check_emf_table(table)

@@ -45,13 +45,13 @@ def test_an_unknown_motor_is_refused(refusal: Callable[..., str], name: str) -> 
     refusal(load_motor, name)
 
 
-def test_an_unknown_name_is_told_with_what_there_is(refusal: Callable[..., str]) -> None:
+def test_an_unknown_name_is_reported_with_what_there_is(refusal: Callable[..., str]) -> None:
     message = refusal(load_motor, "paper-3-phase")
     assert "no motor is called 'paper-3-phase', the nearest is 'paper-5-phase'" in message
 
 
 @pytest.mark.parametrize(
-    ("pairs", "told"),
+    ("pairs", "reported"),
     [
         (["inductance_h=0"], "the key 'inductance_h' is 0, but must be greater than 0"),
         (["inductance_h=-1", "phases=0"], "; "),
@@ -91,10 +91,10 @@ def test_an_unknown_name_is_told_with_what_there_is(refusal: Callable[..., str])
         (["provenance=x"], "the key 'provenance' is unknown"),
     ],
 )
-def test_a_wrong_setting_is_told(refusal: Callable[..., str], pairs: list[str], told: str) -> None:
+def test_a_wrong_setting_is_reported(refusal: Callable[..., str], pairs: list[str], reported: str) -> None:
     message = refusal(PAPER.with_overrides, pairs)
     assert message.startswith("--set ")
-    assert told in message
+    assert reported in message
 
 
 def test_settings_change_what_they_name_and_say_so() -> None:

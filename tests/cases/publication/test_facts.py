@@ -110,7 +110,7 @@ FACT = {"id": "P1", "title": "t", "statement": "s", "source": "Fig. 1", "kind": 
 
 
 @pytest.mark.parametrize(
-    ("facts_given", "told"),
+    ("facts_given", "reported"),
     [
         ([FACT, FACT], "the id 'P1' is given more than once"),
         ([FACT | {"kind": "check"}], "must name it in 'covered_by.checks'"),
@@ -129,14 +129,14 @@ FACT = {"id": "P1", "title": "t", "statement": "s", "source": "Fig. 1", "kind": 
         ([], "the key 'fact' is []"),
     ],
 )
-def test_wrong_facts_are_told(
-    refusal: Callable[..., str], facts_given: list[dict[str, Any]], told: str
+def test_wrong_facts_are_reported(
+    refusal: Callable[..., str], facts_given: list[dict[str, Any]], reported: str
 ) -> None:
     mapping = {"schema": 1, "title": "x", "fact": facts_given}
-    assert told in refusal(parse_document, mapping, Publication, "facts.toml")
+    assert reported in refusal(parse_document, mapping, Publication, "facts.toml")
 
 
-def test_repeated_findings_are_told(refusal: Callable[..., str]) -> None:
+def test_repeated_findings_are_reported(refusal: Callable[..., str]) -> None:
     finding = {"id": "F1", "title": "t", "statement": "s"}
     mapping = {"schema": 1, "finding": [finding, finding]}
     assert "the id 'F1' is given more than once" in refusal(

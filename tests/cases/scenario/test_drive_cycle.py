@@ -56,17 +56,17 @@ def test_a_file_of_ones_own_is_read(tmp_path: Path):
         ("time_s,speed_km_h\n0,0\n9000,5\n", "end within"),
     ],
 )
-def test_a_bad_file_is_told_in_one_sentence(tmp_path: Path, content: str, said: str):
+def test_a_bad_file_is_reported_in_one_sentence(tmp_path: Path, content: str, said: str):
     file = tmp_path / "bad.csv"
     file.write_text(content, encoding="utf-8")
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as reported:
         load_drive_cycle(file)
-    assert said in str(told.value)
-    assert "bad.csv" in str(told.value)
-    assert "\n" not in str(told.value)
+    assert said in str(reported.value)
+    assert "bad.csv" in str(reported.value)
+    assert "\n" not in str(reported.value)
 
 
-def test_files_that_cannot_be_read_are_told(tmp_path: Path):
+def test_files_that_cannot_be_read_are_reported(tmp_path: Path):
     with pytest.raises(InputError, match=r"none\.csv does not exist"):
         load_drive_cycle(tmp_path / "none.csv")
     (tmp_path / "folder.csv").mkdir()

@@ -49,7 +49,7 @@ SWEEP = {"schema": 1, "name": "s", "speeds_rpm": [500, 1000], "power_w": 1500}
 
 
 @pytest.mark.parametrize(
-    ("mapping", "model", "changes", "told"),
+    ("mapping", "model", "changes", "reported"),
     [
         (POINT, OperatingPoint, {"advance_deg": 90.1}, "the key 'advance_deg' is 90.1"),
         (POINT, OperatingPoint, {"advance_deg": -1}, "the key 'advance_deg' is -1"),
@@ -62,14 +62,14 @@ SWEEP = {"schema": 1, "name": "s", "speeds_rpm": [500, 1000], "power_w": 1500}
         (SWEEP, PowerSweep, {"power_w": 0}, "the key 'power_w' is 0"),
     ],
 )
-def test_a_wrong_key_is_told(
-    refusal: Callable[..., str], mapping: dict[str, Any], model: Any, changes: dict[str, Any], told: str
+def test_a_wrong_key_is_reported(
+    refusal: Callable[..., str], mapping: dict[str, Any], model: Any, changes: dict[str, Any], reported: str
 ) -> None:
-    assert told in refusal(parse_document, mapping | changes, model, "here")
+    assert reported in refusal(parse_document, mapping | changes, model, "here")
 
 
 @pytest.mark.parametrize("load", [load_operating_point, load_power_sweep])
-def test_an_unknown_name_is_told_with_what_there_is(
+def test_an_unknown_name_is_reported_with_what_there_is(
     refusal: Callable[..., str], load: Callable[[str], object]
 ) -> None:
     message = refusal(load, "fig6")

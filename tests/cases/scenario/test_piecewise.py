@@ -27,7 +27,7 @@ def test_values_ahead_of_a_step_and_behind_it(time: float, until: float, after: 
 
 
 @pytest.mark.parametrize(
-    ("profile", "told"),
+    ("profile", "reported"),
     [
         ((), "first point at time 0"),
         (((0.1, 1.0),), "first point at time 0"),
@@ -36,8 +36,8 @@ def test_values_ahead_of_a_step_and_behind_it(time: float, until: float, after: 
         (((0.0, 1.0), (1.0, 1.0), (1.0, 2.0), (1.0, 3.0)), "has more at 1.0 s"),
     ],
 )
-def test_disordered_times_are_told(profile: Profile, told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+def test_disordered_times_are_reported(profile: Profile, reported: str) -> None:
+    with pytest.raises(ValueError, match=reported):
         check_times(profile)
 
 

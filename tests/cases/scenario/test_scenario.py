@@ -74,7 +74,7 @@ RAMP = [[0, 0], [0.2, 1]]
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reported"),
     [
         ({"motor": "paper-3-phase"}, "in the key 'motor', no motor is called 'paper-3-phase'"),
         ({"motor": "none.toml"}, "in the key 'motor', none.toml does not exist"),
@@ -140,15 +140,17 @@ RAMP = [[0, 0], [0.2, 1]]
         ),
     ],
 )
-def test_a_wrong_scenario_is_told(
-    scenario_mapping: dict[str, Any], refusal: Callable[..., str], changes: dict[str, Any], told: str
+def test_a_wrong_scenario_is_reported(
+    scenario_mapping: dict[str, Any], refusal: Callable[..., str], changes: dict[str, Any], reported: str
 ) -> None:
     message = refusal(parse_document, scenario_mapping | changes, Scenario, "run.toml")
     assert message.startswith("run.toml: ")
-    assert told in message
+    assert reported in message
 
 
-def test_a_wrong_profile_is_told_once(scenario_mapping: dict[str, Any], refusal: Callable[..., str]) -> None:
+def test_a_wrong_profile_is_reported_once(
+    scenario_mapping: dict[str, Any], refusal: Callable[..., str]
+) -> None:
     message = refusal(
         parse_document, scenario_mapping | {"speed_rpm": [["a", "b", "c"]]}, Scenario, "run.toml"
     )

@@ -46,7 +46,7 @@ def test_a_script_survives_its_own_mapping(tmp_path):
         ({"raws": []}, "'raws'"),
     ],
 )
-def test_a_wrong_script_is_told_in_one_sentence(changes, sentence):
+def test_a_wrong_script_is_reported_in_one_sentence(changes, sentence):
     with pytest.raises(InputError) as raised:
         parsed(**changes)
     assert sentence in str(raised.value), raised.value

@@ -173,7 +173,7 @@ def test_the_trace_keeps_every_nth_period(motor: Any) -> None:
 
 
 @pytest.mark.parametrize("steps", [1, 2, 64, 128, 192])
-def test_constant_commands_that_differ_are_told_apart(steps):
+def test_constant_commands_that_differ_are_distinguished(steps):
     def digest(value):
         bits = int(np.float64(value).view(np.int64))
         total = 0

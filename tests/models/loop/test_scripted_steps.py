@@ -1,4 +1,4 @@
-"""Steps of a controller on given signals: what it is told, and how they end."""
+"""Steps of a controller on given signals: what it senses, and how they end."""
 
 import ctypes
 
@@ -13,10 +13,10 @@ STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 
 
 class Recorder:
-    """A controller that keeps what it is told, and answers with the number of its step."""
+    """A controller that keeps what it senses, and answers with the number of its step."""
 
     def __init__(self, special=None):
-        self.told = []
+        self.sensed = []
         self.special = special or {}
         self.callback = STEP(self.step)
         self.address = ctypes.cast(self.callback, ctypes.c_void_p).value
@@ -26,8 +26,8 @@ class Recorder:
         command = np.frombuffer((ctypes.c_char * COMMAND.itemsize).from_address(command_address), COMMAND)[0]
         phases = int(sense["phase_count"])
         currents = (ctypes.c_double * phases).from_address(int(sense["phase_currents"]))
-        number = len(self.told)
-        self.told.append((*(float(sense[name]) for name in ("time", *SIGNALS)), list(currents)))
+        number = len(self.sensed)
+        self.sensed.append((*(float(sense[name]) for name in ("time", *SIGNALS)), list(currents)))
         command["current_reference"] = 1.0
         command["advance_angle"] = 0.01 * number
         for name, value in self.special.get(number, {}).items():
@@ -45,14 +45,14 @@ def steps_of(recorder, signals, **keywords):
     )
 
 
-def test_every_step_is_told_its_row(signals):
+def test_every_step_senses_its_row(signals):
     recorder = Recorder()
     steps = steps_of(recorder, signals)
     assert steps.advance() == (COMPLETED, 6)
     assert steps.angles.tolist() == [0.01 * k for k in range(6)]
-    for k, (time, *told, currents) in enumerate(recorder.told):
+    for k, (time, *sensed, currents) in enumerate(recorder.sensed):
         assert time == 0.25 * k
-        assert told == signals[k].tolist()
+        assert sensed == signals[k].tolist()
         assert currents == [10.0 * k / 5 * sign for sign in (1, -1, 1, -1, 1)]
 
 
@@ -64,7 +64,7 @@ def test_steps_can_be_made_in_parts(signals):
     assert np.isnan(steps.angles[2:]).all()
     assert progress[0] == 2
     assert steps.advance(2) == (COMPLETED, 6)
-    assert [told[0] for told in recorder.told] == [0.25 * k for k in range(6)]
+    assert [sensed[0] for sensed in recorder.sensed] == [0.25 * k for k in range(6)]
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_a_step_without_a_command_ends_them(signals, special, status):
     recorder = Recorder({3: special})
     steps = steps_of(recorder, signals)
     assert steps.advance() == (status, 3)
-    assert len(recorder.told) == 4
+    assert len(recorder.sensed) == 4
     assert steps.sense[0]["speed"] == 143.0
 
 

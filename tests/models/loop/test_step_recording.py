@@ -1,4 +1,4 @@
-"""Steps on record: exact rows, and another controller asked the same."""
+"""Steps on record: exact rows, and another controller that senses the same."""
 
 import ctypes
 import math
@@ -27,19 +27,19 @@ class Answering:
     """A controller that answers with the speed, the time as angle, and the last phase current as power."""
 
     def __init__(self, alter=None):
-        self.asked = 0
+        self.steps = 0
         self.alter = alter or (lambda number, command: None)
         self.callback = STEP(self.step)
         self.address = ctypes.cast(self.callback, ctypes.c_void_p).value
 
     def step(self, state, sense, command):
-        told = np.frombuffer((ctypes.c_char * SENSE.itemsize).from_address(sense), SENSE)[0]
+        sensed = np.frombuffer((ctypes.c_char * SENSE.itemsize).from_address(sense), SENSE)[0]
         answer = np.frombuffer((ctypes.c_char * COMMAND.itemsize).from_address(command), COMMAND)[0]
-        currents = (ctypes.c_double * PHASES).from_address(int(told["phase_currents"]))
-        answer["current_reference"], answer["advance_angle"] = told["speed"], told["time"]
+        currents = (ctypes.c_double * PHASES).from_address(int(sensed["phase_currents"]))
+        answer["current_reference"], answer["advance_angle"] = sensed["speed"], sensed["time"]
         answer["input_power"] = currents[PHASES - 1]
-        self.alter(self.asked, answer)
-        self.asked += 1
+        self.alter(self.steps, answer)
+        self.steps += 1
 
 
 def rows_of(count):
@@ -82,7 +82,7 @@ def test_a_shadow_stops_at_the_first_answer_that_differs_in_one_bit():
 
     controller, rows = Answering(alter), rows_of(20)
     status, done, answers = shadow_of(controller).answer(rows, judged=OUTPUTS)
-    assert (status, done, controller.asked) == (DIFFERS, 7, 8), "nothing is asked after the first difference"
+    assert (status, done, controller.steps) == (DIFFERS, 7, 8), "no step is made after the first difference"
     assert answers[7, 1] != rows[7, 6]
     others = tuple(output for output in OUTPUTS if output != "advance_angle")
     assert shadow_of(Answering(alter)).answer(rows, judged=others)[:2] == (COMPLETED, 20)

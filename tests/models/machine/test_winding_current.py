@@ -75,7 +75,7 @@ def _exact(
 
 
 def _interval(rate: float, share: float) -> float:
-    """Return a share of the longest interval that callers may ask for."""
+    """Return a share of the longest interval that callers may request."""
     return share * (min(LONGEST / rate, 1e-2) if rate > 0.0 else 1e-2)
 
 

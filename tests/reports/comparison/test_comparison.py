@@ -121,7 +121,7 @@ def test_the_page_is_whole_and_lets_nothing_in(text, document):
     assert "default-src &#39;none&#39;" in text
     assert text.count("<svg") == text.count('role="img"') == 9
     labels = re.findall(r'role="img" aria-label="([^"]*)"', text)
-    assert all(len(label) > 60 for label in labels), "each figure is told in words"
+    assert all(len(label) > 60 for label in labels), "each figure is described in words"
     assert len(text.encode()) < 3_000_000
 
 

@@ -1,4 +1,4 @@
-"""The account of a run in words: what it tells is what the signals show."""
+"""The account of a run in words: what it reports is what the signals show."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def locked(recorded: dict[str, Any]) -> RunSignals:
     return signals
 
 
-def test_a_lost_speed_is_told_as_it_happened(locked: RunSignals) -> None:
-    told = account(locked)
-    assert told[0] == "Run: 1500 rpm; constant torque of 9.8 N·m; 20 s."
+def test_a_lost_speed_is_reported_as_it_happened(locked: RunSignals) -> None:
+    sentences = account(locked)
+    assert sentences[0] == "Run: 1500 rpm; constant torque of 9.8 N·m; 20 s."
     order = (
         "the angle passed 51.9°",
         "torque fell below the load",
@@ -32,10 +32,10 @@ def test_a_lost_speed_is_told_as_it_happened(locked: RunSignals) -> None:
         "reached its limit",
         "rested at",
     )
-    places = [next(place for place, text in enumerate(told) if part in text) for part in order]
-    assert places == sorted(places), f"the events are told out of order: {told}"
-    assert "236 rpm below the reference" in told[-2]
-    assert told[-1].endswith("at 51.9°, which is the feasible edge.")
+    places = [next(place for place, text in enumerate(sentences) if part in text) for part in order]
+    assert places == sorted(places), f"the events are reported out of order: {sentences}"
+    assert "236 rpm below the reference" in sentences[-2]
+    assert sentences[-1].endswith("at 51.9°, which is the feasible edge.")
 
 
 def test_times_are_those_of_the_signals(locked: RunSignals) -> None:
@@ -43,13 +43,13 @@ def test_times_are_those_of_the_signals(locked: RunSignals) -> None:
     assert point is not None
     loaded = locked.time_s >= point.begins_s
     passed = locked.time_s[loaded & (locked.advance_deg < point.edge_deg)][0]
-    told = next(text for text in account(locked) if "passed" in text)
-    assert float(told.split()[1]) == pytest.approx(passed, abs=0.1), (
+    sentence = next(text for text in account(locked) if "passed" in text)
+    assert float(sentence.split()[1]) == pytest.approx(passed, abs=0.1), (
         "the trace passes the edge at another time"
     )
 
 
-def test_a_held_speed_is_told_by_its_judged_stretch(recorded: dict[str, Any]) -> None:
+def test_a_held_speed_is_reported_by_its_judged_stretch(recorded: dict[str, Any]) -> None:
     document = copy.deepcopy(recorded)
     trace = document["traces"][0]
     count = len(trace["time_s"])
@@ -58,9 +58,9 @@ def test_a_held_speed_is_told_by_its_judged_stretch(recorded: dict[str, Any]) ->
     trace["current_sum_a"] = [41.0] * count
     signals = signals_of(document, document["checks"][0])
     assert signals is not None
-    told = account(signals)
-    assert "the speed was within 0.5 rpm of its reference, the angle rested at 53.0°" in told[1]
-    assert "Σ|i| lay between 41.00 A and 41.00 A" in told[1]
+    sentences = account(signals)
+    assert "the speed was within 0.5 rpm of its reference, the angle rested at 53.0°" in sentences[1]
+    assert "Σ|i| lay between 41.00 A and 41.00 A" in sentences[1]
 
 
 def test_the_figure_shows_the_signals_in_their_units(locked: RunSignals) -> None:

@@ -143,11 +143,11 @@ def test_a_failure_shows_its_fault_margin_and_counterexample(failing_page: str) 
     assert 'href="counterexamples/CNV-1.json"' in failing_page
 
 
-def test_a_recorded_run_is_drawn_told_and_can_be_repeated(recorded_page: str) -> None:
+def test_a_recorded_run_is_drawn_accounted_for_and_can_be_repeated(recorded_page: str) -> None:
     elements = Elements(recorded_page)
     text = " ".join(" ".join(elements.text).split())
     for said in (
-        "the angle passed 51.9°, the smallest at which the motor can give the 9.8 N·m asked for",
+        "the angle passed 51.9°, the smallest at which the motor can give the 9.8 N·m demanded",
         "236 rpm below the reference",
         "made simpler in 11 runs",
         "least −46.3, median −1.45, greatest +0.9",
@@ -161,7 +161,7 @@ def test_a_recorded_run_is_drawn_told_and_can_be_repeated(recorded_page: str) ->
     assert 'href="#run-1"' in recorded_page, "the second check refers to the figure of the first"
 
 
-def test_gaps_in_the_evidence_are_told(recorded_page: str) -> None:
+def test_gaps_in_the_evidence_are_reported(recorded_page: str) -> None:
     text = " ".join(Elements(recorded_page).text)
     assert "ROB-2 is not in this result." in text
     assert "P1, phases, poles and conduction window, is held by no check of candidates" in text
@@ -211,7 +211,7 @@ def test_the_page_is_accessible(recorded_page: str) -> None:
     drawings = [value for _, name, value in elements.attributes if (name, value) == ("role", "img")]
     assert len(drawings) == 2, "each figure is one image"
     labels = [value for tag, name, value in elements.attributes if (tag, name) == ("div", "aria-label")]
-    assert len([label for label in labels if len(label) > 80]) == 2, "each figure is told in words"
+    assert len([label for label in labels if len(label) > 80]) == 2, "each figure is described in words"
     assert ("html", "lang", "en") in elements.attributes
 
 
@@ -284,6 +284,6 @@ def test_write_makes_one_small_file(passing: dict[str, Any], passing_page: str, 
     assert path.stat().st_size < 3_000_000
 
 
-def test_a_folder_that_does_not_exist_is_told(passing: dict[str, Any], tmp_path: Path) -> None:
+def test_a_folder_that_does_not_exist_is_reported(passing: dict[str, Any], tmp_path: Path) -> None:
     with pytest.raises(InputError, match="missing"):
         write(passing, tmp_path / "missing")

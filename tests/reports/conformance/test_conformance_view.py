@@ -94,7 +94,7 @@ def test_plain_data_has_a_line_for_each_key() -> None:
     assert plain_data({"a": 1, "b": {"c": [[0.0, 1.0]]}, "d": {}}) == "a: 1\nb:\n  c: [[0.0, 1.0]]\nd: {}"
 
 
-def test_a_scenario_that_cannot_be_told_in_short_is_named(
+def test_a_scenario_that_cannot_be_given_in_short_is_named(
     make_document: Factory, make_check: Factory
 ) -> None:
     view = view_of(make_document(checks=[make_check("CNV-1", scenario={"name": "odd"})]))

@@ -8,11 +8,11 @@ from drivegate_cases.publication.facts import facts, findings
 from drivegate_reports.paper.facts import comparisons
 from drivegate_reports.paper.findings import local_minima, recomputed_findings
 from drivegate_reports.paper.quantities import quantity_keys
-from drivegate_reports.paper.verdicts import Comparison, verdict_counts
+from drivegate_reports.paper.verdicts import ComparedStatement, verdict_counts
 
 
 @pytest.fixture(scope="module")
-def rows() -> dict[tuple[str, str], Comparison]:
+def rows() -> dict[tuple[str, str], ComparedStatement]:
     return {(row.fact, row.quantity): row for row in comparisons()}
 
 
@@ -36,11 +36,11 @@ def test_every_published_quantity_is_compared() -> None:
         (("P4", "net input power at 1500 rpm, 9.8 N·m, 52.5°"), "not reproduced"),
     ],
 )
-def test_verdicts(rows: dict[tuple[str, str], Comparison], key: tuple[str, str], verdict: str) -> None:
+def test_verdicts(rows: dict[tuple[str, str], ComparedStatement], key: tuple[str, str], verdict: str) -> None:
     assert rows[key].verdict == verdict, rows[key]
 
 
-def test_values_carry_units_and_residuals_signs(rows: dict[tuple[str, str], Comparison]) -> None:
+def test_values_carry_units_and_residuals_signs(rows: dict[tuple[str, str], ComparedStatement]) -> None:
     row = rows["P8", "necessary angle at 1500 rpm"]
     assert (row.published, row.ours, row.tolerance) == ("52°", "51.9°", "± 0.5°")
     assert row.residual.startswith("−0.1")
@@ -49,7 +49,7 @@ def test_values_carry_units_and_residuals_signs(rows: dict[tuple[str, str], Comp
     assert row.residual == "+3.7 W"
 
 
-def test_verdicts_are_counted(rows: dict[tuple[str, str], Comparison]) -> None:
+def test_verdicts_are_counted(rows: dict[tuple[str, str], ComparedStatement]) -> None:
     counts = dict(verdict_counts(tuple(rows.values())))
     assert sum(counts.values()) == len(rows)
     assert set(counts) == {"reproduced", "not reproduced", "open in the paper", "taken as given"}

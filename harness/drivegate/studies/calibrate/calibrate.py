@@ -9,7 +9,7 @@ from drivegate_cases.motor.motor import Motor
 from drivegate_models.half_bridge.steady.calibration import (
     ROUNDING,
     Calibration,
-    Fact,
+    ComparedFigure,
     MotorConstants,
     calibrate,
     published_facts,
@@ -54,7 +54,7 @@ def _constants(constants: MotorConstants) -> dict[str, float]:
     }
 
 
-def _facts(fitted: tuple[Fact, ...], stored: tuple[Fact, ...]) -> list[dict[str, Any]]:
+def _facts(fitted: tuple[ComparedFigure, ...], stored: tuple[ComparedFigure, ...]) -> list[dict[str, Any]]:
     roundings = (ROUNDING["worst_ripple_angle"], ROUNDING["middle_angle"], ROUNDING["rated_power"])
     return [
         {

@@ -1,6 +1,6 @@
 /* drivegate.h: the contract between drivegate and a controller written in C, C++ or anything that speaks C.
  *
- * A candidate is an outer-loop controller. Once per control period it is told the speed and the currents of the
+ * A candidate is an outer-loop controller. Once per control period it senses the speed and the currents of the
  * drive, and answers with a current reference and an advance angle. Commutation, the hysteresis comparators and
  * the gates belong to the plant.
  *
@@ -70,11 +70,11 @@ typedef struct drivegate_nameplate {
     double inertia;             /* nominal moment of inertia at the shaft, kg m^2 */
 } drivegate_nameplate;
 
-/* What the controller is told at the start of a control period. */
+/* What the controller senses at the start of a control period. */
 typedef struct drivegate_sense {
     int64_t struct_size;          /* size of this record in bytes, as the harness knows it */
     double time;                  /* time since the run began, s */
-    double speed_reference;       /* wanted shaft speed, rad/s */
+    double speed_reference;       /* demanded shaft speed, rad/s */
     double speed;                 /* measured shaft speed, rad/s */
     int64_t phase_count;          /* number of phase currents that follow */
     const double *phase_currents; /* measured phase currents at this instant, A; valid during the step only */

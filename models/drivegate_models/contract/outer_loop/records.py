@@ -138,7 +138,7 @@ def command_record() -> NDArray[Any]:
     Returns
     -------
     array of COMMAND, shape (1,)
-        A record whose numbers are all NaN, so that one left out is told from one given.
+        A record whose numbers are all NaN, so that one left out is distinguished from one given.
     """
     return _record(COMMAND, dict.fromkeys(COMMAND.names or (), np.nan))
 

@@ -8,14 +8,14 @@ from typing import NamedTuple
 
 
 class Sense(NamedTuple):
-    """What a controller is told at the start of a control period.
+    """What a controller senses at the start of a control period.
 
     Attributes
     ----------
     time : float
         Time since the run began (s).
     speed_reference : float
-        Wanted speed of the shaft (rad/s).
+        Demanded speed of the shaft (rad/s).
     speed : float
         Measured speed of the shaft (rad/s).
     phase_currents : tuple of float

@@ -82,6 +82,29 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
 
 
 @unfused
+def line_speed(state: Any, speed: float) -> float:
+    """Return the speed at which the angle model is evaluated.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    speed : float
+        Measured speed (rad/s), above base speed.
+
+    Returns
+    -------
+    float
+        For the guarded search the speed of the same EMF over nominal supply; else `speed` (rad/s).
+    """
+    if state.search == GUARDED and state.supply_voltage > 0.0:
+        # The feasible edge depends on EMF over supply; the held voltage keeps its sensor's noise out of the angle.
+        scaled: float = max(speed * state.nominal_voltage / state.supply_voltage, state.base_speed)
+        return scaled
+    return speed
+
+
+@unfused
 def line_angle(state: Any, speed: float) -> float:
     """Return the initial angle, which the search's offset is added to.
 
@@ -97,11 +120,7 @@ def line_angle(state: Any, speed: float) -> float:
     float
         Angle (rad electrical).
     """
-    line_speed = speed
-    if state.search == GUARDED and state.supply_voltage > 0.0:
-        # The same EMF over supply: the line follows the measured supply, but not its noise.
-        line_speed = max(speed * state.nominal_voltage / state.supply_voltage, state.base_speed)
-    return initial_angle(line_speed, state.base_speed, state.angle_at_base, state.angle_slope)
+    return initial_angle(line_speed(state, speed), state.base_speed, state.angle_at_base, state.angle_slope)
 
 
 @unfused

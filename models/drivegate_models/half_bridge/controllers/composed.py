@@ -11,10 +11,10 @@ from typing import Any, Final
 import numpy as np
 
 from drivegate_models.compilation.calling import call_step
-from drivegate_models.compilation.kernels import KEEPS_CACHE, unfused
+from drivegate_models.compilation.kernels import KEEPS_CACHE
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
-from drivegate_models.half_bridge.controllers.builtin import answer, current_reference, search
-from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE, GUARDED, NO_SEARCH
+from drivegate_models.half_bridge.controllers.builtin import answer, current_reference, line_speed, search
+from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE, NO_SEARCH
 
 COMPOSED_STATE: Final = np.dtype(
     [
@@ -23,7 +23,7 @@ COMPOSED_STATE: Final = np.dtype(
         ("angle_model", np.int64),
         ("speed_regulator", np.int64),
         ("search", np.int64),
-        # What a block is told besides the Sense.
+        # What a block is given besides the Sense.
         ("line_speed", np.float64),
         ("current_reference", np.float64),
         ("integral", np.float64),
@@ -35,28 +35,6 @@ COMPOSED_STATE: Final = np.dtype(
 A block is called like a step and answers in a field of the command: the angle model and the search in
 `advance_angle` (rad), the regulator in `current_reference` (A).
 """
-
-
-@unfused
-def initial_line_speed(state: Any, speed: float) -> float:
-    """Return the speed that the angle model is asked about, as `advance_angle` has it.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-    speed : float
-        Measured speed (rad/s).
-
-    Returns
-    -------
-    float
-        For the guarded search, the speed at which the nominal supply would leave as much; else `speed` (rad/s).
-    """
-    if state.search == GUARDED and state.supply_voltage > 0.0:
-        line_speed: float = max(speed * state.nominal_voltage / state.supply_voltage, state.base_speed)
-        return line_speed
-    return speed
 
 
 @cache
@@ -98,7 +76,7 @@ def composed_step_function() -> Any:
         elif state.advancing == 1 and state.search != NO_SEARCH:
             search(state, sense, reference)
         if composed.angle_model != 0 and sense.speed >= state.base_speed:
-            composed.line_speed = initial_line_speed(state, sense.speed)
+            composed.line_speed = line_speed(state, sense.speed)
             call_step(composed.angle_model, 0, sense_address, command_address)
             if command.struct_size < 0:
                 return

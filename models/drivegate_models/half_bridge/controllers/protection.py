@@ -243,10 +243,10 @@ def guard_regulation(
         gained = speed - state.speed_mark
         missing = speed_reference - speed
         # Below the initial angle torque must return soon; at it, a heavy load may take its time to accelerate.
-        wanted = missing * _DWELL / _REGAIN
+        required = missing * _DWELL / _REGAIN
         if state.offset >= 0.0:
-            wanted = min(missing / _REGAIN, _SLOWEST_REGAIN) * _CLIMB_DWELL
-        if gained <= wanted and missing > 0.0:
+            required = min(missing / _REGAIN, _SLOWEST_REGAIN) * _CLIMB_DWELL
+        if gained <= required and missing > 0.0:
             if state.offset < 0.0:
                 walk_back(state, state.first_step, gained <= 0.0)
             else:

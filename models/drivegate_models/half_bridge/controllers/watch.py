@@ -74,7 +74,7 @@ def is_uneasy(state: Any) -> bool:
     Parameters
     ----------
     state : record of CONTROLLER_STATE
-        The state; the calmest decision interval since the last change tells what they explain.
+        The state; the calmest decision interval since the last change bounds what they explain.
 
     Returns
     -------
@@ -232,7 +232,7 @@ def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
         decide_holding(state, power, change)
         return WAITING, change
     if state.winding >= _WOUND and is_uneasy(state):
-        # The reference is beyond what the angle lets flow; without a good angle known, the current tells it.
+        # The reference is beyond what the angle lets flow; without a good angle known, the current counts.
         state.integral = min(state.integral, power / state.conducting_phases)
         walk_back(state, state.first_step, True)
         return WAITING, change

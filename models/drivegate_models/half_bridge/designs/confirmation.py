@@ -1,7 +1,7 @@
 """Confirming what a search has found: its neighbours are tried, and a cheaper one is followed.
 
 A load that changes during a search leaves a bracket that no longer holds the optimum. Probes beside the angle found
-tell, whatever the search.
+reveal it, whatever the search.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def greatest_current_sum(controller: Any) -> float:
 
 @unfused
 def is_worth_confirming(state: Any) -> bool:
-    """Return whether neighbours tell anything: at light load they differ by less than a step disturbs.
+    """Return whether neighbours can be compared: at light load they differ by less than a step disturbs.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def continue_confirmation(state: Any, power: float) -> float:
     Parameters
     ----------
     state : record of DESIGN_STATE
-        Updated; `confirming` tells where the last probe was.
+        Updated; `confirming` says where the last probe was.
     power : float
         What the last probe cost (A); infinite where the torque was lost.
 

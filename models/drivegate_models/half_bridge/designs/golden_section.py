@@ -60,7 +60,7 @@ def continue_golden_section(state: Any, power: float) -> float:
     Parameters
     ----------
     state : record of DESIGN_STATE
-        Updated; `stage` tells whether the first right, a left or a right point was probed.
+        Updated; `stage` says whether the first right, a left or a right point was probed.
     power : float
         What the last probe cost (A); infinite where the torque was lost.
 

@@ -19,7 +19,7 @@ _LONGEST_WAIT = 3
 
 @unfused
 def is_reached(state: Any) -> bool:
-    """Return whether the angle is where the design wants it.
+    """Return whether the angle has reached the probe.
 
     Parameters
     ----------

@@ -116,7 +116,7 @@ def narrow(state: Any) -> float:
         probe = vertex(state)
         nearest = 0.15 * max(below, above)
         if not abs(probe - state.left) >= nearest:
-            # Too near to be told apart: look into the longer side.
+            # Too near to be distinguished: look into the longer side.
             probe = state.left - 0.4 * below if below > above else state.left + 0.4 * above
         probe = min(max(probe, state.low + 0.15 * below), state.high - 0.15 * above)
     state.right = probe

@@ -96,7 +96,7 @@ def stands_still(state: Any) -> bool:
     if state.decisions >= LATEST_DECISION:
         return True
     loaded = is_worth_confirming(state)
-    # At light load the current sum takes long to settle, and the speed tells more.
+    # At light load the current sum takes long to settle, and the speed is the better measure.
     unrest = not loaded and state.restless >= _RESTLESS
     beats = loaded and state.most - state.least > _BEATING * power + noise_of_regulator(controller)
     if unrest or beats or creeps(state):

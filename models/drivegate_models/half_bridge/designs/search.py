@@ -95,7 +95,7 @@ def next_probe(state: Any, power: float) -> float:
     if state.confirming != UNCONFIRMED:
         return continue_confirmation(state, power)
     if state.tabled == 1:
-        # A table is asked, not searched: there is nothing to confirm.
+        # A table is looked up, not searched: there is nothing to confirm.
         return look_up(state, power)
     if state.design == GOLDEN_SECTION:
         probe = continue_golden_section(state, power)
@@ -164,15 +164,15 @@ def settle_for(state: Any, offset: float) -> None:
     state : record of DESIGN_STATE
         Updated.
     offset : float
-        What the design wants (rad electrical).
+        What the design requests (rad electrical).
     """
-    wanted = offset
-    while state.finished == 0 and wanted < state.controller.forbidden + MARGIN:
-        wanted = next_probe(state, inf)
+    requested = offset
+    while state.finished == 0 and requested < state.controller.forbidden + MARGIN:
+        requested = next_probe(state, inf)
     if state.finished == 1:
-        wanted = max(state.best_offset, state.controller.forbidden + OFF_EDGE)
+        requested = max(state.best_offset, state.controller.forbidden + OFF_EDGE)
         begin_watch(state)
-    aim(state, wanted)
+    aim(state, requested)
 
 
 @unfused

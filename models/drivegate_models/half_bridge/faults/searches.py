@@ -136,8 +136,10 @@ def alter_search_after(state: Any, fault: int) -> None:
             controller.step = controller.first_step
             controller.forbidden = -inf
     elif fault == faults.STALE_POWER:
-        asked_anew = isfinite(before.speed_reference) and sense.speed_reference != before.speed_reference
-        if asked_anew and before.mode == HOLDING:
+        is_new_reference = (
+            isfinite(before.speed_reference) and sense.speed_reference != before.speed_reference
+        )
+        if is_new_reference and before.mode == HOLDING:
             state.latched = 1
             state.memory = before.held_power
     elif fault == faults.NO_ANTI_WINDUP and controller.offset == before.offset:

@@ -44,7 +44,7 @@ class Shape(NamedTuple):
     """Its rate (1/s)."""
 
 
-class Window(NamedTuple):
+class ConductionWindow(NamedTuple):
     """The conduction window that a phase is in, or the gap behind it."""
 
     sector: int
@@ -149,7 +149,7 @@ def next_shape(
 
 
 @inlined
-def window_at(angle: float, width: float, electrical: float) -> Window:
+def window_at(angle: float, width: float, electrical: float) -> ConductionWindow:
     """Return the window at an advanced angle, which is at time zero.
 
     Parameters
@@ -163,7 +163,7 @@ def window_at(angle: float, width: float, electrical: float) -> Window:
 
     Returns
     -------
-    Window
+    ConductionWindow
         Without an end at standstill.
     """
     per_radian = 1.0 / electrical if electrical > 0.0 else inf
@@ -176,16 +176,16 @@ def window_at(angle: float, width: float, electrical: float) -> Window:
         sector, to_edge, following = -1, pi + width - position, 1
     else:
         sector, to_edge, following = 0, 2.0 * pi - position, 1
-    return Window(sector, following, to_edge * per_radian if electrical > 0.0 else inf)
+    return ConductionWindow(sector, following, to_edge * per_radian if electrical > 0.0 else inf)
 
 
 @inlined
-def next_window(window: Window, width: float, electrical: float) -> Window:
+def next_window(window: ConductionWindow, width: float, electrical: float) -> ConductionWindow:
     """Return what follows a window or the gap behind it.
 
     Parameters
     ----------
-    window : Window
+    window : ConductionWindow
         The window, or the gap, that ends.
     width : float
         Width of each window (rad).
@@ -194,10 +194,10 @@ def next_window(window: Window, width: float, electrical: float) -> Window:
 
     Returns
     -------
-    Window
+    ConductionWindow
         What follows.
     """
     per_radian = 1.0 / electrical
     if window.sector != 0:
-        return Window(0, -window.sector, window.end + (pi - width) * per_radian)
-    return Window(window.following, window.following, window.end + width * per_radian)
+        return ConductionWindow(0, -window.sector, window.end + (pi - width) * per_radian)
+    return ConductionWindow(window.following, window.following, window.end + width * per_radian)

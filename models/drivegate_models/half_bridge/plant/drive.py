@@ -18,16 +18,16 @@ class Drive(NamedTuple):
     ``emf_constant * speed * f(angle)`` with the shape f given by its corners.
     """
 
+    resistance: float
+    """Winding resistance (ohm)."""
+    emf_constant: float
+    """Peak back-EMF a shaft speed (V s/rad); also peak torque an ampere (N m/A)."""
     phases: int
     """Number of phases m; phase j lags phase j - 1 by pi/m electrical."""
     pole_pairs: int
     """Pole pairs p."""
-    resistance: float
-    """Winding resistance (ohm)."""
     inductance: float
     """Winding inductance (H)."""
-    emf_constant: float
-    """Peak back-EMF a shaft speed (V s/rad); also peak torque an ampere (N m/A)."""
     half_supply_voltage: float
     """Nominal voltage of each half of the supply (V)."""
     hysteresis_band: float
@@ -36,51 +36,37 @@ class Drive(NamedTuple):
     """Width of each conduction window (rad electrical)."""
     current_limit: float
     """Greatest current reference (A)."""
-    core_loss_conductance: float
-    """Core loss a phase over the square of the gap voltage (S)."""
-    inertia: float
-    """Inertia of rotor and load (kg m2)."""
-    friction: float
-    """Friction torque independent of speed (N m)."""
-    viscous_friction: float
-    """Friction and windage torque a speed (N m s/rad)."""
-    switch_drop: float
-    """Forward drop of a switch (V)."""
-    diode_drop: float
-    """Forward drop of a freewheeling diode (V)."""
-    turn_on_energy: float
-    """Energy lost at each turn-on of a switch (J)."""
-    turn_off_energy: float
-    """Energy lost at each turn-off of a switch (J)."""
     emf_angles: NDArray[np.float64]
     """Corners of the back-EMF shape, shape (k + 1,), from 0 to 2 pi (rad electrical)."""
     emf_values: NDArray[np.float64]
     """Shape at the corners, shape (k + 1,) (1)."""
     emf_slopes: NDArray[np.float64]
     """Slope of the shape after each corner, shape (k,) (1/rad)."""
+    core_loss_conductance: float = 0.0
+    """Core loss a phase over the square of the gap voltage (S)."""
+    inertia: float = 1.0
+    """Inertia of rotor and load (kg m2)."""
+    friction: float = 0.0
+    """Friction torque independent of speed (N m)."""
+    viscous_friction: float = 0.0
+    """Friction and windage torque a speed (N m s/rad)."""
+    switch_drop: float = 0.0
+    """Forward drop of a switch (V)."""
+    diode_drop: float = 0.0
+    """Forward drop of a freewheeling diode (V)."""
+    turn_on_energy: float = 0.0
+    """Energy lost at each turn-on of a switch (J)."""
+    turn_off_energy: float = 0.0
+    """Energy lost at each turn-off of a switch (J)."""
 
 
 def make_drive(
     *,
     phases: int,
     pole_pairs: int,
-    resistance: float,
-    inductance: float,
-    emf_constant: float,
     emf_angles: NDArray[np.float64],
     emf_values: NDArray[np.float64],
-    half_supply_voltage: float,
-    hysteresis_band: float,
-    window: float,
-    current_limit: float,
-    core_loss_conductance: float = 0.0,
-    inertia: float = 1.0,
-    friction: float = 0.0,
-    viscous_friction: float = 0.0,
-    switch_drop: float = 0.0,
-    diode_drop: float = 0.0,
-    turn_on_energy: float = 0.0,
-    turn_off_energy: float = 0.0,
+    **constants: float,
 ) -> Drive:
     """Build the constants of a drive from people's values, in SI units.
 
@@ -88,30 +74,10 @@ def make_drive(
     ----------
     phases, pole_pairs : int
         Number of phases and of pole pairs.
-    resistance, inductance : float
-        Of one winding (ohm, H).
-    emf_constant : float
-        Peak back-EMF of a phase a shaft speed (V s/rad).
     emf_angles, emf_values : ndarray, shape (k,)
         Corners of the positive half cycle of the back-EMF shape (rad, 1); see `drivegate_models.machine.emf`.
-    half_supply_voltage : float
-        Voltage of each half of the supply (V).
-    hysteresis_band : float
-        Half-width of the current band (A).
-    window : float
-        Width of each conduction window (rad electrical).
-    current_limit : float
-        Greatest current reference (A).
-    core_loss_conductance : float
-        Core loss conductance a phase (S).
-    inertia : float
-        Inertia (kg m2).
-    friction, viscous_friction : float
-        Friction torque (N m) and its part a speed (N m s/rad).
-    switch_drop, diode_drop : float
-        Forward drops (V).
-    turn_on_energy, turn_off_energy : float
-        Losses of each switching (J).
+    **constants : float
+        The other fields of `Drive`, by name and in its units; its defaults hold for those left out.
 
     Returns
     -------
@@ -119,27 +85,14 @@ def make_drive(
         The constants, with the shape's corners over the whole cycle.
     """
     angles, values = full_cycle(emf_angles, emf_values)
+    # Each kernel is compiled for one type of drive; an int among the floats would compile it once more.
     return Drive(
         phases=int(phases),
         pole_pairs=int(pole_pairs),
-        resistance=float(resistance),
-        inductance=float(inductance),
-        emf_constant=float(emf_constant),
-        half_supply_voltage=float(half_supply_voltage),
-        hysteresis_band=float(hysteresis_band),
-        window=float(window),
-        current_limit=float(current_limit),
-        core_loss_conductance=float(core_loss_conductance),
-        inertia=float(inertia),
-        friction=float(friction),
-        viscous_friction=float(viscous_friction),
-        switch_drop=float(switch_drop),
-        diode_drop=float(diode_drop),
-        turn_on_energy=float(turn_on_energy),
-        turn_off_energy=float(turn_off_energy),
         emf_angles=angles,
         emf_values=values,
         emf_slopes=np.diff(values) / np.diff(angles),
+        **{name: float(constant) for name, constant in constants.items()},
     )
 
 
@@ -159,25 +112,5 @@ def drifted(drive: Drive, resistance_factor: float, emf_factor: float) -> Drive:
     Drive
         The same but for these two.
     """
-    return Drive(
-        drive.phases,
-        drive.pole_pairs,
-        drive.resistance * resistance_factor,
-        drive.inductance,
-        drive.emf_constant * emf_factor,
-        drive.half_supply_voltage,
-        drive.hysteresis_band,
-        drive.window,
-        drive.current_limit,
-        drive.core_loss_conductance,
-        drive.inertia,
-        drive.friction,
-        drive.viscous_friction,
-        drive.switch_drop,
-        drive.diode_drop,
-        drive.turn_on_energy,
-        drive.turn_off_energy,
-        drive.emf_angles,
-        drive.emf_values,
-        drive.emf_slopes,
-    )
+    # Compiled code has no `_replace`; what drifts comes first, so that the rest passes as one piece.
+    return Drive(drive.resistance * resistance_factor, drive.emf_constant * emf_factor, *drive[2:])

@@ -38,8 +38,8 @@ _HOPELESS = 1.05
 _BELOW = 0.05
 
 
-class Demand(NamedTuple):
-    """A torque asked of a drive at a speed, with room for the computation."""
+class TorqueDemand(NamedTuple):
+    """A torque demanded of a drive at a speed, with room for the computation."""
 
     drive: Drive
     """The drive's constants."""
@@ -52,7 +52,7 @@ class Demand(NamedTuple):
     voltage: float
     """Voltage of each half-source (V)."""
     torque: float
-    """Wanted mean electromagnetic torque (N m)."""
+    """Demanded mean electromagnetic torque (N m)."""
 
 
 class Evaluation(NamedTuple):
@@ -67,13 +67,13 @@ class Evaluation(NamedTuple):
 
 
 def search_reference(
-    demand: Demand, advance: float, tolerance: float = CURRENT_TOLERANCE, floor: float = 0.0
+    demand: TorqueDemand, advance: float, tolerance: float = CURRENT_TOLERANCE, floor: float = 0.0
 ) -> ReferenceSearch:
     """Return the reference and the cost of a torque at one advance angle, if robustly feasible.
 
     Parameters
     ----------
-    demand : Demand
+    demand : TorqueDemand
         Drive, speed, supply and torque.
     advance : float
         Advance angle (rad electrical).
@@ -83,7 +83,7 @@ def search_reference(
     Returns
     -------
     ReferenceSearch
-        Out of reach unless the torque at the current limit reaches the wanted one.
+        Out of reach unless the torque at the current limit reaches the demanded one.
     """
     drive, work, slices, speed, voltage, torque = demand
     limit = drive.current_limit
@@ -92,12 +92,12 @@ def search_reference(
     )
 
 
-def reaches(demand: Demand, advance: float, static: bool = False) -> bool:
+def reaches(demand: TorqueDemand, advance: float, static: bool = False) -> bool:
     """Return whether an advance angle can give a torque.
 
     Parameters
     ----------
-    demand : Demand
+    demand : TorqueDemand
         Drive, speed, supply and torque.
     advance : float
         Advance angle (rad electrical).
@@ -120,7 +120,7 @@ def reaches(demand: Demand, advance: float, static: bool = False) -> bool:
     return most >= torque
 
 
-def _edge_between(demand: Demand, outside: float, inside: float, static: bool = False) -> float:
+def _edge_between(demand: TorqueDemand, outside: float, inside: float, static: bool = False) -> float:
     """Return the edge between an infeasible and a feasible angle, in either order, on its feasible side."""
     while abs(inside - outside) > EDGE_TOLERANCE:
         middle = 0.5 * (outside + inside)
@@ -131,12 +131,12 @@ def _edge_between(demand: Demand, outside: float, inside: float, static: bool = 
     return inside
 
 
-def smallest_feasible(demand: Demand, static: bool = False) -> float:
+def smallest_feasible(demand: TorqueDemand, static: bool = False) -> float:
     """Return the smallest advance angle that can give a torque, from a scan in steps of 1 degree.
 
     Parameters
     ----------
-    demand : Demand
+    demand : TorqueDemand
         Drive, speed, supply and torque.
     static : bool
         As in `reaches`.
@@ -153,7 +153,7 @@ def smallest_feasible(demand: Demand, static: bool = False) -> float:
     return nan
 
 
-def _evaluated(demand: Demand, by_power: bool, advance: float, nearby: float) -> Evaluation:
+def _evaluated(demand: TorqueDemand, by_power: bool, advance: float, nearby: float) -> Evaluation:
     """Return the cost of an angle; the scan starts just below a reference nearby, if that is not NaN."""
     floor = nearby - _BELOW * demand.drive.current_limit if nearby == nearby else 0.0
     found = search_reference(demand, advance, _SEARCH_TOLERANCE, floor)
@@ -162,7 +162,7 @@ def _evaluated(demand: Demand, by_power: bool, advance: float, nearby: float) ->
     return Evaluation(found.input_power if by_power else found.current_sum, advance, found.low)
 
 
-def _golden(demand: Demand, by_power: bool, low: float, high: float, nearby: float) -> Evaluation:
+def _golden(demand: TorqueDemand, by_power: bool, low: float, high: float, nearby: float) -> Evaluation:
     """Return the least cost between two angles, by golden section."""
     left = _evaluated(demand, by_power, high - _GOLDEN * (high - low), nearby)
     right = _evaluated(demand, by_power, low + _GOLDEN * (high - low), nearby)
@@ -176,7 +176,7 @@ def _golden(demand: Demand, by_power: bool, low: float, high: float, nearby: flo
     return min(left, right)
 
 
-def _finest(demand: Demand, by_power: bool, valley: Evaluation) -> Evaluation:
+def _finest(demand: TorqueDemand, by_power: bool, valley: Evaluation) -> Evaluation:
     """Return the least cost within 1 degree of a valley of the coarse grid.
 
     A grid of 0.1 degree, then the edges beside its best point, then golden section between them.
@@ -193,12 +193,12 @@ def _finest(demand: Demand, by_power: bool, valley: Evaluation) -> Evaluation:
     return min(best, *candidates, _golden(demand, by_power, ends[0], ends[1], valley.reference))
 
 
-def least_cost(demand: Demand, by_power: bool) -> float:
+def least_cost(demand: TorqueDemand, by_power: bool) -> float:
     """Return the robustly feasible advance angle at which a torque costs least.
 
     Parameters
     ----------
-    demand : Demand
+    demand : TorqueDemand
         Drive, speed, supply and torque.
     by_power : bool
         Whether the net input power is to be least, instead of the sum of current magnitudes.

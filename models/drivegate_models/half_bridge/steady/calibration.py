@@ -75,7 +75,7 @@ class MotorConstants:
 
 
 @dataclass(frozen=True)
-class Fact:
+class ComparedFigure:
     """One published figure beside the same figure of a motor."""
 
     name: str
@@ -117,7 +117,7 @@ class GeometryCheck:
     radius: float
     """Inner radius of the stator (m)."""
     flux_density: float
-    """Flux density in the gap that the fitted constant asks for (T)."""
+    """Flux density in the gap that the fitted constant requires (T)."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ class Calibration:
 
     constants: MotorConstants
     """The fitted constants."""
-    facts: tuple[Fact, ...]
+    facts: tuple[ComparedFigure, ...]
     """The published facts beside the fitted motor's."""
     torque_residuals: tuple[float, float, float]
     """What the fit leaves of its three torques (N m)."""
@@ -141,7 +141,7 @@ class Calibration:
 
 
 def geometry_check(emf_constant: float) -> GeometryCheck:
-    """Return the gap flux density that a back-EMF constant asks for with the paper's geometry.
+    """Return the gap flux density that a back-EMF constant requires with the paper's geometry.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ def greatest_torque_at_limit(drive: Drive, speed_rpm: float) -> tuple[float, flo
     return -float(found.fun), float(found.x)
 
 
-def published_facts(drive: Drive, figures: PublishedFigures | None = None) -> tuple[Fact, ...]:
+def published_facts(drive: Drive, figures: PublishedFigures | None = None) -> tuple[ComparedFigure, ...]:
     """Return the facts that the fit uses beside those of a drive, in the paper's own terms.
 
     Parameters
@@ -235,7 +235,7 @@ def published_facts(drive: Drive, figures: PublishedFigures | None = None) -> tu
 
     Returns
     -------
-    tuple of Fact
+    tuple of ComparedFigure
         Two necessary angles (deg) and the rated power (W).
     """
     chosen = figures or PublishedFigures()
@@ -251,10 +251,12 @@ def published_facts(drive: Drive, figures: PublishedFigures | None = None) -> tu
     facts = []
     for name, speed_rpm, torque, angle in edges:
         ours = degrees(feasible_edge(drive, speed_rpm * RADIANS_PER_RPM, torque))
-        facts.append(Fact(name, angle, ours, ours - angle, "deg"))
+        facts.append(ComparedFigure(name, angle, ours, ours - angle, "deg"))
     power = greatest_torque_at_limit(drive, _BASE_SPEED)[0] * _BASE_SPEED * RADIANS_PER_RPM
     excess = power - chosen.rated_power
-    facts.append(Fact("power at 500 rpm and 26 A (Table 1)", chosen.rated_power, power, excess, "W"))
+    facts.append(
+        ComparedFigure("power at 500 rpm and 26 A (Table 1)", chosen.rated_power, power, excess, "W")
+    )
     return tuple(facts)
 
 
@@ -273,8 +275,8 @@ def _residuals(
     worst = _torque_at_limit(drive, 1500.0, radians(figures.worst_ripple_angle))
     middle = _torque_at_limit(drive, 1200.0, radians(figures.middle_angle))
     rated, _ = greatest_torque_at_limit(drive, _BASE_SPEED)
-    wanted = figures.rated_power / (_BASE_SPEED * RADIANS_PER_RPM)
-    return np.array([worst - figures.worst_ripple_torque, middle - figures.middle_torque, rated - wanted])
+    required = figures.rated_power / (_BASE_SPEED * RADIANS_PER_RPM)
+    return np.array([worst - figures.worst_ripple_torque, middle - figures.middle_torque, rated - required])
 
 
 def _fitted(

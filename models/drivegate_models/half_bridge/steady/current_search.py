@@ -1,8 +1,8 @@
-"""The current reference at which the drive's steady state gives a wanted mean torque.
+"""The current reference at which the drive's steady state gives a demanded mean torque.
 
 Torque is not monotone in the current reference (unregulated current past the window's middle turns against
 the machine), and with a hysteresis band it jumps wherever a chop enters or leaves the window. So the
-reference is scanned upward, the first bracket taken, and a jump across the wanted torque reported as the
+reference is scanned upward, the first bracket taken, and a jump across the demanded torque reported as the
 share of time on each side.
 """
 
@@ -24,7 +24,7 @@ OUT_OF_REACH: int = 0
 STATIC: int = 1
 """A smaller current reference gives the torque, but the current limit itself does not."""
 ROBUST: int = 2
-"""The torque at the current limit reaches the wanted torque, so a saturated regulator recovers."""
+"""The torque at the current limit reaches the demanded torque, so a saturated regulator recovers."""
 CURRENT_TOLERANCE: float = 1e-9
 """Width to which a current reference is located (A)."""
 
@@ -44,7 +44,7 @@ class MeanState(NamedTuple):
 
 
 class ReferenceSearch(NamedTuple):
-    """Current reference, or pair of references in time shares, that gives a wanted mean torque.
+    """Current reference, or pair of references in time shares, that gives a demanded mean torque.
 
     Every number is NaN out of reach.
     """
@@ -56,7 +56,7 @@ class ReferenceSearch(NamedTuple):
     high: float
     """Reference on the side of more torque (A), equal to `low` where the torque is continuous."""
     share: float
-    """Share of time at `high`, 0 to 1, at which the mean torque is the wanted one."""
+    """Share of time at `high`, 0 to 1, at which the mean torque is the demanded one."""
     current_sum: float
     """Mean of the sum of the phase currents' magnitudes (A)."""
     input_power: float
@@ -206,7 +206,7 @@ def _located(
     high_state: MeanState,
     tolerance: float,
 ) -> ReferenceSearch:
-    """Shrink a bracket, below the wanted torque at `low` and not at `high`, by regula falsi and halving."""
+    """Shrink a bracket, below the demanded torque at `low` and not at `high`, by regula falsi and halving."""
     near = drive.phases * drive.emf_constant * tolerance
     low_weight = low_state.torque - torque
     high_weight = high_state.torque - torque
@@ -272,7 +272,7 @@ def reference_for_torque(
     floor: float,
     robust_only: bool,
 ) -> ReferenceSearch:
-    """Return the least current reference at which the mean torque is the wanted one.
+    """Return the least current reference at which the mean torque is the demanded one.
 
     The reference is scanned upward in steps of a hundredth of the limit, so a torque that is reached only
     within a narrower stretch of references is found only where it surrounds the greatest torque.
@@ -282,7 +282,7 @@ def reference_for_torque(
     drive, work, slices, speed, voltage, advance
         As in `mean_state`.
     torque : float
-        Wanted mean electromagnetic torque (N m).
+        Demanded mean electromagnetic torque (N m).
     limit : float
         Greatest current reference (A).
     tolerance : float
@@ -290,12 +290,12 @@ def reference_for_torque(
     floor : float
         Reference to start from (A) where the answer is known to lie above; 0 leaves nothing out.
     robust_only : bool
-        Whether to give up at once where the torque at the limit does not reach the wanted one.
+        Whether to give up at once where the torque at the limit does not reach the demanded one.
 
     Returns
     -------
     ReferenceSearch
-        One reference; two with their shares of time where the torque jumps across the wanted one.
+        One reference; two with their shares of time where the torque jumps across the demanded one.
     """
     nowhere = ReferenceSearch(OUT_OF_REACH, nan, nan, nan, nan, nan)
     at_limit = mean_state(drive, work, slices, speed, voltage, limit, advance)
@@ -305,7 +305,7 @@ def reference_for_torque(
     least = least_conceivable(drive, torque)
     low = 0.0
     low_state = at_limit
-    # Each start is taken back to a safer one if the torque there is beyond the wanted one already.
+    # Each start is taken back to a safer one if the torque there is beyond the demanded one already.
     for start in (max(floor, least), least, 0.0):
         low = start if start < limit else 0.0
         low_state = mean_state(drive, work, slices, speed, voltage, low, advance)

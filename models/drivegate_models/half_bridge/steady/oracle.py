@@ -16,7 +16,7 @@ from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phases import make_phases
 from drivegate_models.half_bridge.steady.angle_search import (
-    Demand,
+    TorqueDemand,
     least_cost,
     search_reference,
     smallest_feasible,
@@ -49,13 +49,13 @@ __all__ = [
 
 
 class TorquePoint(NamedTuple):
-    """Steady state at a wanted mean torque, a mix in time of two references where the torque jumps across it.
+    """Steady state at a demanded mean torque, a mix in time of two references where the torque jumps across it.
 
     Out of reach every mean is NaN.
     """
 
     robust: bool
-    """Whether the torque at the current limit reaches the wanted one."""
+    """Whether the torque at the current limit reaches the demanded one."""
     static: bool
     """Whether the greatest torque over all references up to the limit does."""
     reference: float
@@ -116,16 +116,18 @@ class CurrentSumCurve(NamedTuple):
     """Whether the angle is robustly feasible, shape (n,)."""
 
 
-def _demand(drive: Drive, speed: float, torque: float, voltage: float | None) -> Demand:
+def _demand(drive: Drive, speed: float, torque: float, voltage: float | None) -> TorqueDemand:
     """Return the demand with room for its computation, after a look at the operating point."""
     if not (isfinite(speed) and speed > 0.0):
         raise InputError(f"the speed is {speed:g} rad/s; a steady state needs a finite speed above 0")
     if not isfinite(torque):
-        raise InputError(f"the wanted torque is {torque:g} N m; it must be finite")
+        raise InputError(f"the demanded torque is {torque:g} N m; it must be finite")
     supply = drive.half_supply_voltage if voltage is None else voltage
     if not (isfinite(supply) and supply > 0.0):
         raise InputError(f"the half-supply voltage is {supply:g} V; it must be finite and above 0")
-    return Demand(drive, make_phases(drive), make_phases(drive), float(speed), float(supply), float(torque))
+    return TorqueDemand(
+        drive, make_phases(drive), make_phases(drive), float(speed), float(supply), float(torque)
+    )
 
 
 def _mean_reference(found: ReferenceSearch) -> float:
@@ -151,7 +153,7 @@ def point_at_torque(
     advance : float
         Advance angle (rad electrical).
     torque : float
-        Wanted mean electromagnetic torque (N m).
+        Demanded mean electromagnetic torque (N m).
     voltage : float, optional
         Voltage of each half-source (V); the drive's nominal one by default.
 
@@ -227,7 +229,7 @@ def feasible_edge(
     speed : float
         Shaft speed (rad/s), above 0.
     torque : float
-        Wanted mean electromagnetic torque (N m).
+        Demanded mean electromagnetic torque (N m).
     voltage : float, optional
         Voltage of each half-source (V); the drive's nominal one by default.
     static : bool

@@ -39,20 +39,20 @@ TITLE = "Margins of all runs"
 
 
 def alternative(rows: Sequence[CheckMargins]) -> str:
-    """Tell the figure in words, for who cannot see it."""
-    told = "; ".join(
+    """Describe the figure in words, for who cannot see it."""
+    margins = "; ".join(
         f"{row.check} least {row.margins[0]:.2g}, median {np.median(row.margins):.2g}" for row in rows
     )
-    return f"A row of marks for each check, one for each run, left of zero where it is not met. {told}."
+    return f"A row of marks for each check, one for each run, left of zero where it is not met. {margins}."
 
 
 def caption(rows: Sequence[CheckMargins]) -> str:
     """Say what the figure shows."""
     beyond = sum(int(np.count_nonzero(np.abs(row.margins) > SHOWN)) for row in rows)
-    told = f" {beyond} marks lie beyond the axis and are drawn at its border." if beyond else ""
+    hidden = f" {beyond} marks lie beyond the axis and are drawn at its border." if beyond else ""
     return (
         "One mark for each run that decides on the check: the distance from the limit over the limit. Right of zero "
-        f"the requirement is met; the thick mark is the median.{told}"
+        f"the requirement is met; the thick mark is the median.{hidden}"
     )
 
 

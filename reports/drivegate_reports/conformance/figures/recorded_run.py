@@ -19,7 +19,7 @@ _JUDGED: Final = "#F4E3C1"
 
 
 def alternative(signals: RunSignals) -> str:
-    """Tell the figure in words, for who cannot see it."""
+    """Describe the figure in words, for who cannot see it."""
     error = signals.speed_error_rpm
     return (
         f"Four panels over {signals.scenario.duration_s:g} s. The speed error lies between {error.min():.3g} and "

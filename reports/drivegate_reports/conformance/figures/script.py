@@ -1,4 +1,4 @@
-"""What a script told a controller, row by row: speed with its reference, and the sum of the phase currents."""
+"""What a controller senses in a script, row by row: speed with its reference, and the sum of the phase currents."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST_TICKS: Final = 12
 
 
 def alternative(script: Script) -> str:
-    """Tell the figure in words, for who cannot see it."""
+    """Describe the figure in words, for who cannot see it."""
     errors = [row.speed_rpm - row.speed_reference_rpm for row in script.rows]
     sums = [row.current_sum_a for row in script.rows]
     return (
@@ -32,7 +32,7 @@ def alternative(script: Script) -> str:
 
 
 def draw(script: Script) -> Figure:
-    """Draw what the controller was told."""
+    """Draw what the controller sensed."""
     figure, (speed, current) = new_figure(3.6, 2, fitted=False)
     count = len(script.rows)
     edges = np.arange(count + 1) + 0.5

@@ -105,7 +105,7 @@ TITLE = "One phase over a cycle at constant power (Fig. 1)"
 
 
 def alternative(data: CycleWaveforms) -> str:
-    """Tell the figure in words, for who cannot see it."""
+    """Describe the figure in words, for who cannot see it."""
     return (
         f"Upper panel: the terminal voltage is a square of 48 V; the rotational EMF is a trapezoid of "
         f"{data.emf_v.max():.1f} V that outgrows it {data.meeting_deg:.0f}° after the window opens. From there the "

@@ -108,7 +108,7 @@ TITLE = "Initial advance angle over speed (Fig. 3)"
 
 
 def alternative(data: InitialAngles) -> str:
-    """Tell the figure in words, for who cannot see it."""
+    """Describe the figure in words, for who cannot see it."""
     inside = data.speed_rpm[data.published_deg < data.edge_deg]
     reached = f"below it up to {inside[-1]:.0f} rpm" if inside.size else "never below it"
     return (

@@ -112,7 +112,7 @@ TITLE = "Initial against optimal angle (Figs. 3 and 7)"
 
 
 def alternative(data: InputCurrentSweep) -> str:
-    """Tell the figure in words, for who cannot see it."""
+    """Describe the figure in words, for who cannot see it."""
     current, power = data.current_saving_percent, data.power_saving_percent
     return (
         f"From {data.speed_rpm[0]:.0f} to {data.speed_rpm[-1]:.0f} rpm the optimal angle lies below the initial "

@@ -92,7 +92,7 @@ TITLE = "Torque at three times base speed (Fig. 6)"
 
 
 def alternative(data: TorqueCycle) -> str:
-    """Tell the figure in words, for who cannot see it."""
+    """Describe the figure in words, for who cannot see it."""
     return (
         f"Torque over one electrical cycle repeats ten times between {data.lowest_nm:.2f} and "
         f"{data.highest_nm:.2f} N·m around its mean of {data.mean_nm:.2f} N·m: a ripple of "

@@ -92,7 +92,7 @@ TITLE = "Phase currents (Figs. 9 and 10)"
 
 
 def alternative(figures: tuple[PhaseCurrents, ...]) -> str:
-    """Tell the figure in words, for who cannot see it."""
+    """Describe the figure in words, for who cannot see it."""
     return " ".join(
         f"At {data.speed_rpm:.0f} rpm the current of each phase rises to {float(np.max(data.current_a)):.1f} A, "
         f"changes by {signed(data.slope_a_per_ms, 1)} A/ms before its window closes, and returns to zero before it "

@@ -100,7 +100,7 @@ TITLE = "Torque ripple over the range of speeds (on Fig. 6)"
 
 
 def alternative(data: RippleOverSpeed) -> str:
-    """Tell the figure in words, for who cannot see it."""
+    """Describe the figure in words, for who cannot see it."""
     worst = int(np.argmax(data.optimal_percent))
     return (
         "With ideal regulators the ripple at the angle of least current lies between "
@@ -117,7 +117,7 @@ def caption(data: RippleOverSpeed) -> str:
     above = data.speed_rpm[
         (data.optimal_percent >= LIMIT_PERCENT) & (data.speed_rpm <= HIGHEST_PUBLISHED_RPM)
     ]
-    told = (
+    course = (
         f"passes the limit at {', '.join(f'{speed:.0f}' for speed in above)} rpm"
         if above.size
         else "stays below it"
@@ -125,7 +125,7 @@ def caption(data: RippleOverSpeed) -> str:
     return (
         "Steady states of 1.5 kW; below base speed at 0° and 26 A. At the angle of least Σ|i|, on the edge "
         "of what is "
-        f"feasible, the ripple {told}; at 9.8 N·m and {data.published_deg:g}° it is "
+        f"feasible, the ripple {course}; at 9.8 N·m and {data.published_deg:g}° it is "
         f"{data.published_percent:.1f} %. With "
         "the hysteresis band the torque jumps near that edge, and both sides of a jump count. Where the "
         "line of the band "

@@ -133,7 +133,7 @@ TITLE = "Search for the optimal angle (Fig. 5)"
 
 
 def alternative(data: SearchTrajectory) -> str:
-    """Tell the figure in words, for who cannot see it."""
+    """Describe the figure in words, for who cannot see it."""
     kept, lost = data.reference, data.published
     return (
         f"The reference's advance angle goes from {kept.advance_deg[0]:.0f}° to {kept.advance_deg[-1]:.1f}° and stays; "

@@ -97,7 +97,7 @@ TITLE = "The limit of speed (on Fig. 10 and section Constant Power Operation)"
 
 
 def alternative(data: SpeedLimit) -> str:
-    """Tell the figure in words, for who cannot see it."""
+    """Describe the figure in words, for who cannot see it."""
     return (
         f"Upper panel: the greatest power at the current limit stays above {data.greatest_power_w.min():.0f} W up to "
         f"{data.speed_rpm[-1]:.0f} rpm, the power at 90° comes up to it from below. Lower panel: the angle of greatest "

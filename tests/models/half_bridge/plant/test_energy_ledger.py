@@ -135,7 +135,7 @@ def runs(draw: st.DrawFn) -> Run:
 
 
 def _duration(drive: Drive, period: Period, angle: float) -> float:
-    """Return the period's length, cut so that it ends on the first phase's next window edge where asked."""
+    """Return the period's length, cut so that it ends on the first phase's next window edge where requested."""
     electrical = drive.pole_pairs * period.speed
     if not period.to_window_edge or electrical <= 0.0:
         return period.duration

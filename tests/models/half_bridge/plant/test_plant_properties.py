@@ -382,13 +382,13 @@ def test_two_stationary_points_within_one_interval(sign: float, rate: float) -> 
     # Slope u**3/3 - u + 1/2 in u = 3 t/length - 3/2: above zero and rising at the start and at the end.
     times = np.linspace(0.0, length, 2001)
     u = 3.0 * times / length - 1.5
-    wanted = sign * (u**4 / 12.0 - u**2 / 2.0 + 0.5 * u)
+    target = sign * (u**4 / 12.0 - u**2 / 2.0 + 0.5 * u)
     faded = -np.expm1(-rate * times) / rate
     bent = (times - faded) / rate
     # Two phases, one at the peak of the shape and one at its zero, make every form that a torque can take.
     forms = np.column_stack([np.ones_like(times), times, faded, times * faded, -bent, -times * bent])
     scaling = np.abs(forms).max(axis=0)
-    coefficients = np.linalg.lstsq(forms / scaling, wanted, rcond=None)[0] / scaling
+    coefficients = np.linalg.lstsq(forms / scaling, target, rcond=None)[0] / scaling
     torque = forms @ coefficients
     peak = int(np.argmax(sign * torque))
     assert 0 < peak < times.size - 1, "the premise: the extreme lies within the interval"

@@ -82,7 +82,7 @@ def test_static_edge_lies_below_the_robust_one() -> None:
     ("speed_rpm", "degrees", "torque"),
     [(200, 0, 12.0), (600, 30, 20.0), (1000, 35, 14.0), (1500, 52.5, 9.8), (1500, 58, 9.8), (2000, 60, 3.0)],
 )
-def test_point_has_the_wanted_torque(drive: Drive, speed_rpm: float, degrees: float, torque: float) -> None:
+def test_point_has_the_demanded_torque(drive: Drive, speed_rpm: float, degrees: float, torque: float) -> None:
     point = point_at_torque(drive, speed_rpm * RPM, radians(degrees), torque)
     assert point.robust
     assert point.static
@@ -104,7 +104,7 @@ def test_reference_is_the_least_one() -> None:
     assert max(below) < 14.0
 
 
-def test_jump_across_the_wanted_torque_is_mixed_in_time() -> None:
+def test_jump_across_the_demanded_torque_is_mixed_in_time() -> None:
     speed, advance = 1500 * RPM, radians(52.5)
     point = point_at_torque(BANDED, speed, advance, 9.8)
     low = steady_state(BANDED, speed, point.reference_low, advance)
