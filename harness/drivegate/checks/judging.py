@@ -40,7 +40,7 @@ class SetAside:
     scenario : str
         Its name.
     reason : str
-        Why no controller could do what it asks.
+        Why no controller could do what it requires.
     """
 
     scenario: str

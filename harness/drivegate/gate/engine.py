@@ -26,7 +26,7 @@ from drivegate.gate.warm_up import compile_kernels, missing_marker
 from drivegate.results.baseline import Baseline, compared
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import machine, provenance
-from drivegate.results.result import CheckOutcome, CheckResult, Comparison, FixedMargins
+from drivegate.results.result import BaselineComparison, CheckOutcome, CheckResult, FixedMargins
 from drivegate.results.verdict import candidate_verdict, check_outcomes, machine_dependent
 from drivegate.results.waivers import Waiver, present_day, under_waivers
 from drivegate_models.errors import InputError
@@ -189,7 +189,7 @@ def _result(
     effort: str,
     seed: int,
     outcomes: tuple[CheckOutcome, ...],
-    comparisons: tuple[Comparison, ...] | None,
+    comparisons: tuple[BaselineComparison, ...] | None,
     traces: tuple[dict[str, list[float]], ...],
     progress: _Progress,
     timing: dict[str, Any],

@@ -134,7 +134,7 @@ class CheckOutcome:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class BaselineComparison:
     """How the margins of one check have changed.
 
     Attributes
@@ -195,7 +195,7 @@ class CheckResult:
         Number of scenarios of the corpus that were run.
     fixed : tuple of FixedMargins
         The fixed scenarios and their margins.
-    baseline : tuple of Comparison or None
+    baseline : tuple of BaselineComparison or None
         How margins have changed since an earlier result; None where it was not compared with one.
     fail_on : str
         ``required``, or ``advisory`` where advisory checks count like required ones.
@@ -216,7 +216,7 @@ class CheckResult:
     timing: dict[str, Any]
     corpus_runs: int = 0
     fixed: tuple[FixedMargins, ...] = ()
-    baseline: tuple[Comparison, ...] | None = None
+    baseline: tuple[BaselineComparison, ...] | None = None
     fail_on: str = "required"
     traces: tuple[dict[str, list[float]], ...] = ()
 

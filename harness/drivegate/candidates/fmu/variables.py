@@ -82,7 +82,7 @@ class Connections:
     output_references : tuple of int
         Value references of current reference, advance angle and, where there is one, input power.
     parameters : tuple of Parameter
-        What it takes of the nameplate.
+        What it reads of the nameplate.
     """
 
     signals: tuple[str, ...]

@@ -128,7 +128,7 @@ class _Steps:
         self._currents_view = (ctypes.c_char * self._currents_packing.size).from_address(address)
 
     def _stop(self, error: BaseException, sense: Sense | None, command_address: int) -> None:
-        """End the run. Memory may be exhausted, so the loop is told first and the fault may stay terse."""
+        """End the run. Memory may be exhausted, so the loop is stopped first and the fault may stay terse."""
         ctypes.memmove(command_address, _STOP, len(_STOP))
         if self.fault is not None:
             return
