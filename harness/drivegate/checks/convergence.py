@@ -119,7 +119,7 @@ def reaches_optimum(record: RunRecord) -> Margin | None:
 def _excess(record: RunRecord, window: SteadyWindow) -> Margin:
     torque = window.values.torque
     mean = window.values.current_sum
-    # Where the reference is not held, the least sum is that of the speed at which the torque really is.
+    # Where the speed reference is not held, the least sum is that of the speed at which the torque really is.
     mean_speed = window.values.speed
     base_speed = record.scenario.motor.base_speed_rpm * RADIANS_PER_RPM
     speed = mean_speed if mean_speed > base_speed else window.speed

@@ -12,7 +12,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 
 if TYPE_CHECKING:
-    from drivegate.checks.judging import SetAside
+    from drivegate.checks.judging import InfeasibleScenario
 
 RESULT_SCHEMA: Final = 2
 """Version of the result document."""
@@ -185,7 +185,7 @@ class CheckResult:
         The candidate's faults.
     runs : int
         Number of runs made.
-    set_aside : tuple of SetAside
+    infeasible : tuple of InfeasibleScenario
         Drawn scenarios that no controller could do, which were not run.
     provenance : dict
         Versions and machine-independent origin.
@@ -211,7 +211,7 @@ class CheckResult:
     checks: tuple[CheckOutcome, ...]
     faults: tuple[Fault, ...]
     runs: int
-    set_aside: tuple[SetAside, ...]
+    infeasible: tuple[InfeasibleScenario, ...]
     provenance: dict[str, Any]
     timing: dict[str, Any]
     corpus_runs: int = 0
@@ -241,8 +241,8 @@ class CheckResult:
             "checks": [asdict(outcome) for outcome in self.checks],
             "faults": [_fault_document(fault) for fault in self.faults],
             "runs": self.runs,
-            "set_aside": len(self.set_aside),
-            "infeasible": [asdict(drawn) for drawn in self.set_aside],
+            "set_aside": len(self.infeasible),
+            "infeasible": [asdict(drawn) for drawn in self.infeasible],
             "corpus_runs": self.corpus_runs,
             "fixed": [asdict(run) for run in self.fixed],
             "baseline": None if self.baseline is None else [asdict(entry) for entry in self.baseline],

@@ -141,7 +141,7 @@ class FakeEngine:
             checks=self.outcomes,
             faults=self.faults,
             runs=2,
-            set_aside=(),
+            infeasible=(),
             provenance={"drivegate": "0.1.0"},
             timing=self.timing,
             corpus_runs=self.corpus_runs,

@@ -90,7 +90,7 @@ class FakeEngine:
             checks=checks,
             faults=self.faults,
             runs=1,
-            set_aside=(),
+            infeasible=(),
             provenance={"drivegate": "0.1.0"},
             timing={"seconds": 1.0},
         )

@@ -34,7 +34,7 @@ class Exchanged:
     current_reference : ndarray
         The regulator's answer, for the search (A).
     integral : ndarray
-        What the regulator keeps and the reference's search may set back (A).
+        What the regulator keeps and the reference controller's search may set back (A).
     """
 
     line_speed: NDArray[np.float64]
@@ -87,11 +87,11 @@ class SpeedRegulatorStep:
         if keeps and restored != self._reported:
             self._regulator.integral = restored
         answer = self._regulator.step(sense.speed_reference, sense.speed, self._period)
-        reference = _number(answer, "speed_regulator.step", "a current in A")
-        kept = self._regulator.integral if keeps else reference
+        current_reference = _number(answer, "speed_regulator.step", "a current in A")
+        kept = self._regulator.integral if keeps else current_reference
         self._reported = _number(kept, "speed_regulator.integral", "a current in A")
         self._integral[0] = self._reported
-        return Command(reference, 0.0)
+        return Command(current_reference, 0.0)
 
 
 class SearchStep:

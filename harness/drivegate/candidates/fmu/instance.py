@@ -82,7 +82,9 @@ class FmuInstance(ABC):
             if self.description.log_categories:
                 self._slave.setDebugLogging(True, self.description.log_categories)
             for parameter in self.description.connections.parameters:
-                self._set_parameter(parameter.kind, parameter.reference, getattr(nameplate, parameter.field))
+                self._set_parameter(
+                    parameter.kind, parameter.value_reference, getattr(nameplate, parameter.field)
+                )
 
     def step(self, sense: Sense) -> Command:
         """Answer for one control period."""
@@ -127,7 +129,7 @@ class FmuInstance(ABC):
         """Make the three calls of a step ready; fmpy's own methods take much longer."""
 
     @abstractmethod
-    def _set_parameter(self, kind: str, reference: int, value: float) -> None:
+    def _set_parameter(self, kind: str, value_reference: int, value: float) -> None:
         """Set one parameter."""
 
     @abstractmethod

@@ -24,7 +24,7 @@ SIMULATED: Final = {"reference": 4.0, "initial": 4.0, "numba": 4.0, "c": 4.0, "p
 """Simulated time of each run (s)."""
 
 TOLERANCE_RPM: Final = {"ideal": 5.0, "mcs96": 10.0}
-"""How far the true speed may end from its reference (rpm)."""
+"""How far the true speed may end from the speed reference (rpm)."""
 ENERGY_TOLERANCE: Final = 1e-9
 """Residual of the energy in a control period, over its throughput, up to which a run is right."""
 
@@ -32,9 +32,11 @@ ENERGY_TOLERANCE: Final = 1e-9
 def run_correctness(scenario: Scenario, run: ClosedLoopRun) -> Correctness:
     """Tell whether a run came to what it should."""
     speed = run.observed.speed_final / RADIANS_PER_RPM
-    reference = float(scenario.speed_rpm[-1][1])
+    speed_reference = float(scenario.speed_rpm[-1][1])
     residual = run.observed.exchange_error
-    right = abs(speed - reference) <= TOLERANCE_RPM[scenario.sensors.kind] and residual <= ENERGY_TOLERANCE
+    right = (
+        abs(speed - speed_reference) <= TOLERANCE_RPM[scenario.sensors.kind] and residual <= ENERGY_TOLERANCE
+    )
     return Correctness(right, f"ends at {speed:.1f} rpm, energy within {residual:.0e}")
 
 

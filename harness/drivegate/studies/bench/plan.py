@@ -28,7 +28,7 @@ from drivegate_models.errors import InputError
 RATE_UNIT: Final = "× real time"
 """Unit of the closed loop's rate: simulated seconds a second."""
 NATIVE_BAR: Final = 300.0
-"""Rate that the reference is meant to reach at 1500 rpm, 9.8 N·m and a control period of 0.5 ms."""
+"""Rate that the reference controller is meant to reach at 1500 rpm, 9.8 N·m and a control period of 0.5 ms."""
 PYTHON_BAR: Final = 50.0
 """The same of a controller in Python."""
 EXEC_BAR: Final = 3.0
