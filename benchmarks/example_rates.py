@@ -11,8 +11,16 @@ from typing import TYPE_CHECKING, Final
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.loop_rates import checked_run
-from drivegate.studies.bench.measurement import Checked, NotMeasured, Value, interleaved, rate, ratio, timed
+from drivegate.studies.bench.loop_rates import run_correctness
+from drivegate.studies.bench.measurement import (
+    Correctness,
+    NotMeasured,
+    Value,
+    interleaved,
+    rate,
+    ratio,
+    timed,
+)
 from drivegate.studies.bench.workbench import Workbench, operating_scenario
 from drivegate_models.errors import InputError
 
@@ -35,24 +43,24 @@ def example_ratio(bench: Workbench, language: str) -> Value:
     """Measure the loop with a compiled example against that with the built-in reference, in turns."""
     scenario = operating_scenario(1500, "ideal", bench.simulated(SIMULATED))
     example, reference = _loaded(bench, language), bench.controller("reference")
-    checked = checked_run(scenario, run_scenario(scenario, example))
+    correctness = run_correctness(scenario, run_scenario(scenario, example))
     ours, theirs = interleaved(
         (lambda: run_scenario(scenario, example), lambda: run_scenario(scenario, reference)),
         time.process_time,
         bench.rounds,
     )
     speeds = [scenario.duration_s / median(times) for times in (ours, theirs)]
-    found = f"{speeds[0]:.0f} against {speeds[1]:.0f} × real time, {checked.told}"
-    return ratio(ours, theirs, Checked(checked.valid, found))
+    measured = f"{speeds[0]:.0f} against {speeds[1]:.0f} × real time, {correctness.measured}"
+    return ratio(ours, theirs, Correctness(correctness.valid, measured))
 
 
 def python_example_rate(bench: Workbench) -> Value:
     """Measure the closed loop with the example in Python."""
     scenario = operating_scenario(1500, "ideal", bench.simulated(SIMULATED))
     example = _loaded(bench, "python")
-    checked = checked_run(scenario, run_scenario(scenario, example))
+    correctness = run_correctness(scenario, run_scenario(scenario, example))
     times = timed(lambda: run_scenario(scenario, example), time.process_time, bench.rounds)
-    return rate(scenario.duration_s, times, checked)
+    return rate(scenario.duration_s, times, correctness)
 
 
 def _loaded(bench: Workbench, language: str) -> Controller:

@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.loop_rates import checked_run
-from drivegate.studies.bench.measurement import Checked, NotMeasured, Value, interleaved, ratio
+from drivegate.studies.bench.loop_rates import run_correctness
+from drivegate.studies.bench.measurement import Correctness, NotMeasured, Value, interleaved, ratio
 from drivegate.studies.bench.workbench import Workbench, operating_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.loop.closed_loop import ClosedLoopRun
@@ -42,13 +42,13 @@ def yardstick_ratio(bench: Workbench, candidate: str, speed_rpm: int) -> Value:
     prepared = yardstick.prepared(scenario, None if candidate == "initial" else controller)
     own = run_scenario(scenario, controller, trace_every=1)
     apart = difference(own, prepared(recorded=True))
-    together = checked_run(scenario, own).valid and apart <= LOCK_STEP_TOLERANCE
+    together = run_correctness(scenario, own).valid and apart <= LOCK_STEP_TOLERANCE
     ours, theirs = interleaved(
         (lambda: run_scenario(scenario, controller), prepared), time.process_time, TURNS * bench.rounds
     )
     speeds = [scenario.duration_s / median(times) for times in (ours, theirs)]
-    found = f"{speeds[0]:.0f} against {speeds[1]:.0f} × real time, in step within {apart:.0e}"
-    return ratio(ours, theirs, Checked(together, found))
+    measured = f"{speeds[0]:.0f} against {speeds[1]:.0f} × real time, in step within {apart:.0e}"
+    return ratio(ours, theirs, Correctness(together, measured))
 
 
 @cache

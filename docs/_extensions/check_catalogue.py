@@ -196,8 +196,8 @@ class FactTable(SphinxDirective):
             by = fact["covered_by"]
             tests = "; ".join(name.partition("::")[2].removeprefix("test_") for name in by["properties"])
             figures = ", ".join(by["figures"])
-            told = (fact["id"], fact["title"], ", ".join(by["checks"]), tests, figures)
-            rows.append([text.replace("_", " ") for text in told])
+            cells = (fact["id"], fact["title"], ", ".join(by["checks"]), tests, figures)
+            rows.append([text.replace("_", " ") for text in cells])
         return [_table([1, 3, 3, 5, 2], rows, ["fact", "stated", "checks", "tests", "figures"])]
 
 
@@ -239,7 +239,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     Returns
     -------
     dict
-        What Sphinx asks of an extension.
+        What Sphinx requires of an extension.
     """
     app.add_directive("check-table", CheckTable)
     app.add_directive("check", CheckFacts)

@@ -26,7 +26,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import what needs numba, when it is asked for."""
+    """Import what needs numba, when it is requested."""
     if name != "phase_current":
         raise AttributeError(f"module 'drivegate' has no attribute '{name}'")
     from drivegate.candidates.native.numba_loading import phase_current

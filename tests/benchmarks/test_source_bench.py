@@ -40,23 +40,23 @@ def test_rows_and_bars_are_those_of_the_design():
 
 def test_a_yardstick_out_of_step_is_no_measure(workbench, monkeypatch):
     monkeypatch.setattr(yardstick_ratio, "SIMULATED", 2.0)
-    assert yardstick_ratio.yardstick_ratio(workbench, "initial", 1500).checked.valid
+    assert yardstick_ratio.yardstick_ratio(workbench, "initial", 1500).correctness.valid
     monkeypatch.setattr(yardstick_ratio, "LOCK_STEP_TOLERANCE", 0.0)
-    assert not yardstick_ratio.yardstick_ratio(workbench, "initial", 1500).checked.valid
+    assert not yardstick_ratio.yardstick_ratio(workbench, "initial", 1500).correctness.valid
 
 
 @pytest.mark.parametrize("language", ["c", "numba", "rust"])
 def test_compiled_examples_are_measured_beside_the_reference(workbench, monkeypatch, language):
     monkeypatch.setattr(example_rates, "SIMULATED", 1.0)
     value = example_rates.example_ratio(workbench, language)
-    assert value.checked.valid, value.checked.told
+    assert value.correctness.valid, value.correctness.measured
     assert 0.1 < value.value < 10.0
 
 
 def test_the_example_in_python_is_measured(workbench, monkeypatch):
     monkeypatch.setattr(example_rates, "SIMULATED", 1.0)
     value = example_rates.python_example_rate(workbench)
-    assert value.checked.valid, value.checked.told
+    assert value.correctness.valid, value.correctness.measured
     assert value.value >= value.median > 0.0
 
 

@@ -1,4 +1,4 @@
-"""A candidate's fault: the verdict on a controller that did not answer as the contract asks.
+"""A candidate's fault: the verdict on a controller that did not answer as the contract requires.
 
 Everything in it is bounded text and numbers, whatever the candidate raised, printed or returned.
 """
@@ -38,7 +38,7 @@ class FaultKind(StrEnum):
 
 @dataclass(frozen=True)
 class Fault:
-    """What happened, when, and what the candidate had been told then.
+    """What happened, when, and what the candidate had sensed then.
 
     Attributes
     ----------

@@ -52,8 +52,8 @@ class Kind:
         Keys of a manifest that are for this kind alone.
     comes_along : bool
         Whether all of its code is drivegate's own, and so needs no process to contain it.
-    told_by_output : bool
-        Whether a fault without a traceback is told with what the candidate's process printed.
+    reports_output : bool
+        Whether a fault without a traceback is reported with what the candidate's process printed.
     way_of_running : str
         How its steps run, without which their time says little; empty where the controller itself tells.
     """
@@ -65,7 +65,7 @@ class Kind:
     suffix: str = ""
     manifest_keys: tuple[str, ...] = ()
     comes_along: bool = False
-    told_by_output: bool = False
+    reports_output: bool = False
     way_of_running: str = ""
 
     def from_text(self, specification: str) -> Candidate:
@@ -99,10 +99,10 @@ _ALL: Final = (
         ways=("exec:command",),
         prefixes=(EXEC_PREFIX,),
         manifest_keys=("step_deadline_s",),
-        told_by_output=True,
+        reports_output=True,
         way_of_running="a process of its own",
     ),
-    Kind("compose", "composed", manifest_keys=("blocks",), told_by_output=True, way_of_running="blocks"),
+    Kind("compose", "composed", manifest_keys=("blocks",), reports_output=True, way_of_running="blocks"),
 )
 
 KINDS: Final = MappingProxyType({kind.name: kind for kind in _ALL})

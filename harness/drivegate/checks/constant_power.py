@@ -8,7 +8,7 @@ from drivegate.checks.check import Check
 from drivegate.checks.convergence import SPEED_TOLERANCE, described
 from drivegate.checks.declared_speeds import unless_speeds_from
 from drivegate.checks.margin import Margin, at_most
-from drivegate.runs.record import RunRecord, Window
+from drivegate.runs.record import RunRecord, SteadyWindow
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -36,19 +36,19 @@ def holds_constant_power_beyond(record: RunRecord) -> Margin | None:
     )
 
 
-def _held(check: str, record: RunRecord, windows: list[Window]) -> Margin | None:
+def _held(check: str, record: RunRecord, windows: list[SteadyWindow]) -> Margin | None:
     if record.circumstance is not Circumstance.NOMINAL:
         return None
-    loaded = [window for window in windows if window.asks_for_rated_power]
+    loaded = [window for window in windows if window.requires_rated_power]
     if not loaded:
         return None
     worst = max(loaded, key=_speed_error)
     error = _speed_error(worst)
-    told = f"speed error {error / RADIANS_PER_RPM:.4g} rpm{described(worst)}"
-    return Margin(check, at_most(error, SPEED_TOLERANCE), told)
+    measured = f"speed error {error / RADIANS_PER_RPM:.4g} rpm{described(worst)}"
+    return Margin(check, at_most(error, SPEED_TOLERANCE), measured)
 
 
-def _speed_error(window: Window) -> float:
+def _speed_error(window: SteadyWindow) -> float:
     return window.values.speed_error
 
 
@@ -59,7 +59,7 @@ CPW_1 = Check(
     subject="candidate",
     level="required",
     limit="k1 = 5 rpm",
-    scenarios="every steady stretch of 9 s or more that asks for 1.5 kW, on the nominal drive",
+    scenarios="every steady stretch of 9 s or more that requires 1.5 kW, on the nominal drive",
     formula="1 - |speed error| / k1",
     why="Constant power over the whole high-speed range is what the advance angle is for.",
     evaluate=holds_constant_power,
@@ -72,7 +72,7 @@ CPW_2 = Check(
     subject="candidate",
     level="advisory",
     limit="k1 = 5 rpm",
-    scenarios="every steady stretch of 9 s or more that asks for 1.5 kW above 1500 rpm, on the nominal drive",
+    scenarios="every steady stretch of 9 s or more that requires 1.5 kW above 1500 rpm, on the nominal drive",
     formula="1 - |speed error| / k1",
     why="The paper puts the limit of its drive beyond three times base speed, without a number.",
     evaluate=holds_constant_power_beyond,

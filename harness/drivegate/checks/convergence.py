@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from drivegate.checks.check import Check
 from drivegate.checks.declared_speeds import unless_speeds_from
 from drivegate.checks.margin import Margin, at_most
-from drivegate.runs.record import RunRecord, Window, rated_torque
+from drivegate.runs.record import RunRecord, SteadyWindow, rated_torque
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.sensors import IdealSensors
@@ -31,13 +31,13 @@ ABOVE_BASE_SPEED = unless_speeds_from(500.0, math.inf)
 """Reason why a check of the search does not apply to a candidate for speeds up to base speed."""
 
 
-def described(window: Window) -> str:
+def described(window: SteadyWindow) -> str:
     """Tell where a window was observed."""
     torque = window.values.torque
     return f" at {window.dwell.speed_rpm:.4g} rpm, {torque:.3g} N·m"
 
 
-def unseen_share(window: Window) -> float:
+def unseen_share(window: SteadyWindow) -> float:
     """Give the share of the torque, and so of the current sum, that sensors cannot tell from a steady speed.
 
     A speed that moves by one step of its measurement up or down takes the torque J·2Δω in the time of one mean.
@@ -52,7 +52,7 @@ def unseen_share(window: Window) -> float:
     return 2.0 * inertia * step / observation.MEAN_TIME / torque
 
 
-def window_convergence(window: Window) -> tuple[float, str]:
+def window_convergence(window: SteadyWindow) -> tuple[float, str]:
     """Judge whether the search has converged in a window (paper, Fig. 4)."""
     values = window.values
     mean = values.current_sum
@@ -69,18 +69,18 @@ def window_convergence(window: Window) -> tuple[float, str]:
     return min(judged)
 
 
-def is_feasible(window: Window) -> bool:
-    """Tell whether some advance angle lets the plant give what the load asks for."""
+def is_feasible(window: SteadyWindow) -> bool:
+    """Tell whether some advance angle lets the plant give what the load requires."""
     scenario, dwell = window.scenario, window.dwell
-    if isinstance(scenario.load, LockedLoad) or window.torque_asked <= 0.0:
+    if isinstance(scenario.load, LockedLoad) or window.torque_required <= 0.0:
         return True
     drive = scenario.motor.drive(window.scales)
-    torque = window.torque_asked + drive.friction + drive.viscous_friction * window.speed
+    torque = window.torque_required + drive.friction + drive.viscous_friction * window.speed
     voltage = dwell.supply_v * (1.0 - abs(dwell.imbalance))
     return not math.isnan(feasible_edge(drive, window.speed, torque, voltage))
 
 
-def worst_convergence(check: str, windows: Iterable[Window]) -> Margin | None:
+def worst_convergence(check: str, windows: Iterable[SteadyWindow]) -> Margin | None:
     """Judge whether the search has converged in every window."""
     margins = []
     for window in windows:
@@ -111,15 +111,15 @@ def reaches_optimum(record: RunRecord) -> Margin | None:
     """Judge the current sum of every converged window against the least one of the same plant (Figs. 5, 7)."""
     if record.circumstance is not Circumstance.NOMINAL:
         return None
-    margins = [_excess(record, window) for window in record.windows() if window.torque_asked > 0.0]
+    margins = [_excess(record, window) for window in record.windows() if window.torque_required > 0.0]
     required = [margin for margin in margins if not margin.advisory]
     return min(required or margins, key=lambda margin: margin.value, default=None)
 
 
-def _excess(record: RunRecord, window: Window) -> Margin:
+def _excess(record: RunRecord, window: SteadyWindow) -> Margin:
     torque = window.values.torque
     mean = window.values.current_sum
-    # Where the reference is not held, the least sum is that of the speed at which the torque really is.
+    # Where the speed reference is not held, the least sum is that of the speed at which the torque really is.
     mean_speed = window.values.speed
     base_speed = record.scenario.motor.base_speed_rpm * RADIANS_PER_RPM
     speed = mean_speed if mean_speed > base_speed else window.speed
@@ -127,12 +127,12 @@ def _excess(record: RunRecord, window: Window) -> Margin:
     advisory = torque < REQUIRED_SHARE * rated_torque(record.scenario, window.speed) * (1.0 - 1e-3)
     least = least_current_sum(record.drive, speed, torque, window.dwell.supply_v).current_sum
     if not math.isfinite(least):
-        told = f"Σ|i| {mean:.4g} A where no angle is feasible{described(window)}"
-        return Margin("CNV-2", -1.0, told, advisory)
+        measured = f"Σ|i| {mean:.4g} A where no angle is feasible{described(window)}"
+        return Margin("CNV-2", -1.0, measured, advisory)
     excess = 100.0 * (mean / least - 1.0)
-    told = f"Σ|i| {mean:.4g} A, {excess:+.2f} % of the least {least:.4g} A{described(window)}"
+    measured = f"Σ|i| {mean:.4g} A, {excess:+.2f} % of the least {least:.4g} A{described(window)}"
     allowed = OPTIMUM_TOLERANCE * least
-    return Margin("CNV-2", at_most(mean - least, allowed), told, advisory)
+    return Margin("CNV-2", at_most(mean - least, allowed), measured, advisory)
 
 
 CNV_1 = Check(

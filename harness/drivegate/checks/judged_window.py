@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin
-from drivegate.runs.record import RunRecord, Window
+from drivegate.runs.record import RunRecord, SteadyWindow
 from drivegate.scenarios.windows import observed_windows
 
 
@@ -23,7 +23,7 @@ class _PartialRecord(RunRecord):
 
     shown: tuple[int, ...] = ()
 
-    def windows(self) -> Iterator[Window]:
+    def windows(self) -> Iterator[SteadyWindow]:
         for place, window in enumerate(super().windows()):
             if place in self.shown:
                 yield window

@@ -32,7 +32,7 @@ class JudgedRun:
 
 
 @dataclass(frozen=True)
-class SetAside:
+class InfeasibleScenario:
     """A drawn scenario on which no candidate may be judged; it was not run.
 
     Attributes
@@ -40,7 +40,7 @@ class SetAside:
     scenario : str
         Its name.
     reason : str
-        Why no controller could do what it asks.
+        Why no controller could do what it requires.
     """
 
     scenario: str
@@ -55,12 +55,12 @@ class ShardOutcome:
     ----------
     runs : tuple of JudgedRun
         In the order in which they were made.
-    set_aside : tuple of SetAside
+    infeasible : tuple of InfeasibleScenario
         Drawn scenarios that no controller could do, which were not run.
     """
 
     runs: tuple[JudgedRun, ...]
-    set_aside: tuple[SetAside, ...] = ()
+    infeasible: tuple[InfeasibleScenario, ...] = ()
 
 
 def judged(record: RunRecord, checks: Iterable[Check] = CHECKS) -> JudgedRun:

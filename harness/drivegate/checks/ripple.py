@@ -9,7 +9,7 @@ from drivegate.checks.constant_power import HIGHEST_RPM, LOWEST_RPM
 from drivegate.checks.convergence import ABOVE_BASE_SPEED, described
 from drivegate.checks.declared_speeds import unless_speeds_from
 from drivegate.checks.margin import Margin, below
-from drivegate.runs.record import RunRecord, Window, rated_torque
+from drivegate.runs.record import RunRecord, SteadyWindow, rated_torque
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_models.half_bridge.steady.oracle import point_at_torque
 
@@ -24,16 +24,16 @@ RIPPLE_TORQUE_NM = 9.8
 _ROUNDING = 1e-6
 
 
-def _is_published_point(window: Window) -> bool:
+def _is_published_point(window: SteadyWindow) -> bool:
     at_speed = window.dwell.speed_rpm == RIPPLE_SPEED_RPM and window.has_nominal_supply
-    return at_speed and math.isclose(window.torque_asked, RIPPLE_TORQUE_NM, rel_tol=1e-9)
+    return at_speed and math.isclose(window.torque_required, RIPPLE_TORQUE_NM, rel_tol=1e-9)
 
 
-def _is_constant_power(window: Window) -> bool:
-    return LOWEST_RPM <= window.dwell.speed_rpm <= HIGHEST_RPM and window.asks_for_rated_power
+def _is_constant_power(window: SteadyWindow) -> bool:
+    return LOWEST_RPM <= window.dwell.speed_rpm <= HIGHEST_RPM and window.requires_rated_power
 
 
-def _ideal_ripple(check: str, record: RunRecord, windows: list[Window]) -> Margin | None:
+def _ideal_ripple(check: str, record: RunRecord, windows: list[SteadyWindow]) -> Margin | None:
     """Return the worst margin of the steady states with the ideal regulator at the angles converged to."""
     ideal = record.drive._replace(hysteresis_band=0.0)
     margins = []
@@ -72,18 +72,18 @@ def closed_loop_ripple(record: RunRecord) -> Margin | None:
     """Judge the torque ripple of the closed loop, with hysteresis band and speed regulator."""
     if record.circumstance is not Circumstance.NOMINAL:
         return None
-    margins = [_closed_loop_margin(window) for window in record.windows() if window.torque_asked > 0.0]
+    margins = [_closed_loop_margin(window) for window in record.windows() if window.torque_required > 0.0]
     rated = [margin for margin in margins if not margin.advisory]
     return min(rated or margins, key=lambda margin: margin.value, default=None)
 
 
-def _closed_loop_margin(window: Window) -> Margin:
+def _closed_loop_margin(window: SteadyWindow) -> Margin:
     rated = rated_torque(window.scenario, window.speed)
     ripple = window.values.ripple
     one_sided = window.values.ripple_one_sided
-    told = f"{100.0 * ripple:.3g} %, one-sided {100.0 * one_sided:.3g} %{described(window)}"
-    light = window.torque_asked < rated * (1.0 - _ROUNDING)
-    return Margin("RIP-3", below(ripple, LARGEST_CLOSED_LOOP_RIPPLE), told, advisory=light)
+    measured = f"{100.0 * ripple:.3g} %, one-sided {100.0 * one_sided:.3g} %{described(window)}"
+    light = window.torque_required < rated * (1.0 - _ROUNDING)
+    return Margin("RIP-3", below(ripple, LARGEST_CLOSED_LOOP_RIPPLE), measured, advisory=light)
 
 
 RIP_1 = Check(
@@ -109,7 +109,7 @@ RIP_2 = Check(
     subject="candidate",
     level="advisory",
     limit="13 % peak to peak over mean",
-    scenarios="every steady stretch of 9 s or more that asks for 1.5 kW from 550 to 1500 rpm, on the nominal drive",
+    scenarios="every steady stretch of 9 s or more that requires 1.5 kW from 550 to 1500 rpm, on the nominal drive",
     formula="as RIP-1",
     why="The paper's bound holds for the whole speed range; the calibrated motor itself comes close to it.",
     evaluate=ripple_at_constant_power,

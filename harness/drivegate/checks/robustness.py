@@ -5,7 +5,7 @@ from __future__ import annotations
 from drivegate.checks.check import Check, Evaluate
 from drivegate.checks.convergence import ABOVE_BASE_SPEED, worst_convergence
 from drivegate.checks.margin import Margin
-from drivegate.runs.record import RunRecord, Window
+from drivegate.runs.record import RunRecord, SteadyWindow
 from drivegate_cases.motor.scales import Scales
 from drivegate_cases.scenario.circumstance import Circumstance
 
@@ -45,7 +45,7 @@ def robust_convergence(check: str, judged: Circumstance) -> Evaluate:
     return evaluate
 
 
-def _requirement(window: Window) -> str:
+def _requirement(window: SteadyWindow) -> str:
     return "CNV-3" if window.is_after_change else "CNV-1"
 
 

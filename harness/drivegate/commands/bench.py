@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from drivegate.studies.bench.plan import Planned
-    from drivegate.studies.bench.record import Row
+    from drivegate.studies.bench.record import BenchRow
     from drivegate.studies.bench.workbench import Workbench
 
 
@@ -51,7 +51,7 @@ def command(
     """Measure how fast drivegate is on this machine.
 
     Each number is the best of several rounds, and the work behind it is checked: the exit code is 1 when one gave a
-    wrong result. A bar that is missed is told, and changes no exit code.
+    wrong result. A bar that is missed is reported, and changes no exit code.
     """
     from drivegate.studies.bench.plan import planned
 
@@ -71,7 +71,7 @@ def bench_outcome(
     compare: Path | None,
     output: Path | None,
 ) -> Outcome:
-    """Measure what is chosen from a plan; compare and keep it where asked for."""
+    """Measure what is chosen from a plan; compare and keep it where requested."""
     from drivegate.studies.bench.plan import chosen
     from drivegate.studies.bench.record import bench_document, compared_with, load_now, read_bench, save_bench
     from drivegate.studies.bench.workbench import Workbench
@@ -118,7 +118,7 @@ def _command(program: str, quick: bool, cold: bool, names: tuple[str, ...]) -> s
     return " ".join((*words, *(f"--only {quote(name)}" for name in names)))
 
 
-def _measured(plan: Sequence[Planned], bench: Workbench) -> list[Row]:
+def _measured(plan: Sequence[Planned], bench: Workbench) -> list[BenchRow]:
     from drivegate.gate.warm_up import compile_kernels, missing_marker
     from drivegate.output.progress import progress_on
 

@@ -65,9 +65,9 @@ def command(
 ) -> Outcome:
     """Compare two candidates step by step, and show the first step at which their commands differ.
 
-    FIRST drives the plant; SECOND is told the same at each step. Both are a built-in or installed controller's name,
-    module:Class, a file or a manifest. The exit code is 0 when all commands are equal, 1 when they differ or one of
-    the candidates has a fault.
+    FIRST drives the plant; SECOND is given the same Sense at each step. Both are a built-in or installed
+    controller's name, module:Class, a file or a manifest. The exit code is 0 when all commands are equal,
+    1 when they differ or one of the candidates has a fault.
     """
     from drivegate.candidates.resolution import resolve_candidate
     from drivegate.output.trace_files import check_targets

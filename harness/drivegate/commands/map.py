@@ -56,8 +56,8 @@ def command(
 
     An AXIS is LOW:HIGH:COUNT, a list such as 700,1000,1500, or a number.
 
-    With CANDIDATE every point is a closed-loop run at a speed and a torque. Without, --torque-nm asks for the angle of
-    least Σ|i| at every speed and torque; --advance-deg and --current-a ask for the steady state at every speed, angle
+    With CANDIDATE every point is a closed-loop run at a speed and a torque. Without, --torque-nm requests the angle of
+    least Σ|i| at every speed and torque; --advance-deg and --current-a request the steady state at every speed, angle
     and current.
     """
     from drivegate.studies.map.request import map_axes, map_kind, planned_map

@@ -55,7 +55,7 @@ def motor_options(function: _Function) -> _Function:
 
 
 def chosen_motor(name: str | None, settings: tuple[str, ...], default: Callable[[], Motor]) -> Motor:
-    """Find the motor that the options ask for."""
+    """Find the motor that the options request."""
     from drivegate_cases.motor.motor import load_motor
 
     motor = default() if name is None else load_motor(name)
@@ -63,7 +63,7 @@ def chosen_motor(name: str | None, settings: tuple[str, ...], default: Callable[
 
 
 def chosen_scenario(case: str, motor: str | None, settings: tuple[str, ...]) -> Scenario:
-    """Find the scenario that the options ask for, also the one in a counterexample."""
+    """Find the scenario that the options request, also the one in a counterexample."""
     scenario = _loaded_scenario(case)
     if motor is None and not settings:
         return scenario

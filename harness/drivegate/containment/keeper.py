@@ -26,7 +26,7 @@ _BLOCK = 4096
 def keep(temporary: str, connection: str, progress: str) -> None:
     """Start a worker process, and see to it that nothing of it is left once standard input ends.
 
-    In the keeper this does not return; in the worker it returns when its parent has hung up. The keeper tells
+    In the keeper this does not return; in the worker it returns when its parent has hung up. The keeper reports
     on its standard output the worker's process id, and at the end its exit status, negative for a signal.
     """
     _adopt_orphans()
@@ -39,7 +39,7 @@ def keep(temporary: str, connection: str, progress: str) -> None:
     try:
         for descriptor in (connection, progress):
             os.close(int(descriptor))
-        _tell(worker)
+        _report(worker)
         while os.read(sys.stdin.fileno(), _BLOCK):
             continue
     finally:
@@ -47,7 +47,7 @@ def keep(temporary: str, connection: str, progress: str) -> None:
             status = _killed(worker)
         with suppress(BaseException):
             _remove(Path(temporary))
-        _tell(-signal.SIGKILL if status is None else status)
+        _report(-signal.SIGKILL if status is None else status)
         os._exit(0)
 
 
@@ -69,7 +69,7 @@ def _become_worker(connection: int, progress: int, keeper: int) -> None:
     main(connection, progress, keeper)
 
 
-def _tell(number: int) -> None:
+def _report(number: int) -> None:
     with suppress(OSError):
         os.write(1, f"{number}\n".encode())
 

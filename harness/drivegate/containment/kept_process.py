@@ -25,7 +25,7 @@ class KeptProcess:
     def __init__(self, folder: Path, connection: int, progress: int, output: int) -> None:
         self._owner = os.getpid()
         self._temporary = Path(tempfile.mkdtemp(prefix="drivegate-"))
-        self._told = b""
+        self._reported = b""
         # The import path is that of the harness, whatever the folder holds.
         paths = json.dumps([str(Path(place).absolute()) for place in sys.path])
         arguments = [str(self._temporary), str(connection), str(progress)]
@@ -50,9 +50,9 @@ class KeptProcess:
     @property
     def process_id(self) -> int | None:
         """Process id of the worker, which stays its own until `end`; None until the worker has been started."""
-        if b"\n" not in self._told:
+        if b"\n" not in self._reported:
             self._listen()
-        return int(self._told.split()[0]) if b"\n" in self._told else None
+        return int(self._reported.split()[0]) if b"\n" in self._reported else None
 
     def keeper_has_ended(self) -> bool:
         """Tell whether the keeper has ended by itself, which it does when it was killed."""
@@ -60,7 +60,7 @@ class KeptProcess:
 
     def exit_status(self) -> int:
         """Tell how the worker ended, once `end` has been called."""
-        numbers = self._told.split()
+        numbers = self._reported.split()
         # A worker whose keeper was killed is killed by the system.
         return int(numbers[1]) if len(numbers) > 1 else -signal.SIGKILL
 
@@ -82,4 +82,4 @@ class KeptProcess:
     def _listen(self) -> None:
         with suppress(OSError, ValueError):
             if self._keeper.stdout is not None:
-                self._told += self._keeper.stdout.read() or b""
+                self._reported += self._keeper.stdout.read() or b""

@@ -1,4 +1,4 @@
-"""Memory that a worker process shares with its parent: how far the candidate is, and what it was told last.
+"""Memory that a worker process shares with its parent: how far the candidate is, and what it sensed last.
 
 The parent can still read it when the worker has died or hangs, so a verdict tells the step and its inputs.
 """
@@ -117,7 +117,7 @@ class SharedProgress:
             self.enter(Activity.PREPARING)
 
     def last_sense(self) -> Sense | None:
-        """What the controller was told last."""
+        """What the controller sensed last."""
         record = self.sense[0]
         if record["struct_size"] != SENSE.itemsize:
             return None

@@ -94,7 +94,7 @@ class CandidateWorker:
         """Look after the job that was started."""
         handle = self._handle
         if handle is None or self._job is None:
-            raise HarnessFault("a worker without a job was asked for its end")
+            raise HarnessFault("a worker without a job was polled for its end")
         handle.drain_output()
         ended = handle.has_ended()
         try:
@@ -125,12 +125,12 @@ class CandidateWorker:
             return self._without_exhausted(reply)
         if isinstance(reply, Finished):
             return reply
-        raise HarnessFault("a worker process told twice that it was ready")
+        raise HarnessFault("a worker process reported twice that it was ready")
 
     def _with_output(self, handle: WorkerHandle, reply: Faulted) -> Faulted:
         """Add to the fault of a program, which has no traceback, what the program printed."""
-        told = KINDS[self._setup.candidate.kind].told_by_output
-        if reply.fault.traceback or handle is not self._handle or not told:
+        reports_output = KINDS[self._setup.candidate.kind].reports_output
+        if reply.fault.traceback or handle is not self._handle or not reports_output:
             return reply
         return Faulted(replace(reply.fault, traceback=bounded_text(handle.last_output())))
 

@@ -1,1 +1,1 @@
-"""What the gate and the studies ask of one kind of drive: its closed loop, oracle, scenarios and checks."""
+"""What the gate and the studies require of one kind of drive: its closed loop, oracle, scenarios and checks."""

@@ -66,9 +66,9 @@ class SteadyStates:
 
 @dataclass(frozen=True, kw_only=True)
 class DriveKind:
-    """All that is asked of one kind of drive.
+    """All that is required of one kind of drive.
 
-    What is compiled, or takes long to import, is behind a function: a bundle costs nothing until it is asked.
+    What is compiled, or takes long to import, is behind a function: a bundle costs nothing until it is called.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class DriveKind:
     drawn_scenarios : callable
         From the same, and the number of a group of families or None for all of them, to what is searched.
     unfair_because : callable
-        From a scenario to the reason why no controller could do what it asks; None where one could.
+        From a scenario to the reason why no controller could do what it requires; None where one could.
     """
 
     name: str

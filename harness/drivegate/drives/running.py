@@ -38,7 +38,7 @@ def run_scenario(
 def recorded(
     loaded: LoadedCandidate, scenario: Scenario, controller: Controller, *, trace_every: int = 0
 ) -> RunRecord:
-    """Run a candidate through a scenario for the checks, observed as its declaration asks."""
+    """Run a candidate through a scenario for the checks, observed as its declaration requires."""
     declaration = loaded.candidate.declaration
     run = run_scenario(
         scenario,

@@ -13,7 +13,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.loading import load_controller
 from drivegate.checks.catalogue import CHECKS
-from drivegate.checks.judging import JudgedRun, SetAside, ShardOutcome
+from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.pool import WorkerPool
 from drivegate.gate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
@@ -26,7 +26,7 @@ from drivegate.gate.warm_up import compile_kernels, missing_marker
 from drivegate.results.baseline import Baseline, compared
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import machine, provenance
-from drivegate.results.result import CheckOutcome, CheckResult, Comparison, FixedMargins
+from drivegate.results.result import BaselineComparison, CheckOutcome, CheckResult, FixedMargins
 from drivegate.results.verdict import candidate_verdict, check_outcomes, machine_dependent
 from drivegate.results.waivers import Waiver, present_day, under_waivers
 from drivegate_models.errors import InputError
@@ -42,7 +42,7 @@ class _Progress:
     deadline: float | None
     runs: dict[Origin, list[JudgedRun]] = field(default_factory=lambda: {origin: [] for origin in Origin})
     faults: list[Fault] = field(default_factory=list)
-    set_aside: list[SetAside] = field(default_factory=list)
+    infeasible: list[InfeasibleScenario] = field(default_factory=list)
     complete: bool = True
 
     def add(self, work: Work, outcome: ShardOutcome | Fault) -> None:
@@ -50,7 +50,7 @@ class _Progress:
             self.add_fault(outcome)
         else:
             self.runs[work.origin].extend(outcome.runs)
-            self.set_aside.extend(outcome.set_aside)
+            self.infeasible.extend(outcome.infeasible)
 
     def add_fault(self, fault: Fault) -> None:
         if (fault.kind, fault.message) not in [(known.kind, known.message) for known in self.faults]:
@@ -189,7 +189,7 @@ def _result(
     effort: str,
     seed: int,
     outcomes: tuple[CheckOutcome, ...],
-    comparisons: tuple[Comparison, ...] | None,
+    comparisons: tuple[BaselineComparison, ...] | None,
     traces: tuple[dict[str, list[float]], ...],
     progress: _Progress,
     timing: dict[str, Any],
@@ -205,7 +205,7 @@ def _result(
         checks=outcomes,
         faults=tuple(progress.faults),
         runs=len(progress.all_runs),
-        set_aside=tuple(sorted(set(progress.set_aside), key=astuple)),
+        infeasible=tuple(sorted(set(progress.infeasible), key=astuple)),
         provenance=provenance(),
         timing=timing,
         corpus_runs=len(progress.runs[Origin.CORPUS]),

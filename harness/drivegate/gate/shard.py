@@ -15,7 +15,7 @@ from hypothesis.errors import Unsatisfiable
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault
 from drivegate.checks.catalogue import CHECKS
-from drivegate.checks.judging import JudgedRun, SetAside, ShardOutcome, judged
+from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome, judged
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import LoadedCandidate
 from drivegate.drives.kinds import kind_of
@@ -109,7 +109,7 @@ class _Collector:
         self.fault: CandidateFault | None = None
         self._examples = 0
         self.runs: list[JudgedRun] = []
-        self.set_aside: list[SetAside] = []
+        self.infeasible: list[InfeasibleScenario] = []
 
     def margins(self, ticket: int, scenario: Scenario) -> tuple[Margin, ...] | None:
         """Run a scenario; None where that would tell nothing new, the same for the same draw."""
@@ -127,7 +127,7 @@ class _Collector:
             return None
         self._known.add(key)
         if (reason := self.kind.unfair_because(scenario)) is not None:
-            self.set_aside.append(SetAside(scenario.name, reason))
+            self.infeasible.append(InfeasibleScenario(scenario.name, reason))
             return None
         try:
             record = recorded(self._loaded, scenario, self._controller)
@@ -167,7 +167,7 @@ def run_drawn(loaded: LoadedCandidate, plan: DrawnRuns) -> ShardOutcome:
         explore()
     if collector.fault is not None:
         raise collector.fault
-    return ShardOutcome(tuple(collector.runs), tuple(collector.set_aside))
+    return ShardOutcome(tuple(collector.runs), tuple(collector.infeasible))
 
 
 def _scores(margins: Iterable[Margin]) -> dict[str, float]:

@@ -20,7 +20,7 @@ BUDGET: Final = {"quick": 15, "default": 40, "nightly": 200}
 
 
 @dataclass(frozen=True)
-class Failure:
+class FailedRun:
     """The simplest run that breaks a check of the candidate.
 
     Attributes
@@ -46,20 +46,20 @@ class Failure:
         return Job(run_shrink, ShrinkPlan(self.run.scenario, self.check, BUDGET[effort]))
 
 
-def simplest_failures(outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun]) -> list[Failure]:
+def simplest_failures(outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun]) -> list[FailedRun]:
     """Choose for every failed check of the candidate the simplest scenario that breaks it."""
     failures = []
     for outcome in outcomes:
         if outcome.counterexample is not None and outcome.subject == "candidate":
             broken = [item for item in considered(outcome.id, runs) if not item[0].met]
             margin, run = min(broken, key=lambda item: size_of(item[1].scenario))
-            failures.append(Failure(outcome.id, margin, run))
+            failures.append(FailedRun(outcome.id, margin, run))
     return failures
 
 
 def with_simplest(
     outcome: CheckOutcome,
-    failures: Iterable[Failure],
+    failures: Iterable[FailedRun],
     shrunk: Mapping[str, Shrunk | Fault | None],
 ) -> CheckOutcome:
     """Put the simplest counterexample that was found into an outcome."""

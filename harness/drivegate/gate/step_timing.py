@@ -44,7 +44,7 @@ class TimedSteps:
 
 
 def time_steps(loaded: LoadedCandidate, plan: TimedSteps) -> ShardOutcome:
-    """Record a run, then time the candidate's steps on what it was told there."""
+    """Record a run, then time the candidate's steps on what it sensed there."""
     controller = loaded.controller()
     scenario = plan.scenario
     period = scenario.control_period_s
@@ -73,12 +73,12 @@ def way_of_running(kind: str, controller: Controller) -> str:
 def timing_margin(way: str, step_time: float, control_period: float) -> Margin:
     """Judge the time of a step."""
     share = step_time / control_period
-    told = f"{1e6 * step_time:.3g} µs a step ({way}), {100.0 * share:.3g} % of the control period"
-    return Margin(CHECK, below(step_time, LARGEST_SHARE * control_period), told)
+    measured = f"{1e6 * step_time:.3g} µs a step ({way}), {100.0 * share:.3g} % of the control period"
+    return Margin(CHECK, below(step_time, LARGEST_SHARE * control_period), measured)
 
 
 def _signals(trace: NDArray[Any]) -> NDArray[np.float64]:
-    """Return the Senses of a trace as signals in SI units; the sum told is that of the step before."""
+    """Return the Senses of a trace as signals in SI units; the sum given is that of the step before."""
     signals = np.stack([trace[name] for name in _COLUMNS], axis=1)
     signals[:, :2] *= RADIANS_PER_RPM
     signals[1:, 2] = signals[:-1, 2]

@@ -13,7 +13,7 @@ from rich.text import Text
 from drivegate_cases.documents.wording import one_line
 
 WIDTH_OF_A_FILE: Final = 160
-"""Columns where the output is no terminal and none are told."""
+"""Columns where the output is no terminal and none are given."""
 
 STYLES: Final = {
     "pass": "green",
@@ -30,7 +30,7 @@ STYLES: Final = {
 
 def console_for(stream: TextIO) -> Console:
     """Make a console that takes text as it is: no markup, no emoji, no highlighting."""
-    told = stream.isatty() or "COLUMNS" in os.environ
+    has_width = stream.isatty() or "COLUMNS" in os.environ
     # Only tables are wrapped: a path or a command on more than one line could not be copied.
     return Console(
         file=stream,
@@ -38,7 +38,7 @@ def console_for(stream: TextIO) -> Console:
         emoji=False,
         highlight=False,
         soft_wrap=True,
-        width=None if told else WIDTH_OF_A_FILE,
+        width=None if has_width else WIDTH_OF_A_FILE,
     )
 
 

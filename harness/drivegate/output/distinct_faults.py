@@ -1,4 +1,4 @@
-"""Faults of many runs that say the same, told once."""
+"""Faults of many runs that say the same, reported once."""
 
 from __future__ import annotations
 

@@ -88,8 +88,8 @@ def complain(failure: Failure, error: BaseException | None = None) -> None:
 def _ends(text: str) -> str:
     """Keep the first and the last line of a text: of a traceback, what failed and how."""
     lines = text.replace("Traceback (most recent call last):", "").splitlines()
-    told = [line.strip().rstrip(":") for line in lines if line.strip()] or [""]
-    return told[0] if len(told) == 1 else f"{told[0]}: {told[-1]}"
+    parts = [line.strip().rstrip(":") for line in lines if line.strip()] or [""]
+    return parts[0] if len(parts) == 1 else f"{parts[0]}: {parts[-1]}"
 
 
 def _sentence(text: str) -> str:

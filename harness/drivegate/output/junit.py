@@ -24,9 +24,8 @@ def write_junit(result: dict[str, Any], folder: Path) -> Path:
 def junit_xml(result: dict[str, Any]) -> bytes:
     """Make JUnit XML of a result document.
 
-    An advisory check that fails is told in the output of its case, which passes unless advisory checks count; so does
-    one that is waived. A
-    comparison with a baseline has cases of its own.
+    An advisory check that fails is reported in the output of its case, which passes unless advisory checks count; so
+    does one that is waived. A comparison with a baseline has cases of its own.
     """
     name = one_line(result["candidate"]["name"])
     suite = ElementTree.Element("testsuite", name=f"drivegate {name}")

@@ -70,8 +70,8 @@ def _comparisons(entries: list[dict[str, Any]]) -> list[str]:
 def _faults(faults: list[dict[str, Any]]) -> list[str]:
     if not faults:
         return []
-    told = (
+    listed = (
         f"- {escaped(fault['kind'])}{in_runs(count)}: {escaped(fault['message'])}"
         for fault, count in distinct_faults(faults)
     )
-    return ["", "## Faults", "", *told]
+    return ["", "## Faults", "", *listed]

@@ -17,13 +17,13 @@ SECONDS_BETWEEN_LINES: Final = 2.0
 
 
 class Display:
-    """Progress that nobody sees; one that is seen is told the same."""
+    """Progress that nobody sees; one that is seen takes the same calls."""
 
     def __init__(self) -> None:
         self._title = ""
 
     def begin(self, title: str, total: int, words: str = "compiling and starting") -> None:
-        """Begin a piece of work of so many parts; a line has nothing to tell of it yet."""
+        """Begin a piece of work of so many parts; a line has nothing to report of it yet."""
         self._title = one_line(title)
         self._begin_bar(total, words)
 
@@ -108,11 +108,11 @@ def with_rate(
     *,
     clock: Callable[[], float] = time.monotonic,
 ) -> Callable[[int, int], None]:
-    """Make what takes the number of parts done, and of those done before, and tells rate and time left."""
+    """Make what takes the number of parts done, and of those done before, and reports rate and time left."""
     began = clock()
     display.begin(title, total, "starting")
 
-    def tell(done: int, before: int) -> None:
+    def report(done: int, before: int) -> None:
         nonlocal began
         if done == before:
             # Compiling and starting say nothing about how fast parts are done.
@@ -124,7 +124,7 @@ def with_rate(
             words = f"{made / seconds:.3g} {unit}/s, {_duration((total - done) * seconds / made)} left"
         display.advance(done, total, words, unit=unit, always=done >= total)
 
-    return tell
+    return report
 
 
 def _duration(seconds: float) -> str:

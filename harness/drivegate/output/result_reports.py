@@ -1,4 +1,4 @@
-"""The one way out of a result document: its files, and every format that is asked for."""
+"""The one way out of a result document: its files, and every format that is requested."""
 
 from __future__ import annotations
 

@@ -34,6 +34,6 @@ def _values(profile: list[list[float]]) -> str:
 
 def _load(load: dict[str, Any]) -> str:
     size = {"torque_nm": "N·m", "power_w": "W"}
-    told = [f"{load[key]:g} {unit}" for key, unit in size.items() if key in load]
+    sizes = [f"{load[key]:g} {unit}" for key, unit in size.items() if key in load]
     factor = f" × {_values(load['factor'])}" if "factor" in load else ""
-    return " ".join(["load", load["kind"].replace("_", " "), *told]) + factor
+    return " ".join(["load", load["kind"].replace("_", " "), *sizes]) + factor

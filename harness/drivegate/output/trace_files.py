@@ -46,7 +46,7 @@ def check_targets(csv: Path | None, parquet: Path | None, plot: Path | None) -> 
 
 
 def check_writable(path: Path) -> None:
-    """Refuse a file that cannot be written where it is wanted."""
+    """Refuse a file that cannot be written at its place."""
     try:
         target = path.resolve()
         if target.is_dir():
@@ -68,7 +68,7 @@ def check_writable(path: Path) -> None:
 
 
 def write_trace(frame: pandas.DataFrame, csv: Path | None, parquet: Path | None) -> None:
-    """Write a trace as the files that are wanted."""
+    """Write a trace as the files that are requested."""
     if csv is not None:
         write_atomically(csv, frame.to_csv(index=False, lineterminator="\n"))
     if parquet is not None:

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, ConfigDict, Field
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
 from drivegate.results.counterexample import require_kind, resolved_scenario
-from drivegate.results.result import RESULT_SCHEMA, Comparison
+from drivegate.results.result import RESULT_SCHEMA, BaselineComparison
 from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.documents.reading import read_mapping
 from drivegate_cases.documents.wording import shown_path
@@ -72,7 +72,7 @@ def scenario_key(scenario: Mapping[str, Any]) -> str:
     return json.dumps(scenario, sort_keys=True)
 
 
-def compared(baseline: Baseline, runs: Iterable[JudgedRun]) -> tuple[Comparison, ...]:
+def compared(baseline: Baseline, runs: Iterable[JudgedRun]) -> tuple[BaselineComparison, ...]:
     """Compare the margins of every check of the candidate with the earlier ones."""
     now: dict[str, dict[str, float]] = {}
     for run in runs:
@@ -93,24 +93,26 @@ def compared(baseline: Baseline, runs: Iterable[JudgedRun]) -> tuple[Comparison,
     return tuple(made)
 
 
-def _comparison(check: Check, changes: Sequence[float]) -> Comparison:
+def _comparison(check: Check, changes: Sequence[float]) -> BaselineComparison:
     from statistics import median
 
     pairs = len(changes)
     change = median(changes) if changes else None
     if change is None or pairs < FEWEST_PAIRS:
         message = f"{pairs} scenarios have a margin in both results, but it takes {FEWEST_PAIRS} to compare"
-        return Comparison(check.id, check.level, pairs, change, None, "too few pairs", message)
+        return BaselineComparison(check.id, check.level, pairs, change, None, "too few pairs", message)
     if not any(changes):
         message = f"the margins of {pairs} scenarios are the same"
-        return Comparison(check.id, check.level, pairs, change, None, "no difference", message)
+        return BaselineComparison(check.id, check.level, pairs, change, None, "no difference", message)
     p_value = loss_by_chance(changes)
     lost = p_value < SIGNIFICANCE and change < -LEAST_LOSS
     message = (
         f"the margin changed by {change:+.3g} in the median of {pairs} scenarios (p = {p_value:.3g}); a loss "
         f"above {LEAST_LOSS:g} with p below {SIGNIFICANCE:g} fails"
     )
-    return Comparison(check.id, check.level, pairs, change, p_value, "fail" if lost else "pass", message)
+    return BaselineComparison(
+        check.id, check.level, pairs, change, p_value, "fail" if lost else "pass", message
+    )
 
 
 def loss_by_chance(changes: Sequence[float]) -> float:

@@ -94,7 +94,7 @@ def require_kind(mapping: Mapping[str, Any], kind: str, path: str | Path) -> Non
     """Refuse a document of another kind before its keys are looked at."""
     if mapping.get("kind") == kind:
         return
-    told = f"is of kind {shown(mapping['kind'])}" if "kind" in mapping else "does not tell its kind"
+    actual = f"is of kind {shown(mapping['kind'])}" if "kind" in mapping else "does not give its kind"
     raise InputError(
-        f"{shown_path(path)} {told}, but must be a document with the key kind = '{one_line(kind)}'"
+        f"{shown_path(path)} {actual}, but must be a document with the key kind = '{one_line(kind)}'"
     )

@@ -81,7 +81,7 @@ class FaultSection(Section):
     )
     step: int | None = Field(default=None, description="number of steps before")
     time_s: Number = Field(default=None, description="simulated time, in seconds")
-    sense: Table | None = Field(default=None, description="what the candidate had been told")
+    sense: Table | None = Field(default=None, description="what the candidate had sensed")
 
 
 class FixedSection(Section):
@@ -108,7 +108,7 @@ class InfeasibleSection(Section):
     """A drawn scenario that no controller could do, and that was not run."""
 
     scenario: Text = Field(description="its name")
-    reason: Text = Field(description="why no controller could do what it asks")
+    reason: Text = Field(description="why no controller could do what it requires")
 
 
 class ResultDocument(Document):

@@ -51,7 +51,7 @@ def _commit() -> str | None:
     if git is None:
         return None
 
-    def told(*words: str) -> str | None:
+    def git_output(*words: str) -> str | None:
         command = [git, "-C", str(own.parent), *words]
         try:
             ended = subprocess.run(command, capture_output=True, text=True, timeout=20.0, check=True)
@@ -60,7 +60,11 @@ def _commit() -> str | None:
         return ended.stdout.strip()
 
     # An installed copy may lie inside somebody else's working copy, which does not keep it.
-    if told("ls-files", "--error-unmatch", own.name) is None:
+    if git_output("ls-files", "--error-unmatch", own.name) is None:
         return None
-    commit = told("rev-parse", "HEAD")
-    return f"{commit}+changes" if commit and told("status", "--porcelain", "--untracked-files=no") else commit
+    commit = git_output("rev-parse", "HEAD")
+    return (
+        f"{commit}+changes"
+        if commit and git_output("status", "--porcelain", "--untracked-files=no")
+        else commit
+    )

@@ -12,7 +12,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 
 if TYPE_CHECKING:
-    from drivegate.checks.judging import SetAside
+    from drivegate.checks.judging import InfeasibleScenario
 
 RESULT_SCHEMA: Final = 2
 """Version of the result document."""
@@ -134,7 +134,7 @@ class CheckOutcome:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class BaselineComparison:
     """How the margins of one check have changed.
 
     Attributes
@@ -185,7 +185,7 @@ class CheckResult:
         The candidate's faults.
     runs : int
         Number of runs made.
-    set_aside : tuple of SetAside
+    infeasible : tuple of InfeasibleScenario
         Drawn scenarios that no controller could do, which were not run.
     provenance : dict
         Versions and machine-independent origin.
@@ -195,7 +195,7 @@ class CheckResult:
         Number of scenarios of the corpus that were run.
     fixed : tuple of FixedMargins
         The fixed scenarios and their margins.
-    baseline : tuple of Comparison or None
+    baseline : tuple of BaselineComparison or None
         How margins have changed since an earlier result; None where it was not compared with one.
     fail_on : str
         ``required``, or ``advisory`` where advisory checks count like required ones.
@@ -211,12 +211,12 @@ class CheckResult:
     checks: tuple[CheckOutcome, ...]
     faults: tuple[Fault, ...]
     runs: int
-    set_aside: tuple[SetAside, ...]
+    infeasible: tuple[InfeasibleScenario, ...]
     provenance: dict[str, Any]
     timing: dict[str, Any]
     corpus_runs: int = 0
     fixed: tuple[FixedMargins, ...] = ()
-    baseline: tuple[Comparison, ...] | None = None
+    baseline: tuple[BaselineComparison, ...] | None = None
     fail_on: str = "required"
     traces: tuple[dict[str, list[float]], ...] = ()
 
@@ -241,8 +241,8 @@ class CheckResult:
             "checks": [asdict(outcome) for outcome in self.checks],
             "faults": [_fault_document(fault) for fault in self.faults],
             "runs": self.runs,
-            "set_aside": len(self.set_aside),
-            "infeasible": [asdict(drawn) for drawn in self.set_aside],
+            "set_aside": len(self.infeasible),
+            "infeasible": [asdict(drawn) for drawn in self.infeasible],
             "corpus_runs": self.corpus_runs,
             "fixed": [asdict(run) for run in self.fixed],
             "baseline": None if self.baseline is None else [asdict(entry) for entry in self.baseline],

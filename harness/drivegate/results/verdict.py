@@ -12,7 +12,7 @@ from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
-from drivegate.results.result import MOST_MARGINS, STALE_WAIVERS, CheckOutcome, Comparison
+from drivegate.results.result import MOST_MARGINS, STALE_WAIVERS, BaselineComparison, CheckOutcome
 from drivegate_cases.documents.wording import counted
 
 _NAMED: Final = 4
@@ -55,21 +55,21 @@ def _outcome(
     margin, run = min(items, key=lambda item: item[0].value)
     failed = [item for item in items if not item[0].met]
     if failed:
-        verdict, told = "fail", f"fails in {len(failed)} of {len(items)} runs"
+        verdict, summary = "fail", f"fails in {len(failed)} of {len(items)} runs"
     else:
         verdict = "pass" if complete else "inconclusive"
-        told = f"met in {'its only run' if len(items) == 1 else f'all {len(items)} runs'}"
+        summary = f"met in {'its only run' if len(items) == 1 else f'all {len(items)} runs'}"
     if check.volatile:
         # Which run was the worst, and by how much, another machine would tell otherwise.
         message = f"{'not ' if failed else ''}met; the numbers depend on the machine and are with the times"
         return _made(check, verdict, None, len(items), message, None)
     if failed:
-        told = f"{told}: {_names(run for _, run in failed)}"
+        summary = f"{summary}: {_names(run for _, run in failed)}"
     advised = [other for run in runs for other in run.margins if other.check == check.id and other.advisory]
     unmet = sum(not other.met for other in advised)
     if unmet and not margin.advisory:
-        told += f"; advisory: not met in {counted(unmet, 'run')} at light load"
-    made = _made(check, verdict, margin, len(items), f"{margin.measured}; {told}", run.scenario)
+        summary += f"; advisory: not met in {counted(unmet, 'run')} at light load"
+    made = _made(check, verdict, margin, len(items), f"{margin.measured}; {summary}", run.scenario)
     return replace(made, margins=_spread([item.value for item, _ in items]))
 
 
@@ -116,7 +116,7 @@ def _made(
 def candidate_verdict(
     outcomes: Sequence[CheckOutcome],
     faults: Sequence[Fault],
-    baseline: Sequence[Comparison] = (),
+    baseline: Sequence[BaselineComparison] = (),
     *,
     fail_on: str = "required",
 ) -> tuple[str, int]:

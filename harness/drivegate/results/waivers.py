@@ -52,7 +52,7 @@ class Waiver(Section):
         """Tell whether the waiver's last day is over."""
         return today > self.expires
 
-    def told(self) -> dict[str, Any]:
+    def as_document(self) -> dict[str, Any]:
         """Write what a result tells of the waiver."""
         return self.model_dump(mode="json", include={"reason", "owner", "expires", "margin"})
 
@@ -105,20 +105,23 @@ def under_waivers(
 
 
 def _waived(outcome: CheckOutcome, waiver: Waiver, today: date) -> CheckOutcome:
-    verdict, told = outcome.verdict, f"there is a waiver of {waiver.owner} for it"
+    verdict, sentence = outcome.verdict, f"there is a waiver of {waiver.owner} for it"
     if outcome.verdict == "pass":
         verdict = "unexpectedly passes"
-        told = f"the waiver of {waiver.owner} is not needed any more and is to be removed"
+        sentence = f"the waiver of {waiver.owner} is not needed any more and is to be removed"
     elif outcome.verdict == "fail" and waiver.expired(today):
         verdict = "waiver expired"
-        told = f"the waiver of {waiver.owner} held until {waiver.expires}"
+        sentence = f"the waiver of {waiver.owner} held until {waiver.expires}"
     elif outcome.verdict == "fail" and not _holds(waiver, outcome.margin):
-        told = f"the waiver of {waiver.owner} holds down to a margin of {waiver.margin:g} only"
+        sentence = f"the waiver of {waiver.owner} holds down to a margin of {waiver.margin:g} only"
     elif outcome.verdict == "fail":
         verdict = "waived"
-        told = f"waived by {waiver.owner} until {waiver.expires}: {waiver.reason}"
+        sentence = f"waived by {waiver.owner} until {waiver.expires}: {waiver.reason}"
     return replace(
-        outcome, verdict=verdict, message=f"{outcome.message}; {one_line(told)}", waiver=waiver.told()
+        outcome,
+        verdict=verdict,
+        message=f"{outcome.message}; {one_line(sentence)}",
+        waiver=waiver.as_document(),
     )
 
 

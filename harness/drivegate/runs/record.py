@@ -23,7 +23,7 @@ _SAME = 1e-6
 
 
 @dataclass(frozen=True)
-class Window:
+class SteadyWindow:
     """A stretch in which convergence is judged.
 
     Attributes
@@ -46,14 +46,14 @@ class Window:
         return self.dwell.speed_rpm * RADIANS_PER_RPM
 
     @property
-    def torque_asked(self) -> float:
-        """Torque that the load asks for, without friction (N m)."""
+    def torque_required(self) -> float:
+        """Torque that the load requires, without friction (N m)."""
         return dwell_torque(self.scenario, self.dwell)
 
     @property
     def is_loaded(self) -> bool:
         """Whether anything drives or holds the shaft besides friction."""
-        return isinstance(self.scenario.load, LockedLoad) or self.torque_asked != 0.0
+        return isinstance(self.scenario.load, LockedLoad) or self.torque_required != 0.0
 
     @property
     def is_after_change(self) -> bool:
@@ -71,11 +71,11 @@ class Window:
         return self.dwell.supply_v == self.scenario.motor.supply_voltage_v
 
     @property
-    def asks_for_rated_power(self) -> bool:
-        """Whether the load asks for the motor's rated power, from a supply of nominal voltage."""
-        asked = self.torque_asked * self.speed
+    def requires_rated_power(self) -> bool:
+        """Whether the load requires the motor's rated power, from a supply of nominal voltage."""
+        power = self.torque_required * self.speed
         return self.has_nominal_supply and math.isclose(
-            asked, self.scenario.motor.rated_power_w, rel_tol=_SAME
+            power, self.scenario.motor.rated_power_w, rel_tol=_SAME
         )
 
 
@@ -110,14 +110,14 @@ class RunRecord:
         """What is not nominal about the run."""
         return circumstance(self.scenario)
 
-    def windows(self) -> Iterator[Window]:
+    def windows(self) -> Iterator[SteadyWindow]:
         """Go through the stretches in which the search is judged."""
         lowest, highest = self.declaration.speed_range_rpm or (0.0, math.inf)
         by_end = {dwell.end: dwell for dwell in dwells(self.scenario)}
         for (_, end), values in zip(observed_windows(self.scenario), self.run.windows, strict=True):
             dwell = by_end[end]
             if dwell.speed_rpm > self.scenario.motor.base_speed_rpm and lowest <= dwell.speed_rpm <= highest:
-                yield Window(self.scenario, dwell, values)
+                yield SteadyWindow(self.scenario, dwell, values)
 
 
 def rated_torque(scenario: Scenario, speed: float) -> float:

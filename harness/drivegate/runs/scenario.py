@@ -152,9 +152,9 @@ def _raise_ending(run: ClosedLoopRun, controller: Controller) -> None:
     step = int(run.steps)
     fault = controller.fault
     if run.status == STOPPED and fault is not None:
-        told = fault.sense is not None
+        sensed = fault.sense is not None
         raise CandidateFault(
-            fault if told else replace(fault, step=step, time=sense.time, sense=sense._asdict())
+            fault if sensed else replace(fault, step=step, time=sense.time, sense=sense._asdict())
         )
     if run.status in (STOPPED, NOT_FINITE):
         finite = run.status != NOT_FINITE

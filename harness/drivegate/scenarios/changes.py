@@ -13,7 +13,7 @@ from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 
 CHANGE_S = 10.0
-"""Time of a change after a search that has converged (s)."""
+"""Time of a change after a candidate's search that has converged (s)."""
 
 
 def stepped(before: float, after: float, at_s: float, *, over_s: float = 0.0) -> Profile:

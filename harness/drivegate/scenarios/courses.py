@@ -44,7 +44,7 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Course:
+class ProfileCourse:
     """A profile as its first value and its changes.
 
     Attributes
@@ -59,7 +59,7 @@ class Course:
     changes: tuple[Change, ...]
 
     @classmethod
-    def of(cls, profile: Profile) -> Course:
+    def of(cls, profile: Profile) -> ProfileCourse:
         """Read a profile."""
         changes = [
             Change(start, end, after)
@@ -81,36 +81,38 @@ class Course:
         """Give the values that it goes through."""
         return self.first, *(change.value for change in self.changes)
 
-    def steadier(self) -> Iterator[Course]:
+    def steadier(self) -> Iterator[ProfileCourse]:
         """Leave changes out."""
         for value in dict.fromkeys(reversed(self.values())):
-            yield Course(value, ())
+            yield ProfileCourse(value, ())
         for index, change in enumerate(self.changes):
             others = self.changes[:index] + self.changes[index + 1 :]
-            yield Course(self.first, others)
+            yield ProfileCourse(self.first, others)
             if index == 0:
-                yield Course(change.value, others)
+                yield ProfileCourse(change.value, others)
             else:
                 before = replace(self.changes[index - 1], value=change.value)
-                yield Course(self.first, (*self.changes[: index - 1], before, *self.changes[index + 1 :]))
+                yield ProfileCourse(
+                    self.first, (*self.changes[: index - 1], before, *self.changes[index + 1 :])
+                )
 
     def mapped(
         self,
         value: Callable[[float], float] = lambda value: value,
         time: Callable[[float], float] = lambda time: time,
-    ) -> Course:
+    ) -> ProfileCourse:
         """Change all values or all times."""
         changes = (
             Change(time(change.start), time(change.end), value(change.value)) for change in self.changes
         )
-        return Course(value(self.first), tuple(changes))
+        return ProfileCourse(value(self.first), tuple(changes))
 
-    def until(self, end: float) -> Course:
+    def until(self, end: float) -> ProfileCourse:
         """Leave out what begins at a time or later, or is not over by then."""
-        return Course(self.first, tuple(c for c in self.changes if c.start < end and c.end <= end))
+        return ProfileCourse(self.first, tuple(c for c in self.changes if c.start < end and c.end <= end))
 
 
-def course_of(scenario: Scenario, quantity: Quantity) -> Course:
+def course_of(scenario: Scenario, quantity: Quantity) -> ProfileCourse:
     """Read one of a scenario's profiles."""
     profiles: dict[Quantity, Profile] = {
         "speed": scenario.speed_rpm,
@@ -120,10 +122,10 @@ def course_of(scenario: Scenario, quantity: Quantity) -> Course:
         "resistance": scenario.resistance_profile,
         "emf_constant": scenario.emf_profile,
     }
-    return Course.of(profiles[quantity])
+    return ProfileCourse.of(profiles[quantity])
 
 
-def fields_of(scenario: Scenario, quantity: Quantity, course: Course) -> dict[str, Any]:
+def fields_of(scenario: Scenario, quantity: Quantity, course: ProfileCourse) -> dict[str, Any]:
     """Write one of a scenario's profiles."""
     profile = course.profile()
     match quantity:

@@ -29,7 +29,7 @@ from drivegate_models.units import RADIANS_PER_RPM
 STEP_ACCELERATION_S = 2.0
 """Time in which a step up of the speed reference must be possible, which leaves 4 s to converge (s)."""
 REACTION_S = 0.02
-"""Time after a step of the load in which no controller can be asked to have the torque (s)."""
+"""Time after a step of the load in which no controller can be required to have the torque (s)."""
 SPEED_RESERVE = 0.1
 """Sag of the speed from which a plant that is not nominal must be able to recover under constant power (1)."""
 _ROUNDING = 1e-6
@@ -46,9 +46,9 @@ class _Stretch(NamedTuple):
 
 
 def is_feasible(scenario: Scenario) -> bool:
-    """Tell whether the plant can give what a scenario asks for wherever it goes, at some angle.
+    """Tell whether the plant can give what a scenario requires wherever it goes, at some angle.
 
-    Every corner of the profiles counts, however short the time spent there; a rising speed reference asks for
+    Every corner of the profiles counts, however short the time spent there; a rising speed reference requires
     the torque that accelerates too. Unequal halves of the supply count as both the weaker one.
     """
     if isinstance(scenario.load, LockedLoad):
@@ -105,7 +105,7 @@ def unfair_because(scenario: Scenario) -> str | None:
     if scenario.initial_speed_rpm != scenario.speed_rpm[0][1]:
         return "it does not start at its speed reference"
     if not is_fast_while_loaded(scenario):
-        return "it asks for a load below base speed"
+        return "it requires a load below base speed"
     if not withstands_steps(scenario):
         return "a step of the load throws the shaft below base speed before a controller can answer"
     if not coasts(scenario):

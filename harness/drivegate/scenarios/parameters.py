@@ -8,7 +8,7 @@ from drivegate_cases.motor.motor import SETTABLE_KEYS
 from drivegate_cases.motor.scales import Scales
 
 SCALES: Final = tuple(Scales.model_fields)
-"""Parameters of the plant that its controller is not told of."""
+"""Parameters of the plant that its controller does not know."""
 SHARES: Final = ("load_share", "supply_share")
 """Parameters that multiply a profile of the case."""
 SPREADABLE: Final = (*SCALES, *SHARES)
@@ -16,6 +16,6 @@ SPREADABLE: Final = (*SCALES, *SHARES)
 SPEED: Final = "speed_rpm"
 """The parameter that replaces the case's speed reference by a constant one."""
 MOTOR_KEYS: Final = tuple(key for key in SETTABLE_KEYS if key not in ("name", "emf_shape", "emf_table"))
-"""Keys of the nominal motor, of which the controller is told."""
+"""Keys of the nominal motor, which the controller knows."""
 GRID_KEYS: Final = (*SPREADABLE, SPEED, *MOTOR_KEYS)
 """Parameters that may stand on a grid."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, Final, TypeAlias
 
 from drivegate.scenarios.building import LOAD_RAMP_S
-from drivegate.scenarios.courses import QUANTITIES, Course, Quantity, course_of, fields_of
+from drivegate.scenarios.courses import QUANTITIES, ProfileCourse, Quantity, course_of, fields_of
 from drivegate.scenarios.size import size_of
 from drivegate.scenarios.windows import SETTLING_TIME, SHORTEST_WINDOW
 from drivegate_cases.motor.scales import NOMINAL
@@ -97,15 +97,15 @@ def _steadier(quantity: Quantity) -> Simplification:
     return candidates
 
 
-def _coming_on(scenario: Scenario, quantity: Quantity, course: Course) -> Course:
+def _coming_on(scenario: Scenario, quantity: Quantity, course: ProfileCourse) -> ProfileCourse:
     """Let a switched load come on as in every other run, from a shaft that turns freely."""
     if quantity != "load" or isinstance(scenario.load, VehicleLoad) or course.first == 0.0:
         return course
-    return Course.of(((0.0, 0.0), (LOAD_RAMP_S, course.first), *course.profile()[1:]))
+    return ProfileCourse.of(((0.0, 0.0), (LOAD_RAMP_S, course.first), *course.profile()[1:]))
 
 
 def _plainer_load(scenario: Scenario) -> Iterator[Fields]:
-    """Ask for the torque of the last steady stretch, whatever the speed."""
+    """Require the torque of the last steady stretch, whatever the speed."""
     load = scenario.load
     steady = [dwell for dwell in dwells(scenario) if dwell_torque(scenario, dwell) > 0.0]
     if not steady or isinstance(load, (LockedLoad, ConstantTorqueLoad)):
@@ -159,8 +159,8 @@ def _rounder_times(scenario: Scenario) -> Iterator[Fields]:
             course = course_of(scenario, quantity)
             # A load that comes on does so in a fifth of a second.
             kept = 1 if quantity == "load" and course.first == 0.0 else 0
-            later = Course(course.first, course.changes[kept:]).mapped(time=rounded)
-            rounder = Course(course.first, course.changes[:kept] + later.changes)
+            later = ProfileCourse(course.first, course.changes[kept:]).mapped(time=rounded)
+            rounder = ProfileCourse(course.first, course.changes[:kept] + later.changes)
             fields |= fields_of(changed, quantity, rounder)
             changed = scenario.model_copy(update=fields)
         fields["dropouts"] = tuple(

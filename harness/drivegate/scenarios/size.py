@@ -1,4 +1,4 @@
-"""How complicated a scenario is, so that the simplest of several failures can be told."""
+"""How complicated a scenario is, so that the simplest of several failures can be chosen."""
 
 from __future__ import annotations
 

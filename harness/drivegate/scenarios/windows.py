@@ -6,7 +6,7 @@ from drivegate_cases.scenario.profile import dwells
 from drivegate_cases.scenario.scenario import Scenario
 
 SETTLING_TIME = 6.0
-"""Time within which a search has to converge at a steady reference (s)."""
+"""Time within which a candidate's search has to converge at a steady speed reference (s)."""
 SHORTEST_WINDOW = 3.0
 """Shortest time over which convergence is judged (s)."""
 

@@ -149,11 +149,11 @@ class Conformance:
         elif outcome["verdict"] in _MET:
             return
         elif outcome["level"] == "required":
-            pytest.fail(self._told(outcome), pytrace=False)
+            pytest.fail(self._message(outcome), pytrace=False)
         else:
-            warnings.warn(self._told(outcome), ConformanceWarning, stacklevel=2)
+            warnings.warn(self._message(outcome), ConformanceWarning, stacklevel=2)
 
-    def _told(self, outcome: Mapping[str, Any]) -> str:
+    def _message(self, outcome: Mapping[str, Any]) -> str:
         """Tell a check that is not met: what, by how much, and how to see it again."""
         from drivegate.output.result_file import counterexample_name
 
@@ -179,10 +179,10 @@ def _faults(document: Mapping[str, Any]) -> str:
     """Tell the candidate's faults; empty where it has none."""
     from drivegate.output.distinct_faults import distinct_faults, in_runs
 
-    told = []
+    lines = []
     for fault, count in distinct_faults(document.get("faults", [])):
-        told.append(f"{fault['kind']}{in_runs(count)}: {fault['message']}")
+        lines.append(f"{fault['kind']}{in_runs(count)}: {fault['message']}")
         if fault["time_s"] is not None:
-            told.append(f"  in step {fault['step']}, at {fault['time_s']:g} s")
-        told += [f"  {line}" for line in fault["traceback"].splitlines()]
-    return "\n".join(told)
+            lines.append(f"  in step {fault['step']}, at {fault['time_s']:g} s")
+        lines += [f"  {line}" for line in fault["traceback"].splitlines()]
+    return "\n".join(lines)

@@ -1,6 +1,6 @@
 """The pytest plugin: the options, the items and the fixture of `drivegate.conformance_tests`.
 
-pytest imports this module in every run, so nothing heavy is imported before a test asks for it.
+pytest imports this module in every run, so nothing heavy is imported before a test requires it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ FIXTURE: Final = "conformance"
 
 
 @dataclass(frozen=True)
-class _Wanted:
+class _Request:
     """What is checked; the key under which a session keeps its results."""
 
     candidate: str
@@ -35,7 +35,7 @@ class _Wanted:
     waivers: Path | None
 
 
-_JUDGED: Final = pytest.StashKey[dict[_Wanted, Judged]]()
+_JUDGED: Final = pytest.StashKey[dict[_Request, Judged]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -75,7 +75,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     from drivegate_models.errors import InputError
 
     try:
-        _planned(_wanted(metafunc.config, marker, metafunc.definition.path.parent))
+        _planned(_requested(metafunc.config, marker, metafunc.definition.path.parent))
     except InputError as error:
         raise _refused(str(error)) from error
     metafunc.parametrize(FIXTURE, [CANDIDATE_ITEM, *(check.id for check in CHECKS)], indirect=True)
@@ -89,15 +89,15 @@ def conformance(request: pytest.FixtureRequest) -> Conformance:
         pytest.fail(
             "the fixture 'conformance' needs the decorator drivegate.conformance_tests", pytrace=False
         )
-    wanted = _wanted(request.config, marker, request.node.path.parent)
+    requested = _requested(request.config, marker, request.node.path.parent)
     judged = request.config.stash[_JUDGED]
-    if wanted not in judged:
+    if requested not in judged:
         taken = {earlier.folder for earlier in judged.values()}
-        judged[wanted] = _judge(wanted, _output(request), taken)
-    return Conformance(request.param, judged[wanted])
+        judged[requested] = _judge(requested, _output(request), taken)
+    return Conformance(request.param, judged[requested])
 
 
-def _wanted(config: pytest.Config, marker: pytest.Mark, folder: Path) -> _Wanted:
+def _requested(config: pytest.Config, marker: pytest.Mark, folder: Path) -> _Request:
     """Put options over arguments."""
     given = dict(marker.kwargs)
     for name in ("corpus", "waivers"):
@@ -112,7 +112,7 @@ def _wanted(config: pytest.Config, marker: pytest.Mark, folder: Path) -> _Wanted
             "conformance_tests() names no candidate; give it one, or call pytest with "
             "--drivegate-candidate CANDIDATE"
         )
-    return _Wanted(**given)
+    return _Request(**given)
 
 
 def _from_folder(candidate: str, folder: Path) -> str:
@@ -125,20 +125,20 @@ def _from_folder(candidate: str, folder: Path) -> str:
     return str(folder / candidate) if candidate.endswith(WHOLE_FILE_SUFFIXES) else candidate
 
 
-def _planned(wanted: _Wanted) -> tuple[Candidate, Iterator[Event]]:
+def _planned(requested: _Request) -> tuple[Candidate, Iterator[Event]]:
     """Plan a check; bad input is refused, none of the candidate's code runs."""
     from drivegate.candidates.resolution import resolve_candidate
     from drivegate.gate.engine import check_candidate
     from drivegate.results.corpus import read_corpus
     from drivegate.results.waivers import read_waivers
 
-    candidate = resolve_candidate(wanted.candidate)
+    candidate = resolve_candidate(requested.candidate)
     events = check_candidate(
         candidate,
-        effort=wanted.effort,
-        seed=wanted.seed,
-        corpus=() if wanted.corpus is None else read_corpus(wanted.corpus),
-        waivers=() if wanted.waivers is None else read_waivers(wanted.waivers, [candidate.name]),
+        effort=requested.effort,
+        seed=requested.seed,
+        corpus=() if requested.corpus is None else read_corpus(requested.corpus),
+        waivers=() if requested.waivers is None else read_waivers(requested.waivers, [candidate.name]),
     )
     # The engine refuses its options before it tells that it has started, and works only afterwards.
     return candidate, chain([next(events)], events)
@@ -161,17 +161,17 @@ def _output(request: pytest.FixtureRequest) -> Path:
     return folder / os.environ.get("PYTEST_XDIST_WORKER", "")
 
 
-def _free_folder(output: Path, candidate: Candidate, wanted: _Wanted, taken: set[Path]) -> Path:
+def _free_folder(output: Path, candidate: Candidate, requested: _Request, taken: set[Path]) -> Path:
     """Choose the folder of one result; the same one in the next session."""
     name = quote(candidate.name, safe=":")[:80]
     places = (
-        output / f"{name}-{wanted.effort}-{wanted.seed}{suffix}"
+        output / f"{name}-{requested.effort}-{requested.seed}{suffix}"
         for suffix in ("", *(f"-{number}" for number in range(2, len(taken) + 2)))
     )
     return next(place for place in places if place not in taken)
 
 
-def _judge(wanted: _Wanted, output: Path, taken: set[Path]) -> Judged:
+def _judge(requested: _Request, output: Path, taken: set[Path]) -> Judged:
     """Check the candidate, and keep its result and counterexamples."""
     from drivegate.output.event_loop import finished
     from drivegate.output.failure import complain, failure_of
@@ -180,8 +180,8 @@ def _judge(wanted: _Wanted, output: Path, taken: set[Path]) -> Judged:
     from drivegate.output.result_reports import write_result
 
     try:
-        candidate, events = _planned(wanted)
-        place = _free_folder(output, candidate, wanted, taken)
+        candidate, events = _planned(requested)
+        place = _free_folder(output, candidate, requested, taken)
         with ReportFolder(place) as folder:
             document = finished(events, Display()).document()
             write_result(document, folder.staging, {})
@@ -190,5 +190,5 @@ def _judge(wanted: _Wanted, output: Path, taken: set[Path]) -> Judged:
         # Every item tells of it, and none tries again.
         failure = failure_of(error)
         complain(failure, error)
-        return Judged(wanted.candidate, None, output, failure.message)
-    return Judged(wanted.candidate, document, place)
+        return Judged(requested.candidate, None, output, failure.message)
+    return Judged(requested.candidate, document, place)

@@ -1,4 +1,4 @@
-"""Naming a candidate: every way to do it, and what is told when nothing is found."""
+"""Naming a candidate: every way to do it, and what is reported when nothing is found."""
 
 import sys
 from importlib.metadata import EntryPoint, EntryPoints
@@ -125,7 +125,7 @@ def test_a_manifest_for_a_builtin(folder):
         ("absent.py:Mine", "python", "absent.py does not exist"),
     ],
 )
-def test_a_manifest_that_leads_nowhere_is_told(folder, entry, kind, sentence):
+def test_a_manifest_that_leads_nowhere_is_reported(folder, entry, kind, sentence):
     written(folder / "candidate.toml", f'schema = 1\nname = "x"\nkind = "{kind}"\nentry = "{entry}"\n')
     with pytest.raises(InputError, match=sentence):
         resolve_candidate("candidate.toml")
@@ -153,7 +153,7 @@ def test_a_manifest_that_leads_nowhere_is_told(folder, entry, kind, sentence):
         ("json\n:x", r"names the module 'json\\n'"),
     ],
 )
-def test_what_is_not_found_is_told_in_one_sentence(folder, text, sentence):
+def test_what_is_not_found_is_reported_in_one_sentence(folder, text, sentence):
     (folder / "place.py").mkdir()
     with pytest.raises(InputError, match=sentence) as caught:
         resolve_candidate(text)

@@ -1,4 +1,4 @@
-"""Manifests: what they may say, and what is told about one that says something else."""
+"""Manifests: what they may say, and what is reported about one that says something else."""
 
 from dataclasses import astuple
 from math import pi, radians
@@ -89,7 +89,7 @@ def test_a_native_candidate_may_have_flags_and_headers():
         ({"flags": ["-O3"]}, "the key 'flags' is for the kind 'c', but the kind is 'python'"),
     ],
 )
-def test_a_wrong_manifest_is_told_in_one_sentence(changes, sentence):
+def test_a_wrong_manifest_is_reported_in_one_sentence(changes, sentence):
     with pytest.raises(InputError) as caught:
         parsed(**changes)
     message = str(caught.value)

@@ -48,7 +48,7 @@ def record_with(
     declaration: Declaration | None = None,
     repeated: tuple[int, ...] = (),
 ) -> RunRecord:
-    """A run of which nothing is known but what is given; by default it has converged on what it was asked for."""
+    """A run of which nothing is known but what is given; by default it has converged on its references."""
     scenario = scenario or scenario_with()
     observed = observed_windows(scenario)
     rows = np.zeros(len(observed), observation.WINDOW_RECORD)

@@ -52,8 +52,8 @@ def test_every_check_tells_what_it_is_about(check):
 
 def test_a_candidate_that_declares_nothing_is_spared_the_flowchart_alone():
     reasons = {check.id: check.reason_not_applicable(Declaration()) for check in CHECKS}
-    told = {identifier: reason for identifier, reason in reasons.items() if reason is not None}
-    assert told == {"FLO-1": "the candidate does not declare the profile 'flowchart'"}
+    inapplicable = {identifier: reason for identifier, reason in reasons.items() if reason is not None}
+    assert inapplicable == {"FLO-1": "the candidate does not declare the profile 'flowchart'"}
 
 
 def test_the_profile_flowchart_asks_for_its_check():
@@ -74,10 +74,10 @@ def test_the_profile_flowchart_asks_for_its_check():
 def test_a_candidate_is_spared_checks_at_speeds_that_it_is_not_made_for(speeds, spared):
     declaration = Declaration(speed_range_rpm=speeds)
     reasons = {check.id: check.reason_not_applicable(declaration) for check in CHECKS if check.id != "FLO-1"}
-    told = {identifier: reason for identifier, reason in reasons.items() if reason is not None}
+    inapplicable = {identifier: reason for identifier, reason in reasons.items() if reason is not None}
     robust = {"ROB-1", "ROB-2", "ROB-3"} if "CNV-1" in spared else set()
-    assert set(told) == spared | robust
-    for reason in told.values():
+    assert set(inapplicable) == spared | robust
+    for reason in inapplicable.values():
         assert f"declares a speed range of {speeds[0]:g} to {speeds[1]:g} rpm" in reason, reason
 
 

@@ -205,34 +205,34 @@ def test_a_search_that_never_moves_is_none():
     assert not margin.met
 
 
-def test_a_departure_is_told_with_its_decision_and_the_branch():
+def test_a_departure_is_reported_with_its_decision_and_the_branch():
     script = script_of("two falls", MOTOR, PROFILE, 1500.0, [Event(-3.0), Event(-3.0)])
     verdict = judge_script(controller(reverses_when_power="falls"), PROFILE, script)
     assert verdict.rows == 2
     assert verdict.margin.value == -2.0
-    told = verdict.margin.measured
-    assert told.startswith("row 2, at 0.0145 s: the angle is +0° from the initial one, but Fig. 4 has -2°"), (
-        told
-    )
-    assert "since W falls from 1920 W by" in told
+    measured = verdict.margin.measured
+    assert measured.startswith(
+        "row 2, at 0.0145 s: the angle is +0° from the initial one, but Fig. 4 has -2°"
+    ), measured
+    assert "since W falls from 1920 W by" in measured
 
 
-def test_a_gate_that_is_closed_is_told_as_such():
+def test_a_gate_that_is_closed_is_reported_as_such():
     script = script_of("off", MOTOR, PROFILE, 1500.0, [Event(-3.0, 2.0)])
-    told = judge_script(controller(k1=math.inf), PROFILE, script).margin.measured
-    assert "since the speed is off by +10 rpm, more than k1 = 5 rpm" in told, told
+    measured = judge_script(controller(k1=math.inf), PROFILE, script).margin.measured
+    assert "since the speed is off by +10 rpm, more than k1 = 5 rpm" in measured, measured
 
 
-def test_a_stop_is_told_as_such():
+def test_a_stop_is_reported_as_such():
     script = script_of("still", MOTOR, PROFILE, 1500.0, [Event(-3.0), Event(-0.5)])
-    told = judge_script(controller(k2=0.0), PROFILE, script).margin.measured
-    assert "no more than k2 = 1.9" in told, told
+    measured = judge_script(controller(k2=0.0), PROFILE, script).margin.measured
+    assert "no more than k2 = 1.9" in measured, measured
 
 
-def test_a_change_between_decisions_is_told_as_such():
+def test_a_change_between_decisions_is_reported_as_such():
     script = script_of("fall", MOTOR, PROFILE, 1500.0, [Event(-3.0)])
-    told = judge_script(controller(interval=5), PROFILE, script).margin.measured
-    assert "the angle changes before the next one is due" in told, told
+    measured = judge_script(controller(interval=5), PROFILE, script).margin.measured
+    assert "the angle changes before the next one is due" in measured, measured
 
 
 def test_a_failing_script_is_made_as_short_as_can_be():
@@ -341,7 +341,7 @@ def test_the_shortest_failing_script_comes_last():
     assert script_margin(wrong, again) == runs[-1].margins[0]
 
 
-def test_rows_are_as_far_from_the_limits_as_asked():
+def test_rows_are_as_far_from_the_limits_as_requested():
     script = script_of("edges", MOTOR, PROFILE, 1500.0, [Event(-1.0), Event(1.0), Event(0.0, 1.0)])
     sums = np.array([row.current_sum_a for row in script.rows])
     assert np.abs(np.diff(sums))[:2] / sums[1:3] == pytest.approx([0.001, 0.001], rel=1e-6)

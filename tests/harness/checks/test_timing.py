@@ -60,7 +60,7 @@ def test_the_limit_is_a_tenth_of_the_control_period():
     assert timing_margin("native", 5e-6, 0.0005).measured == "5 µs a step (native), 1 % of the control period"
 
 
-def test_how_a_step_runs_is_told():
+def test_how_a_step_runs_is_reported():
     native, python = (
         loaded("reference").controller(),
         PythonController(SimpleNamespace(reset=None, step=None)),

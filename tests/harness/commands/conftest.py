@@ -12,7 +12,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.commands.command_line import main
 from drivegate.gate.events import CheckFinished, CheckStarted, RunDone
-from drivegate.results.result import CheckOutcome, CheckResult, Comparison
+from drivegate.results.result import BaselineComparison, CheckOutcome, CheckResult
 from drivegate_cases.scenario.scenario import load_scenario
 
 
@@ -49,13 +49,13 @@ def refused(command, tmp_path):
 
     def run(*words: object) -> str:
         before = sorted(tmp_path.rglob("*"))
-        told, data = command(*words), command(*words, "--json")
-        assert told.code == data.code == 2, f"bad input must end with exit code 2: {told.err}"
-        assert told.out == "", "a refusal belongs on standard error"
-        lines = told.err.strip().splitlines()
-        assert len(lines) == 1, f"a refusal must be one sentence: {told.err}"
+        text, data = command(*words), command(*words, "--json")
+        assert text.code == data.code == 2, f"bad input must end with exit code 2: {text.err}"
+        assert text.out == "", "a refusal belongs on standard error"
+        lines = text.err.strip().splitlines()
+        assert len(lines) == 1, f"a refusal must be one sentence: {text.err}"
         assert lines[0].startswith("error: ")
-        assert "Traceback" not in told.err
+        assert "Traceback" not in text.err
         assert set(data.document) == {"schema", "error"}
         assert data.document["error"] == {"message": lines[0].removeprefix("error: "), "exit_code": 2}
         assert sorted(tmp_path.rglob("*")) == before, "nothing may be written when input is bad"
@@ -122,7 +122,7 @@ class FakeEngine:
     exit_code: int = 0
     error: BaseException | None = None
     options: dict[str, Any] | None = None
-    baseline: tuple[Comparison, ...] | None = None
+    baseline: tuple[BaselineComparison, ...] | None = None
     corpus_runs: int = 0
     timing: dict[str, Any] = field(default_factory=lambda: {"seconds": 1.0})
 
@@ -141,7 +141,7 @@ class FakeEngine:
             checks=self.outcomes,
             faults=self.faults,
             runs=2,
-            set_aside=(),
+            infeasible=(),
             provenance={"drivegate": "0.1.0"},
             timing=self.timing,
             corpus_runs=self.corpus_runs,
@@ -180,7 +180,7 @@ def engine(monkeypatch, one_page):
 
 @pytest.fixture
 def failing(engine):
-    """The engine replaced: everything that can be told, from a candidate that says what it should not."""
+    """The engine replaced: everything that can be reported, from a candidate that says what it should not."""
     engine.outcomes = (
         outcome("CNV-1", "fail", message=HOSTILE),
         outcome("CNV-2", "pass"),

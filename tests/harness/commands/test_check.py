@@ -15,13 +15,13 @@ def names(folder):
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
 
 
-def test_a_pass_is_told_and_reported(command, engine, tmp_path):
+def test_a_pass_is_reported_and_reported(command, engine, tmp_path):
     ended = command(
         "check", "reference", "--effort", "quick", "--seed", "7", "--workers", "1", "--max-time", "9"
     )
     assert ended.code == 0
-    asked = {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0}
-    assert engine.options == {**asked, "search": True, "fail_on": "required"}
+    requested = {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0}
+    assert engine.options == {**requested, "search": True, "fail_on": "required"}
     assert "reference: pass" in ended.out
     assert "report: drivegate-report/report.html" in ended.out
     assert "a report that prints" not in ended.out
@@ -133,10 +133,10 @@ def test_a_report_that_cannot_be_written_is_a_fault_of_drivegate_beside_the_verd
             raise ImportError("no such module")
 
     monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group: [Broken()])
-    told = command("check", "reference")
-    assert told.code == 3
-    assert "reference: pass" in told.out
-    assert "the report 'broken' could not be written" in told.err
+    ended = command("check", "reference")
+    assert ended.code == 3
+    assert "reference: pass" in ended.out
+    assert "the report 'broken' could not be written" in ended.err
     data = command("check", "reference", "--json")
     assert data.document["verdict"] == "pass"
     assert data.document["error"]["exit_code"] == 3
@@ -144,7 +144,7 @@ def test_a_report_that_cannot_be_written_is_a_fault_of_drivegate_beside_the_verd
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reason"),
     [
         ([], "CANDIDATE"),
         (["nobody"], "'nobody' is unknown"),
@@ -158,8 +158,8 @@ def test_a_report_that_cannot_be_written_is_a_fault_of_drivegate_beside_the_verd
         (["reference", "--output", "/proc/nowhere"], "cannot be written"),
     ],
 )
-def test_bad_input_is_refused_in_one_sentence(refused, engine, words, told):
-    assert told in refused("check", *words)
+def test_bad_input_is_refused_in_one_sentence(refused, engine, words, reason):
+    assert reason in refused("check", *words)
 
 
 def test_a_class_without_step_is_refused_and_leaves_nothing(refused, controllers):

@@ -58,7 +58,7 @@ def test_help_loads_nothing_heavy(words):
     assert ended.stdout.splitlines()[-1].strip() == "LOADED", "help must not load what only the work needs"
 
 
-def test_help_lists_every_command_and_the_version_is_told(command):
+def test_help_lists_every_command_and_the_version_is_reported(command):
     text = command("--help").out
     assert all(name in text for name in COMMANDS)
     assert command("--version").out == f"drivegate {__version__}\n"
@@ -111,7 +111,7 @@ def test_every_ending_has_its_exit_code_and_one_sentence(error, code, words, cap
             assert printed.out == ""
 
 
-def test_a_traceback_is_shown_only_when_it_is_asked_for(monkeypatch, capsys):
+def test_a_traceback_is_shown_only_when_it_is_requested(monkeypatch, capsys):
     def work():
         raise ZeroDivisionError
 

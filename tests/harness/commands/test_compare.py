@@ -86,7 +86,7 @@ def test_nothing_is_written_where_nothing_can_be_compared(refused):
     assert "'nonsense' is unknown" in refused("compare", "nonsense")
 
 
-def test_a_bad_cycle_is_told(refused, tmp_path):
+def test_a_bad_cycle_is_reported(refused, tmp_path):
     (tmp_path / "bad.csv").write_text("time_s\n0\n", encoding="utf-8")
     assert "bad.csv has no column 'speed_km_h'" in refused("compare", "initial", "--cycle", "bad.csv")
     assert "no drive cycle is called 'ece'" in refused("compare", "initial", "--cycle", "ece")

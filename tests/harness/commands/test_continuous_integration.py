@@ -1,4 +1,4 @@
-"""The recipes for CI servers: their shell lines run, and what they leave is what the servers are told to take."""
+"""The recipes for CI servers: their shell lines run, and what they leave is what the servers are configured to take."""
 
 from __future__ import annotations
 

@@ -36,20 +36,20 @@ def diff(command, one, other, *words):
 
 
 def test_equal_candidates_end_with_0(command, files):
-    told = diff(command, "One", "One")
-    assert told.code == 0
-    assert "EQUAL in all 1000 steps" in told.out
+    ended = diff(command, "One", "One")
+    assert ended.code == 0
+    assert "EQUAL in all 1000 steps" in ended.out
 
 
 def test_the_first_difference_is_shown_in_full(command, files):
-    told = diff(command, "One", "Other", "--before", 1)
-    assert told.code == 1
-    assert "DIFFERENT first in step 120, at 0.06 s" in told.out
-    assert "5.000000000000001" in told.out, "numbers must be shown to the last digit"
-    assert "+8.88e-16 (1 ULP)" in told.out
-    assert "phase current 5" in told.out
-    assert "electrical angle" in told.out
-    assert "--plot difference.svg" in told.out
+    ended = diff(command, "One", "Other", "--before", 1)
+    assert ended.code == 1
+    assert "DIFFERENT first in step 120, at 0.06 s" in ended.out
+    assert "5.000000000000001" in ended.out, "numbers must be shown to the last digit"
+    assert "+8.88e-16 (1 ULP)" in ended.out
+    assert "phase current 5" in ended.out
+    assert "electrical angle" in ended.out
+    assert "--plot difference.svg" in ended.out
 
 
 def test_the_document_has_what_a_script_needs(command, files, tmp_path):
@@ -80,16 +80,16 @@ def test_the_motor_can_be_altered_and_small_differences_allowed(command, files):
     ("one", "other", "place"), [("Raising", "One", "first"), ("One", "Raising", "second")]
 )
 def test_a_fault_of_either_ends_with_1(command, files, one, other, place):
-    told, data = diff(command, one, other), diff(command, one, other, "--json")
-    assert (told.code, data.code) == (1, 1)
-    assert f"EXCEPTION of the {place}, mine.py:Raising: ValueError: [red]no[/red]" in told.out
+    text, data = diff(command, one, other), diff(command, one, other, "--json")
+    assert (text.code, data.code) == (1, 1)
+    assert f"EXCEPTION of the {place}, mine.py:Raising: ValueError: [red]no[/red]" in text.out
     fault = data.document["fault"]
     assert (fault["place"], fault["kind"], fault["step"]) == (place, "exception", 0)
     assert data.document["verdict"] == "exception"
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reason"),
     [
         (["nobody", "reference", "--case", "lock-up"], "'nobody' is unknown"),
         (["reference", "missing.py:Mine", "--case", "lock-up"], "missing.py does not exist"),
@@ -111,5 +111,5 @@ def test_a_fault_of_either_ends_with_1(command, files, one, other, place):
         ),
     ],
 )
-def test_bad_input_is_refused_in_one_sentence(refused, words, told):
-    assert told in refused("diff", *words)
+def test_bad_input_is_refused_in_one_sentence(refused, words, reason):
+    assert reason in refused("diff", *words)

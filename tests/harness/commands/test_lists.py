@@ -41,12 +41,12 @@ def test_the_stored_motor_agrees_with_its_calibration(command):
             f"{fact['name']} is off by more than rounding"
         )
     assert max(map(abs, document["torque_residuals_nm"])) < 1e-6
-    told = command("calibrate").out
-    assert "agrees with the fit" in told
-    assert all(fact["name"] in told for fact in document["facts"])
+    text = command("calibrate").out
+    assert "agrees with the fit" in text
+    assert all(fact["name"] in text for fact in document["facts"])
 
 
-def test_a_motor_that_no_longer_follows_from_the_facts_is_told(command, monkeypatch):
+def test_a_motor_that_no_longer_follows_from_the_facts_is_reported(command, monkeypatch):
     from drivegate_cases.motor import motor
 
     altered = motor.load_motor("paper-5-phase").replaced(inductance_h=3.2e-3)

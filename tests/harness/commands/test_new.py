@@ -57,10 +57,10 @@ def test_every_kind_is_written_whole_and_tells_the_next_step(command, tmp_path, 
         assert not left, f"{path.name} has a blank left"
 
 
-def test_people_are_told_the_next_step(command):
-    told = command("new", "rust", "mine", "--output", "some where/else")
-    assert "src/lib.rs" in told.out
-    assert "next: cd 'some where/else' && cargo build --release && drivegate check" in told.out
+def test_people_are_shown_the_next_step(command):
+    ended = command("new", "rust", "mine", "--output", "some where/else")
+    assert "src/lib.rs" in ended.out
+    assert "next: cd 'some where/else' && cargo build --release && drivegate check" in ended.out
 
 
 @pytest.mark.parametrize("kind", BUILT_HERE)
@@ -115,7 +115,7 @@ def test_an_empty_folder_is_filled(command, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reason"),
     [
         (["cobol", "mine"], "'cobol' is not one of"),
         (["c"], "NAME"),
@@ -124,8 +124,8 @@ def test_an_empty_folder_is_filled(command, tmp_path):
         (["c", "mine", "--output", "/proc/mine"], "cannot be written"),
     ],
 )
-def test_bad_input_is_refused_in_one_sentence(refused, words, told):
-    assert told in refused("new", *words)
+def test_bad_input_is_refused_in_one_sentence(refused, words, reason):
+    assert reason in refused("new", *words)
 
 
 def test_a_failure_to_write_leaves_nothing(tmp_path, monkeypatch):

@@ -76,9 +76,9 @@ def test_out_of_reach_it_gives_the_values_at_the_limit(command):
     assert {key: beyond[key] for key in KEYS if key != "feasible"} == {
         key: at_limit[key] for key in KEYS if key != "feasible"
     }
-    told = command("point", "--speed-rpm", 1500, "--advance-deg", 45, "--torque-nm", 9.8)
-    assert told.code == 0
-    assert "not feasible" in told.out
+    ended = command("point", "--speed-rpm", 1500, "--advance-deg", 45, "--torque-nm", 9.8)
+    assert ended.code == 0
+    assert "not feasible" in ended.out
 
 
 def test_a_current_above_the_limit_is_not_feasible(command):
@@ -110,7 +110,7 @@ def test_a_motor_from_a_file_and_settings_on_top(command, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reason"),
     [
         (["--speed-rpm", "0"], "--speed-rpm"),
         (["--speed-rpm", "-5"], "above 0"),
@@ -138,8 +138,8 @@ def test_a_motor_from_a_file_and_settings_on_top(command, tmp_path):
         (["--set", "phases=5.5"], "phases"),
     ],
 )
-def test_bad_input_is_refused_in_one_sentence(refused, words, told):
-    assert told in refused(*AT_1500, "--current-a", "11", *words)
+def test_bad_input_is_refused_in_one_sentence(refused, words, reason):
+    assert reason in refused(*AT_1500, "--current-a", "11", *words)
 
 
 def test_neither_torque_nor_current_is_refused(refused):
@@ -155,7 +155,7 @@ def test_a_missing_option_is_named(refused):
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "reason"),
     [
         (b"\x7fELF\x02\x01\xff\xfe\x00", "UTF-8"),
         (b"schema = 1\nname = ", "TOML"),
@@ -164,6 +164,6 @@ def test_a_missing_option_is_named(refused):
         (b"schema = 1\nresistence_ohm = 1.0\n", "resistance_ohm"),
     ],
 )
-def test_a_file_that_is_no_motor_is_refused(refused, tmp_path, content, told):
+def test_a_file_that_is_no_motor_is_refused(refused, tmp_path, content, reason):
     (tmp_path / "motor.toml").write_bytes(content)
-    assert told in refused(*AT_1500, "--current-a", "11", "--motor", "motor.toml")
+    assert reason in refused(*AT_1500, "--current-a", "11", "--motor", "motor.toml")

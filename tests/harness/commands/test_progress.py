@@ -19,7 +19,7 @@ class Gone(io.StringIO):
         raise BrokenPipeError
 
 
-def told(stream):
+def reported(stream):
     with progress_on(stream) as display:
         runs = (RunDone(done, 3, "a scenario", "CNV-1 +0.5") for done in (1, 2, 3))
         followed((CheckStarted("mine\x1b[31m", 3), *runs), display)
@@ -27,7 +27,7 @@ def told(stream):
 
 def test_plain_lines_are_few_and_printable():
     stream = io.StringIO()
-    told(stream)
+    reported(stream)
     assert stream.getvalue().splitlines() == [
         r"mine\x1b[31m: 1 of 3 runs, least margin so far CNV-1 +0.5",
     ], "lines must be printable, and at most one in two seconds"
@@ -35,13 +35,13 @@ def test_plain_lines_are_few_and_printable():
 
 def test_a_terminal_gets_a_bar():
     stream = Terminal()
-    told(stream)
+    reported(stream)
     assert "3/3" in stream.getvalue()
 
 
 def test_nobody_listening_is_no_failure():
-    told(Gone())
-    told(None)
+    reported(Gone())
+    reported(None)
 
 
 def test_the_rate_leaves_out_what_was_there_before_and_the_start():
@@ -53,7 +53,7 @@ def test_the_rate_leaves_out_what_was_there_before_and_the_start():
     assert stream.getvalue().splitlines() == [
         "many: 400 of 1000 points, starting",
         "many: 1000 of 1000 points, 20 points/s, 0 s left",
-    ], "the first and the last line are told, however close"
+    ], "the first and the last line are reported, however close"
 
 
 class Kept(Display):
@@ -64,12 +64,12 @@ class Kept(Display):
 
 
 @pytest.mark.parametrize(
-    ("seconds", "told"), [(10.0, "90 s left"), (60.0, "9 min left"), (800.0, "2 h 0 min left")]
+    ("seconds", "time_left"), [(10.0, "90 s left"), (60.0, "9 min left"), (800.0, "2 h 0 min left")]
 )
-def test_the_time_left_is_told_as_people_tell_it(seconds, told):
+def test_the_time_left_is_reported_as_people_say_it(seconds, time_left):
     kept, now = Kept(), [0.0]
     tell = with_rate(kept, "many", 10, clock=lambda: now[0])
     tell(0, 0)
     now[0] = seconds
     tell(1, 0)
-    assert kept.last.endswith(told)
+    assert kept.last.endswith(time_left)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from drivegate.results.result import Comparison
+from drivegate.results.result import BaselineComparison
 from drivegate.scenarios.building import steady_scenario
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import load_scenario
@@ -160,8 +160,8 @@ def shown(command, engine, failing, tmp_path):
     engine.faults = ()
     engine.verdict, engine.exit_code = "waiver expired", 1
     engine.baseline = (
-        Comparison("CNV-1", "required", 9, -0.2, 0.002, "fail", "the margin fell | much"),
-        Comparison("CUR-1", "advisory", 9, -0.2, 0.002, "fail", "the margin fell"),
+        BaselineComparison("CNV-1", "required", 9, -0.2, 0.002, "fail", "the margin fell | much"),
+        BaselineComparison("CUR-1", "advisory", 9, -0.2, 0.002, "fail", "the margin fell"),
     )
     engine.corpus_runs = 3
     ended = command("check", "reference")
@@ -209,7 +209,7 @@ def test_a_number_that_depends_on_the_machine_is_shown_from_the_times(command, e
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reason"),
     [
         (WAIVER, "is for the candidate \"initial\", but must be for one of those checked, 'reference'"),
         (WAIVER.replace("initial", "reference").replace("CNV-2", "CNV-7"), "the nearest is 'CNV-"),
@@ -218,9 +218,9 @@ def test_a_number_that_depends_on_the_machine_is_shown_from_the_times(command, e
         ("schema = 5", "schema 5 is newer"),
     ],
 )
-def test_bad_waivers_are_refused_before_anything_runs(refused, engine, waivers, text, told):
+def test_bad_waivers_are_refused_before_anything_runs(refused, engine, waivers, text, reason):
     waivers.write_text(text, encoding="utf-8")
-    assert told in refused("check", "reference", "--waivers", waivers)
+    assert reason in refused("check", "reference", "--waivers", waivers)
     assert engine.options is None, "nothing may run before the files are read"
 
 
@@ -230,7 +230,7 @@ def test_waivers_of_one_of_several_candidates_are_fine(command, engine, waivers)
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reason"),
     [
         ("{", "one.json is not well-formed JSON"),
         (json.dumps(COUNTEREXAMPLE | {"schema": 7}), "schema 7 is newer"),
@@ -238,14 +238,14 @@ def test_waivers_of_one_of_several_candidates_are_fine(command, engine, waivers)
         (json.dumps(COUNTEREXAMPLE | {"scenario": "lock-up"}), "not a name"),
     ],
 )
-def test_a_bad_corpus_is_refused_before_anything_runs(refused, engine, corpus, text, told):
+def test_a_bad_corpus_is_refused_before_anything_runs(refused, engine, corpus, text, reason):
     (corpus / "one.json").write_text(text, encoding="utf-8")
-    assert told in refused("check", "reference", "--corpus", corpus)
+    assert reason in refused("check", "reference", "--corpus", corpus)
     assert engine.options is None, "nothing may run before the files are read"
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reason"),
     [
         (["--corpus", "nowhere"], "--corpus nowhere does not exist"),
         (["--waivers", "nowhere.toml"], "nowhere.toml does not exist"),
@@ -254,5 +254,5 @@ def test_a_bad_corpus_is_refused_before_anything_runs(refused, engine, corpus, t
         (["--baseline", "corpus"], "corpus is neither"),
     ],
 )
-def test_records_that_are_not_there_are_refused(refused, engine, corpus, words, told):
-    assert told in refused("check", "reference", *words)
+def test_records_that_are_not_there_are_refused(refused, engine, corpus, words, reason):
+    assert reason in refused("check", "reference", *words)

@@ -37,11 +37,11 @@ def file(tmp_path):
 
 
 def test_the_published_search_still_fails_and_its_signals_are_drawn(command, file, tmp_path):
-    told = command("replay", file())
-    assert told.code == 1
-    assert "CNV-1 STILL FAILS" in told.out
-    assert "then margin -2.5 (speed error 17.5 rpm), by published" in told.out
-    assert f"next: look at the signals: drivegate replay {file()} --plot CNV-1.svg" in told.out
+    ended = command("replay", file())
+    assert ended.code == 1
+    assert "CNV-1 STILL FAILS" in ended.out
+    assert "then margin -2.5 (speed error 17.5 rpm), by published" in ended.out
+    assert f"next: look at the signals: drivegate replay {file()} --plot CNV-1.svg" in ended.out
     drawn = command("replay", file(), "--plot", "run.svg", "--json")
     document = drawn.document
     assert (drawn.code, document["exit_code"], document["verdict"]) == (1, 1, "still fails")
@@ -55,11 +55,11 @@ def test_the_published_search_still_fails_and_its_signals_are_drawn(command, fil
         assert words in drawing
 
 
-def test_the_reference_is_told_to_be_right(command, file):
-    told = command("replay", file(), "--candidate", "reference")
-    assert told.code == 0
-    assert "CNV-1 FIXED" in told.out
-    assert f"cp {file()} corpus/ && drivegate check reference --corpus corpus" in told.out
+def test_the_reference_is_reported_to_be_right(command, file):
+    ended = command("replay", file(), "--candidate", "reference")
+    assert ended.code == 0
+    assert "CNV-1 FIXED" in ended.out
+    assert f"cp {file()} corpus/ && drivegate check reference --corpus corpus" in ended.out
 
 
 def test_a_check_of_the_whole_run_is_judged_on_the_whole_run(command, file, controllers):
@@ -80,22 +80,22 @@ def test_a_repetition_is_repeated(command, file):
     assert (ended.code, ended.document["verdict"], ended.document["now"]["margin"]) == (0, "fixed", 1.0)
 
 
-def test_a_check_that_does_not_apply_is_told_why(command, file, controllers):
+def test_a_check_that_does_not_apply_says_why(command, file, controllers):
     scenario = SCENARIO.replaced(duration_s=1.0).to_mapping()
     words = ("replay", file(check="PWR-2", scenario=scenario), "--candidate", f"{controllers}:Steady")
-    told, data = command(*words), command(*words, "--json")
-    assert told.code == data.code == 0
-    assert "PWR-2 NOT APPLICABLE" in told.out
+    text, data = command(*words), command(*words, "--json")
+    assert text.code == data.code == 0
+    assert "PWR-2 NOT APPLICABLE" in text.out
     assert data.document["reason"]
     assert data.document["now"] is None
 
 
 def test_a_candidate_that_raises_still_fails(command, file, controllers):
     words = ("replay", file(), "--candidate", f"{controllers}:Raising", "--plot", "run.svg")
-    told, data = command(*words), command(*words, "--json")
-    assert told.code == data.code == 1
-    assert "\x1b" not in told.out
-    assert "exception: ValueError" in told.out
+    text, data = command(*words), command(*words, "--json")
+    assert text.code == data.code == 1
+    assert "\x1b" not in text.out
+    assert "exception: ValueError" in text.out
     assert (data.document["verdict"], data.document["fault"]["kind"]) == ("still fails", "exception")
     assert data.document["files"] == []
 
@@ -117,11 +117,13 @@ def script(file):
 
 def test_a_script_is_replayed(command, script, tmp_path):
     words = ("replay", script("faulty:flowchart-without-k2"))
-    told, data = command(*words), command(*words, "--plot", "rows.svg", "--json")
-    assert told.code == data.code == 1, told.err
-    assert "FLO-1 STILL FAILS" in told.out
-    assert "in hardly any change, row " in told.out
-    assert data.document["rows"][0] == data.document["rows"][1] >= 3, "the row of the first departure is told"
+    text, data = command(*words), command(*words, "--plot", "rows.svg", "--json")
+    assert text.code == data.code == 1, text.err
+    assert "FLO-1 STILL FAILS" in text.out
+    assert "in hardly any change, row " in text.out
+    assert data.document["rows"][0] == data.document["rows"][1] >= 3, (
+        "the row of the first departure is reported"
+    )
     assert data.document["window_s"] is None
     assert "judged here" in (tmp_path / "rows.svg").read_text(encoding="utf-8")
     right = command("replay", script("published"), "--json")
@@ -150,7 +152,7 @@ def test_a_name_that_only_looks_built_in_is_refused(refused, file, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reason"),
     [
         (["missing.json"], "missing.json does not exist"),
         (["controllers.txt"], "neither a TOML nor a JSON file"),
@@ -160,14 +162,14 @@ def test_a_name_that_only_looks_built_in_is_refused(refused, file, tmp_path):
         (["FOUND", "--plot", "no/where.svg"], "folder does not exist"),
     ],
 )
-def test_bad_input_is_refused_in_one_sentence(refused, file, words, told):
+def test_bad_input_is_refused_in_one_sentence(refused, file, words, reason):
     found = str(file())
-    assert told in refused("replay", *(found if word == "FOUND" else word for word in words))
+    assert reason in refused("replay", *(found if word == "FOUND" else word for word in words))
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reason"),
     [({"schema": 9}, "schema 9 is newer"), ({"check": "XYZ-1"}, "'XYZ-1'"), ({"kind": "result"}, "kind")],
 )
-def test_a_bad_file_is_refused_in_one_sentence(refused, file, changes, told):
-    assert told.strip("'") in refused("replay", file(**changes))
+def test_a_bad_file_is_refused_in_one_sentence(refused, file, changes, reason):
+    assert reason.strip("'") in refused("replay", file(**changes))

@@ -34,7 +34,7 @@ def test_reports_are_made_anew(command: Any, result: Path, tmp_path: Path) -> No
         assert first == again, f"{name} differs"
 
 
-def test_only_the_reports_that_are_asked_for(command: Any, result: Path, tmp_path: Path) -> None:
+def test_only_the_reports_that_are_requested(command: Any, result: Path, tmp_path: Path) -> None:
     ended = command("report", str(result), "--format", "markdown", "--output", str(tmp_path / "again"))
     assert ended.code == 0, ended.err
     assert f"report: {tmp_path / 'again' / 'summary.md'}" in ended.out

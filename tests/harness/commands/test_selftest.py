@@ -41,5 +41,5 @@ def test_a_fault_that_its_check_misses_ends_with_1(command, monkeypatch: pytest.
 
 
 def test_an_unknown_fault_is_refused_with_the_nearest(refused) -> None:
-    told = refused("selftest", "--fault", "drift")
-    assert "'drift' is unknown, the nearest known one is 'drifts'" in told
+    message = refused("selftest", "--fault", "drift")
+    assert "'drift' is unknown, the nearest known one is 'drifts'" in message

@@ -54,10 +54,10 @@ def test_a_python_candidate_runs_and_a_motor_can_be_altered(command, short, cont
 
 def test_a_candidate_that_raises_ends_with_1_and_cannot_write_to_the_terminal(command, short, controllers):
     words = ("simulate", f"{controllers}:Raising", "--case", short, "--csv", "run.csv")
-    told, data = command(*words), command(*words, "--json")
-    assert (told.code, data.code) == (1, 1)
-    assert "\x1b" not in told.out
-    assert "[bold]x[/bold]" in told.out
+    text, data = command(*words), command(*words, "--json")
+    assert (text.code, data.code) == (1, 1)
+    assert "\x1b" not in text.out
+    assert "[bold]x[/bold]" in text.out
     assert data.document["fault"]["kind"] == "exception"
     assert data.document["fault"]["step"] == 0
 
@@ -81,7 +81,7 @@ def test_a_script_is_to_be_replayed(refused, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reason"),
     [
         (["nobody", "--case", "lock-up"], "'nobody' is unknown"),
         (["missing.py:Mine", "--case", "lock-up"], "missing.py does not exist"),
@@ -98,8 +98,8 @@ def test_a_script_is_to_be_replayed(refused, tmp_path):
         (["drive.c", "--case", "lock-up"], "drive.c does not exist"),
     ],
 )
-def test_bad_input_is_refused_in_one_sentence(refused, words, told):
-    assert told in refused("simulate", *words)
+def test_bad_input_is_refused_in_one_sentence(refused, words, reason):
+    assert reason in refused("simulate", *words)
 
 
 def test_a_class_without_step_is_refused(refused, controllers):

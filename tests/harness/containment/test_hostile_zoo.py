@@ -147,7 +147,7 @@ IN_PYTHON = {
         "the process was killed by SIGKILL",
     ),
     "huge hostile text": (HUGE_TEXT, FaultKind.EXCEPTION, "ValueError: <script>alert(1)</script>\\x1b[31m"),
-    "exception that cannot be told": (
+    "exception that cannot be reported": (
         "raise type('Unspeakable', (Exception,), {'__str__': lambda self: 1 / 0})",
         FaultKind.EXCEPTION,
         "Unspeakable: (its text cannot be had: ZeroDivisionError)",
@@ -422,7 +422,7 @@ def outcome_of(candidate, jobs, limits=LIMITS):
         return worker.run(Job(jobs.drive, STEPS))
 
 
-def assert_well_told(fault):
+def assert_well_reported(fault):
     assert isinstance(fault, Fault), f"the candidate was taken for a good one: {fault}"
     assert fault.message.isprintable()
     assert len(fault.message) <= LONGEST_MESSAGE
@@ -435,7 +435,7 @@ def test_harm_in_a_step_of_a_python_candidate(python_candidate, jobs, harm):
     statement, kind, message = IN_PYTHON[harm]
     limits = IMPATIENT if "of waiting" in message else LIMITS
     fault = outcome_of(python_candidate(statement), jobs, limits)
-    assert_well_told(fault)
+    assert_well_reported(fault)
     assert (fault.kind, fault.phase) == (kind, "step")
     assert fault.message.startswith(message)
 
@@ -444,7 +444,7 @@ def test_harm_in_a_step_of_a_python_candidate(python_candidate, jobs, harm):
 def test_harm_before_the_first_step_of_a_python_candidate(python_candidate, jobs, harm):
     places, kind, phase, message = ELSEWHERE[harm]
     fault = outcome_of(python_candidate(**places), jobs, HURRIED if kind is FaultKind.HANG else LIMITS)
-    assert_well_told(fault)
+    assert_well_reported(fault)
     assert (fault.kind, fault.phase) == (kind, phase)
     assert fault.message.startswith(message)
 
@@ -459,7 +459,7 @@ def test_mischief_that_is_no_harm_does_not_reach_the_harness(python_candidate, j
 def test_a_candidate_without_a_method_is_refused(tmp_path, jobs, method):
     file = tmp_path / "mine.py"
     other = {"reset": "step", "step": "reset"}[method]
-    file.write_text(f"class Mine:\n def {other}(self, told): pass\n", encoding="utf-8")
+    file.write_text(f"class Mine:\n def {other}(self, sense): pass\n", encoding="utf-8")
     with pytest.raises(InputError, match=f"the class 'Mine' in mine.py has no method '{method}'"):
         outcome_of(resolve_candidate(f"{file}:Mine"), jobs)
 
@@ -468,7 +468,7 @@ def test_a_candidate_without_a_method_is_refused(tmp_path, jobs, method):
 def test_harm_in_a_step_of_a_program(program, jobs, harm):
     statement, kind, message = IN_PROGRAM[harm]
     fault = outcome_of(program(statement), jobs)
-    assert_well_told(fault)
+    assert_well_reported(fault)
     assert (fault.kind, fault.phase) == (kind, "step")
     assert fault.message.startswith(message)
     assert fault.sense["phase_currents"] == (1.0,) * 5
@@ -507,15 +507,15 @@ def test_harm_in_a_step_of_a_program(program, jobs, harm):
 )
 def test_harm_before_the_first_step_of_a_program(program, jobs, places, kind, phase, message):
     fault = outcome_of(program(**places), jobs)
-    assert_well_told(fault)
+    assert_well_reported(fault)
     assert (fault.kind, fault.phase) == (kind, phase)
     assert fault.message.startswith(message)
 
 
-def test_what_a_program_printed_is_told_with_its_fault(program, jobs):
+def test_what_a_program_printed_is_reported_with_its_fault(program, jobs):
     chatter = "print('x' * 10**6, '\\x1b[31mno such table', file=sys.stderr, flush=True); sys.exit(3)"
     fault = outcome_of(program(chatter), jobs)
-    assert_well_told(fault)
+    assert_well_reported(fault)
     assert fault.traceback.endswith("\\x1b[31mno such table\n")
 
 
@@ -581,10 +581,10 @@ def test_candidates_beside_a_harmful_one_have_their_usual_results(tmp_path, monk
     output = tmp_path / "report"
     with pytest.raises(SystemExit) as ended:
         main(["check", *chosen, "--effort", "quick", "--output", str(output)])
-    told = "".join(capfd.readouterr())
-    assert ended.value.code == 1, told
-    assert told.replace("\n", "").isprintable(), "hostile text reached the terminal"
-    assert len(told) < 50_000
+    printed = "".join(capfd.readouterr())
+    assert ended.value.code == 1, printed
+    assert printed.replace("\n", "").isprintable(), "hostile text reached the terminal"
+    assert len(printed) < 50_000
     first, second = (
         json.loads((output / name / "result.json").read_text()) for name in ("initial", "initial-2")
     )

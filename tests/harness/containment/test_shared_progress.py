@@ -14,7 +14,7 @@ def progress():
     memory.close()
 
 
-def test_each_activity_is_read_as_it_was_told(progress):
+def test_each_activity_is_read_as_it_was_written(progress):
     assert progress.activity is Activity.STARTING
     for activity in Activity:
         before = progress.state

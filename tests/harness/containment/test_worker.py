@@ -128,7 +128,7 @@ def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(candidate, jo
 
 
 @pytest.mark.parametrize("fault", ["raise", "segfault", "loop"])
-def test_the_place_of_a_fault_is_told(candidate, jobs, fault):
+def test_the_place_of_a_fault_is_reported(candidate, jobs, fault):
     with worker_of(candidate(FAULTS_IN_STEP[fault][0])) as worker:
         outcome = worker.run(Job(jobs.drive, WITH_FAULT))
     assert "mine.py" in outcome.traceback
@@ -234,11 +234,11 @@ def test_the_process_inherits_the_environment_but_not_the_input(candidate, jobs,
 
 
 @pytest.mark.parametrize(
-    ("target", "told"), [("harness_error", "LookupError: a mistake"), ("unpicklable", "lambda")]
+    ("target", "reason"), [("harness_error", "LookupError: a mistake"), ("unpicklable", "lambda")]
 )
-def test_an_error_of_the_harness_is_no_verdict_on_the_candidate(candidate, jobs, target, told):
+def test_an_error_of_the_harness_is_no_verdict_on_the_candidate(candidate, jobs, target, reason):
     with worker_of(candidate()) as worker:
-        with pytest.raises(HarnessFault, match=told):
+        with pytest.raises(HarnessFault, match=reason):
             worker.run(Job(getattr(jobs, target), None))
         assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
 

@@ -1,4 +1,4 @@
-"""Each kind of drive: its bundle costs nothing until it is asked, and holds all that is asked of a drive."""
+"""Each kind of drive: its bundle costs nothing until it is called, and holds all that is required of a drive."""
 
 import math
 import subprocess

@@ -90,9 +90,9 @@ def test_what_no_angle_can_satisfy_is_counted_and_not_run(monkeypatch: pytest.Mo
 
     monkeypatch.setattr("drivegate.scenarios.feasibility.unfair_because", slow)
     outcome = drawn(0, 20)
-    assert outcome.set_aside
-    assert {drawn.reason for drawn in outcome.set_aside} == {"too slow"}
-    assert all(drawn.scenario for drawn in outcome.set_aside), "a scenario that was set aside has no name"
+    assert outcome.infeasible
+    assert {drawn.reason for drawn in outcome.infeasible} == {"too slow"}
+    assert all(drawn.scenario for drawn in outcome.infeasible), "an infeasible scenario has no name"
     assert all(run.scenario["speed_rpm"][0][1] > 1200.0 for run in outcome.runs)
 
 
@@ -101,7 +101,7 @@ def test_a_shard_without_a_fair_scenario_is_empty(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("drivegate.scenarios.feasibility.unfair_because", lambda _scenario: "unfair")
     outcome = drawn(0, 3)
     assert not outcome.runs
-    assert outcome.set_aside
+    assert outcome.infeasible
 
 
 @pytest.mark.usefixtures("judged_by_speed")

@@ -10,7 +10,7 @@ from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.gate.plan import Origin, planned_work
 from drivegate.results.baseline import Baseline, compared, loss_by_chance, read_baseline
-from drivegate.results.result import Comparison
+from drivegate.results.result import BaselineComparison
 from drivegate.results.verdict import candidate_verdict
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError
@@ -37,7 +37,9 @@ def read(folder: Path, document: Any) -> Baseline:
     return read_baseline(file)
 
 
-def comparison(folder: Path, then: list[float | None], now: list[float], check: str = "CNV-2") -> Comparison:
+def comparison(
+    folder: Path, then: list[float | None], now: list[float], check: str = "CNV-2"
+) -> BaselineComparison:
     runs = [
         JudgedRun(scenario(number).to_mapping(), (Margin(check, margin, "as measured"),))
         for number, margin in enumerate(now)
@@ -85,7 +87,7 @@ def test_it_takes_five_pairs(tmp_path: Path) -> None:
     assert comparison(tmp_path, [0.9], []).median_change is None
 
 
-def test_an_advisory_loss_is_told_and_does_not_fail(tmp_path: Path) -> None:
+def test_an_advisory_loss_is_reported_and_does_not_fail(tmp_path: Path) -> None:
     found = comparison(tmp_path, [0.9] * 5, [0.1] * 5, "CUR-1")
     assert (found.verdict, found.level) == ("fail", "advisory")
     assert candidate_verdict([], [], [found]) == ("pass", 0)
@@ -111,7 +113,7 @@ def test_scenarios_of_the_baseline_are_run_once(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("document", "told"),
+    ("document", "reason"),
     [
         (json.dumps(earlier([0.9]))[:-3], "not well-formed JSON"),
         (earlier([0.9], schema=3), "schema 3 is newer"),
@@ -123,8 +125,8 @@ def test_scenarios_of_the_baseline_are_run_once(tmp_path: Path) -> None:
         (earlier([0.9], fixed=[{"name": "x", "margins": {}}]), "fixed[0].scenario"),
     ],
 )
-def test_what_is_no_earlier_result_is_refused(tmp_path: Path, document: Any, told: str) -> None:
+def test_what_is_no_earlier_result_is_refused(tmp_path: Path, document: Any, reason: str) -> None:
     with pytest.raises(InputError) as refused:
         read(tmp_path, document)
-    assert told in str(refused.value)
+    assert reason in str(refused.value)
     assert "result.json" in str(refused.value)

@@ -1,4 +1,4 @@
-"""Counterexamples: written and read by one model, and everything that is wrong with one told in one sentence."""
+"""Counterexamples: written and read by one model, and everything that is wrong with one reported in one sentence."""
 
 import json
 import os
@@ -54,7 +54,7 @@ def test_a_margin_without_a_number_is_left_out() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reason"),
     [
         ({"schema": 3}, "schema 3 is newer than this drivegate reads, which is 1 or 2"),
         ({"schema": ...}, "the key 'schema' is missing"),
@@ -62,7 +62,7 @@ def test_a_margin_without_a_number_is_left_out() -> None:
             {"kind": "check"},
             "is of kind \"check\", but must be a document with the key kind = 'counterexample'",
         ),
-        ({"kind": ...}, "does not tell its kind"),
+        ({"kind": ...}, "does not give its kind"),
         ({"check": "CNV-9"}, "'check' is \"CNV-9\", but must be one of the checks, the nearest is 'CNV-"),
         ({"check": "\x1b[31m<script>"}, r"\u001b[31m<script>"),
         ({"scenario": "lock-up"}, "must be a table with the whole scenario, not a name"),
@@ -79,17 +79,17 @@ def test_a_margin_without_a_number_is_left_out() -> None:
         ({"marginn": 1}, "the nearest known key is 'margin'"),
     ],
 )
-def test_what_is_wrong_is_told_in_one_sentence(tmp_path: Path, changes: Table, told: str) -> None:
+def test_what_is_wrong_is_reported_in_one_sentence(tmp_path: Path, changes: Table, reason: str) -> None:
     with pytest.raises(InputError) as refused:
         read_counterexample(written(tmp_path, stored(**changes)))
     sentence = str(refused.value)
-    assert told in sentence
+    assert reason in sentence
     assert "one.json" in sentence
     assert sentence.isprintable(), "a hostile text must not reach the terminal"
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reason"),
     [
         (json.dumps(stored())[:-40], "not well-formed JSON"),
         ("", "not well-formed JSON"),
@@ -99,8 +99,8 @@ def test_what_is_wrong_is_told_in_one_sentence(tmp_path: Path, changes: Table, t
         ('{"kind": "counterexample", "schema": ' + "9" * 5000 + "}", "not well-formed JSON"),
     ],
 )
-def test_what_is_no_document_is_told_in_one_sentence(tmp_path: Path, text: str, told: str) -> None:
-    with pytest.raises(InputError, match=told):
+def test_what_is_no_document_is_reported_in_one_sentence(tmp_path: Path, text: str, reason: str) -> None:
+    with pytest.raises(InputError, match=reason):
         read_counterexample(written(tmp_path, text))
 
 
@@ -124,12 +124,12 @@ def test_an_empty_corpus_is_one(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("place", "told"),
+    ("place", "reason"),
     [("nowhere", "does not exist"), ("file", "is no folder"), ("zero\0byte", "does not exist")],
 )
-def test_a_corpus_that_is_no_folder_is_refused(tmp_path: Path, place: str, told: str) -> None:
+def test_a_corpus_that_is_no_folder_is_refused(tmp_path: Path, place: str, reason: str) -> None:
     (tmp_path / "file").write_text("x", encoding="utf-8")
-    with pytest.raises(InputError, match=f"--corpus .*{told}"):
+    with pytest.raises(InputError, match=f"--corpus .*{reason}"):
         read_corpus(tmp_path / place)
 
 

@@ -21,7 +21,7 @@ from drivegate.results.document import (
     ResultDocument,
     result_schema,
 )
-from drivegate.results.result import CheckOutcome, Comparison, Found, Recording
+from drivegate.results.result import BaselineComparison, CheckOutcome, Found, Recording
 from drivegate_cases.documents.document import parse_document
 from drivegate_models.errors import InputError
 
@@ -66,7 +66,7 @@ def test_the_published_schema_is_that_of_the_code(schema: dict[str, Any]) -> Non
         (CheckOutcome, CheckSection),
         (Found, FoundSection),
         (Recording, RecordingSection),
-        (Comparison, ComparisonSection),
+        (BaselineComparison, ComparisonSection),
     ],
 )
 def test_every_key_that_is_written_is_read(written: Any, read: Any) -> None:

@@ -41,7 +41,7 @@ def test_a_margin_of_zero_is_met() -> None:
     assert judged("CNV-1", run("a", Margin("CNV-1", 0.0, "x"))).verdict == "pass"
 
 
-def test_where_a_check_only_advises_it_is_told_and_does_not_decide() -> None:
+def test_where_a_check_only_advises_it_is_reported_and_does_not_decide() -> None:
     light = run("light", Margin("CNV-2", -3.0, "x", advisory=True))
     outcome = judged("CNV-2", run("a", Margin("CNV-2", 0.2, "y")), light)
     assert (outcome.verdict, outcome.margin, outcome.runs) == ("pass", 0.2, 1)
@@ -67,8 +67,8 @@ def test_numbers_that_depend_on_the_machine_stay_out_of_the_outcome(value: float
     timed = run("a", Margin("TIM-1", value, "12 µs"))
     outcome = judged("TIM-1", timed)
     assert outcome.verdict == verdict
-    told = (outcome.margin, outcome.measured, outcome.scenario, outcome.counterexample)
-    assert told == (None, "", None, None)
+    reported = (outcome.margin, outcome.measured, outcome.scenario, outcome.counterexample)
+    assert reported == (None, "", None, None)
     assert "12" not in outcome.message
     assert machine_dependent([timed]) == {"TIM-1": {"margin": value, "measured": "12 µs"}}
 

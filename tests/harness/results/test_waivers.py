@@ -123,7 +123,7 @@ def test_a_file_is_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "reason"),
     [
         ("schema = 1", "schema = 2", "schema 2 is newer"),
         (
@@ -148,11 +148,11 @@ def test_a_file_is_read(tmp_path: Path) -> None:
         ("owner", "ovner", "the nearest known key is 'owner'"),
     ],
 )
-def test_a_bad_file_is_refused_in_one_sentence(tmp_path: Path, old: str, new: str, told: str) -> None:
+def test_a_bad_file_is_refused_in_one_sentence(tmp_path: Path, old: str, new: str, reason: str) -> None:
     assert old in FILE
     with pytest.raises(InputError) as refused:
         read(tmp_path, FILE.replace(old, new))
-    assert told in str(refused.value)
+    assert reason in str(refused.value)
     assert "waivers.toml" in str(refused.value)
 
 

@@ -133,9 +133,9 @@ def test_a_run_that_does_not_start_at_its_reference_is_not_fair() -> None:
         (with_scales(steady(550.0), inductance=1.2), "no advance angle gives the torque"),
     ],
 )
-def test_the_reason_why_a_scenario_is_set_aside_is_told(scenario: Scenario, reason: str | None) -> None:
-    told = unfair_because(scenario)
-    assert (told is None) if reason is None else (reason in str(told)), told
+def test_the_reason_why_a_scenario_is_infeasible_is_reported(scenario: Scenario, reason: str | None) -> None:
+    given = unfair_because(scenario)
+    assert (given is None) if reason is None else (reason in str(given)), given
 
 
 def test_an_operating_point_is_searched_for_once(monkeypatch: pytest.MonkeyPatch) -> None:

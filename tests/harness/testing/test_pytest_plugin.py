@@ -90,7 +90,7 @@ class FakeEngine:
             checks=checks,
             faults=self.faults,
             runs=1,
-            set_aside=(),
+            infeasible=(),
             provenance={"drivegate": "0.1.0"},
             timing={"seconds": 1.0},
         )
@@ -222,7 +222,7 @@ def test_a_waived_check_passes(suite: Any, engine: FakeEngine) -> None:
     suite().assert_outcomes(passed=1 + len(CHECKS))
 
 
-def test_a_failure_of_the_plant_is_told_as_drivegates_own(suite: Any, engine: FakeEngine) -> None:
+def test_a_failure_of_the_plant_is_reported_as_drivegates_own(suite: Any, engine: FakeEngine) -> None:
     engine.verdicts[next(check.id for check in CHECKS if check.subject == "plant")] = "fail"
     assert "a fault of drivegate itself" in text_of(suite())
 
@@ -303,7 +303,7 @@ def test_candidates_of_the_same_name_get_a_folder_each(pytester: pytest.Pytester
 
 
 @pytest.mark.parametrize(
-    ("arguments", "options", "told"),
+    ("arguments", "options", "reason"),
     [
         ("", (), "names no candidate; give it one, or call pytest with --drivegate-candidate"),
         ('"missing.py:Mine"', (), "missing.py does not exist; name an existing file"),
@@ -320,19 +320,19 @@ def test_candidates_of_the_same_name_get_a_folder_each(pytester: pytest.Pytester
     ],
 )
 def test_bad_usage_is_one_sentence_while_collecting(
-    suite: Any, arguments: str, options: tuple[str, ...], told: str
+    suite: Any, arguments: str, options: tuple[str, ...], reason: str
 ) -> None:
     result = suite(*options, arguments=arguments)
     result.assert_outcomes(errors=1)
     assert result.ret == pytest.ExitCode.INTERRUPTED
     sentences = [line for line in result.outlines if line.startswith("drivegate: ")]
     assert len(sentences) == 1, text_of(result)
-    assert told in sentences[0]
+    assert reason in sentences[0]
     assert "Traceback" not in text_of(result)
 
 
 @pytest.mark.parametrize(
-    ("test", "told"),
+    ("test", "reason"),
     [
         (
             "@conformance_tests('reference')\ndef test_it(): pass",
@@ -341,11 +341,11 @@ def test_bad_usage_is_one_sentence_while_collecting(
         ("def test_it(conformance): pass", "needs the decorator drivegate.conformance_tests"),
     ],
 )
-def test_decorator_and_fixture_belong_together(pytester: pytest.Pytester, test: str, told: str) -> None:
+def test_decorator_and_fixture_belong_together(pytester: pytest.Pytester, test: str, reason: str) -> None:
     pytester.makepyfile(f"from drivegate import conformance_tests\n{test}\n")
     result = pytester.runpytest_inprocess()
     assert result.ret != pytest.ExitCode.OK
-    assert told in text_of(result)
+    assert reason in text_of(result)
 
 
 def test_the_plugin_is_light_where_it_is_not_used(pytester: pytest.Pytester) -> None:
@@ -375,9 +375,9 @@ def test_the_items_of_the_reference_come_out_as_the_gate_has_them_for_real(pytes
     (file,) = pytester.path.glob(".pytest_cache/d/drivegate/reference-quick-0/result.json")
     gate = json.loads(file.read_text(encoding="utf-8"))
     assert (gate["candidate"]["name"], gate["effort"], gate["seed"]) == ("reference", "quick", 0)
-    told = {"pass": "PASSED", "fail": "FAILED", "inconclusive": "FAILED"}
+    ending = {"pass": "PASSED", "fail": "FAILED", "inconclusive": "FAILED"}
     expected = {
-        check["id"]: "PASSED" if check["level"] == "advisory" else told[check["verdict"]]
+        check["id"]: "PASSED" if check["level"] == "advisory" else ending[check["verdict"]]
         for check in gate["checks"]
         if check["verdict"] != "not applicable"
     }

@@ -32,7 +32,7 @@ _DESIGNS = ("golden-section", "quadratic-interpolation", "angle-table", "sweep")
 DESIGN_CANDIDATES: Final = MappingProxyType(
     {f"{DESIGN_PREFIX}{design}": Declaration(estimates_power=True) for design in _DESIGNS}
 )
-"""Declarations of correct candidates of other designs than the reference, by name with the prefix.
+"""Declarations of correct candidates of other designs than the reference controller, by name with the prefix.
 
 The harness tests itself with them: no check may accuse a correct controller, whatever its design.
 """

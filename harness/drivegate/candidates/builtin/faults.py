@@ -114,7 +114,7 @@ _ALL: Final = (
     ),
     Mutation(
         "current-below-zero",
-        "Asks for a negative current to brake.",
+        "Requests a negative current to brake.",
         "CMD-1",
         fault=faults.REFERENCE_BELOW_ZERO,
     ),

@@ -30,11 +30,11 @@ class Exchanged:
     Attributes
     ----------
     line_speed : ndarray
-        The speed that the angle model is asked about (rad/s).
+        The speed that the angle model is evaluated at (rad/s).
     current_reference : ndarray
         The regulator's answer, for the search (A).
     integral : ndarray
-        What the regulator keeps and the reference's search may set back (A).
+        What the regulator keeps and the reference controller's search may set back (A).
     """
 
     line_speed: NDArray[np.float64]
@@ -60,7 +60,7 @@ class AngleModelStep:
         self._nameplate = nameplate
 
     def step(self, sense: Sense) -> Command:  # noqa: ARG002  (the bridge's signature)
-        """Ask for the angle."""
+        """Request the angle."""
         angle = self._angle(float(self._line_speed[0]), self._nameplate)
         return Command(0.0, _number(angle, "angle_model", "an angle in rad"))
 
@@ -71,27 +71,27 @@ class SpeedRegulatorStep:
     def __init__(self, found: Any, exchanged: Exchanged) -> None:
         self._regulator = _instance(found, "speed_regulator", "step(speed_reference, speed, dt)", 3)
         self._integral = exchanged.integral
-        self._told = 0.0
+        self._reported = 0.0
         self._period = 0.0
 
     def reset(self, nameplate: Nameplate) -> None:
         """Reset the regulator."""
         self._period = nameplate.control_period
         self._regulator.reset(nameplate)
-        self._told = 0.0
+        self._reported = 0.0
 
     def step(self, sense: Sense) -> Command:
-        """Set its integral back where the search did, ask for the current reference, and tell its integral."""
-        wanted = float(self._integral[0])
+        """Set its integral back where the search did, request the current reference, and report its integral."""
+        restored = float(self._integral[0])
         keeps = hasattr(self._regulator, "integral")
-        if keeps and wanted != self._told:
-            self._regulator.integral = wanted
+        if keeps and restored != self._reported:
+            self._regulator.integral = restored
         answer = self._regulator.step(sense.speed_reference, sense.speed, self._period)
-        reference = _number(answer, "speed_regulator.step", "a current in A")
-        kept = self._regulator.integral if keeps else reference
-        self._told = _number(kept, "speed_regulator.integral", "a current in A")
-        self._integral[0] = self._told
-        return Command(reference, 0.0)
+        current_reference = _number(answer, "speed_regulator.step", "a current in A")
+        kept = self._regulator.integral if keeps else current_reference
+        self._reported = _number(kept, "speed_regulator.integral", "a current in A")
+        self._integral[0] = self._reported
+        return Command(current_reference, 0.0)
 
 
 class SearchStep:
@@ -106,7 +106,7 @@ class SearchStep:
         self._search.reset(nameplate)
 
     def step(self, sense: Sense) -> Command:
-        """Ask for what is to be added to the initial angle."""
+        """Request what is to be added to the initial angle."""
         offset = self._search.step(sense, float(self._reference[0]))
         return Command(0.0, _number(offset, "search.step", "an angle in rad"))
 
@@ -154,11 +154,11 @@ def _named(found: object) -> str:
     return f"'{one_line(str(getattr(found, '__qualname__', type(found).__name__)))}'"
 
 
-def _number(answer: object, what: str, wanted: str) -> float:
+def _number(answer: object, what: str, expected: str) -> float:
     if type(answer) is not float:
         if isinstance(answer, bool) or not isinstance(answer, Real):
-            raise InvalidOutput(f"{what} is of type {type(answer).__name__}, but must be {wanted}")
+            raise InvalidOutput(f"{what} is of type {type(answer).__name__}, but must be {expected}")
         answer = float(answer)
     if not isfinite(answer):
-        raise InvalidOutput(f"{what} is {answer}, but must be finite: {wanted}")
+        raise InvalidOutput(f"{what} is {answer}, but must be finite: {expected}")
     return answer

@@ -83,7 +83,7 @@ def read_description(file: Path, folder: Path) -> FmuDescription:
     try:
         connections = connections_of(_variables(model), version)
     except Mismatch as error:
-        raise InputError(f"{shown_path(file)} is no controller: {error}; {_wanted(version)}") from error
+        raise InputError(f"{shown_path(file)} is no controller: {error}; {_required(version)}") from error
     return FmuDescription(
         version,
         identifier,
@@ -171,7 +171,7 @@ def _model_description(file: Path, description: Path) -> Any:
         return read_model_description(str(description), validate=False)
     except Exception as error:
         raise InputError(
-            f"{shown_path(file)}: {DESCRIPTION} is not as FMI asks: {problem}; correct it, or export the FMU again"
+            f"{shown_path(file)}: {DESCRIPTION} is not as FMI requires: {problem}; correct it, or export the FMU again"
         ) from error
 
 
@@ -192,7 +192,7 @@ def _variables(model: Any) -> Iterator[Variable]:
         )
 
 
-def _wanted(version: int) -> str:
+def _required(version: int) -> str:
     real = REAL[version]
     array = f"{PHASE_CURRENTS}[1], {PHASE_CURRENTS}[2] and so on"
     return (

@@ -41,11 +41,11 @@ class Fmi2Instance(FmuInstance):
         do_step = function_of(library, "fmi2DoStep", step)
         self._do_step = lambda time, period: do_step(component, time, period, 1)
 
-    def _set_parameter(self, kind: str, reference: int, value: float) -> None:
+    def _set_parameter(self, kind: str, value_reference: int, value: float) -> None:
         if kind == "Integer":
-            self._slave.setInteger([reference], [int(value)])
+            self._slave.setInteger([value_reference], [int(value)])
         else:
-            self._slave.setReal([reference], [float(value)])
+            self._slave.setReal([value_reference], [float(value)])
 
     def _initialise(self, time: float) -> None:
         slave = self._slave

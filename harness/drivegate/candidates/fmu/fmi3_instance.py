@@ -47,13 +47,13 @@ class Fmi3Instance(FmuInstance):
         self._results = (unused, reached)
         self._do_step = lambda time, period: do_step(component, time, period, True, event, ends, early, until)
 
-    def _set_parameter(self, kind: str, reference: int, value: float) -> None:
+    def _set_parameter(self, kind: str, value_reference: int, value: float) -> None:
         if kind == "Float64":
-            self._slave.setFloat64([reference], [float(value)])
+            self._slave.setFloat64([value_reference], [float(value)])
         elif kind == "Int32":
-            self._slave.setInt32([reference], [int(value)])
+            self._slave.setInt32([value_reference], [int(value)])
         else:
-            self._slave.setInt64([reference], [int(value)])
+            self._slave.setInt64([value_reference], [int(value)])
 
     def _initialise(self, time: float) -> None:
         self._slave.enterInitializationMode(startTime=time)

@@ -78,11 +78,13 @@ class FmuInstance(ABC):
         self._initialised = False
         self._period = nameplate.control_period
         self._bind(component)
-        with self._failures_told():
+        with self._failures_reported():
             if self.description.log_categories:
                 self._slave.setDebugLogging(True, self.description.log_categories)
             for parameter in self.description.connections.parameters:
-                self._set_parameter(parameter.kind, parameter.reference, getattr(nameplate, parameter.field))
+                self._set_parameter(
+                    parameter.kind, parameter.value_reference, getattr(nameplate, parameter.field)
+                )
 
     def step(self, sense: Sense) -> Command:
         """Answer for one control period."""
@@ -94,7 +96,7 @@ class FmuInstance(ABC):
         currents = sense.phase_currents if self._has_currents else ()
         self._write(self._inputs, 0, *self._signals(sense), *currents)
         if not self._initialised:
-            with self._failures_told():
+            with self._failures_reported():
                 self._initialise(time)
             self._initialised = True
         if (status := self._set_inputs()) > WARNING:
@@ -102,7 +104,7 @@ class FmuInstance(ABC):
         if (status := self._do_step(time, self._period)) > WARNING:
             self._fail(f"{self.prefix}DoStep", status)
         if self._ends.value:
-            raise FmuError(with_messages(f"{self.prefix}DoStep asked to end the simulation"))
+            raise FmuError(with_messages(f"{self.prefix}DoStep requested the end of the simulation"))
         if (status := self._get_outputs()) > WARNING:
             self._fail(self.get_name, status)
         return Command(*self._read(self._outputs))
@@ -127,7 +129,7 @@ class FmuInstance(ABC):
         """Make the three calls of a step ready; fmpy's own methods take much longer."""
 
     @abstractmethod
-    def _set_parameter(self, kind: str, reference: int, value: float) -> None:
+    def _set_parameter(self, kind: str, value_reference: int, value: float) -> None:
         """Set one parameter."""
 
     @abstractmethod
@@ -142,7 +144,7 @@ class FmuInstance(ABC):
         raise FmuError(with_messages(f"{function} returned {self.prefix}{name}"))
 
     @contextmanager
-    def _failures_told(self) -> Iterator[None]:
+    def _failures_reported(self) -> Iterator[None]:
         from fmpy.fmi1 import FMICallException
 
         try:

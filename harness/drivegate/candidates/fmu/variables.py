@@ -32,7 +32,7 @@ class Variable(NamedTuple):
     ----------
     name : str
         Its name.
-    reference : int
+    value_reference : int
         Its value reference.
     causality : str
         ``input``, ``output``, ``parameter``, ``local``, ...
@@ -43,7 +43,7 @@ class Variable(NamedTuple):
     """
 
     name: str
-    reference: int
+    value_reference: int
     causality: str
     kind: str
     shape: tuple[int, ...] = ()
@@ -56,14 +56,14 @@ class Parameter(NamedTuple):
     ----------
     field : str
         Name of the number.
-    reference : int
+    value_reference : int
         Value reference of the parameter.
     kind : str
         Its type.
     """
 
     field: str
-    reference: int
+    value_reference: int
     kind: str
 
 
@@ -82,7 +82,7 @@ class Connections:
     output_references : tuple of int
         Value references of current reference, advance angle and, where there is one, input power.
     parameters : tuple of Parameter
-        What it takes of the nameplate.
+        What it reads of the nameplate.
     """
 
     signals: tuple[str, ...]
@@ -124,10 +124,10 @@ def connections_of(variables: Iterable[Variable], version: int) -> Connections:
     outputs = REQUIRED_OUTPUTS + ((INPUT_POWER,) if with_power else ())
     return Connections(
         tuple(name for name in Sense._fields if name in signals),
-        tuple(by_name[name].reference for name in Sense._fields if name in signals)
-        + tuple(current.reference for current in currents),
+        tuple(by_name[name].value_reference for name in Sense._fields if name in signals)
+        + tuple(current.value_reference for current in currents),
         sum(current.shape[0] if current.shape else 1 for current in currents),
-        tuple(by_name[name].reference for name in outputs),
+        tuple(by_name[name].value_reference for name in outputs),
         parameters,
     )
 
@@ -198,5 +198,5 @@ def _parameters(by_name: Mapping[str, Variable], version: int, problems: list[st
         if variable is None or variable.causality != "parameter":
             continue
         problems += _type_problems(variable, version, _INTEGERS[version] if field in _WHOLE else ())
-        found.append(Parameter(field, variable.reference, variable.kind))
+        found.append(Parameter(field, variable.value_reference, variable.kind))
     return tuple(found)

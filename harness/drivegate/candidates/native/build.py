@@ -71,10 +71,10 @@ def _built(
     library = folder / f"{_key(compiler, plan, files)}.so"
     if not library.exists():
         compiled, output = compile_library(compiler, plan, scratch)
-        told = warnings_in_words(output)
-        if told:
+        warnings = warnings_in_words(output)
+        if warnings:
             write_atomically(complete_output, output)
-            _log.warning("%s; the compiler's output is in %s", told, shown_path(complete_output))
+            _log.warning("%s; the compiler's output is in %s", warnings, shown_path(complete_output))
         compiled.replace(library)
     own = include_folder()
     return library, tuple(file for file in files if own not in file.parents)

@@ -102,14 +102,14 @@ def c_compiler() -> tuple[str, ...]:
 
 
 def compiler_version(compiler: Sequence[str]) -> str:
-    """Ask a compiler for its version."""
+    """Request from a compiler its version."""
     ended = run_bounded([*compiler, "--version"], folder=Path.cwd(), environment={}, bounds=Bounds(10.0))
     return bounded_line(next(iter(ended.output.splitlines()), ""))
 
 
 def used_files(compiler: Sequence[str], plan: Compilation, scratch: Path) -> tuple[Path, ...]:
-    """Ask the compiler for the files that the sources are made of, those of the system apart."""
-    # Of several sources, each would overwrite what is told of the one before.
+    """Request from the compiler the files that the sources are made of, those of the system apart."""
+    # Of several sources, each would overwrite what is reported of the one before.
     lists = (_used_by(source, compiler, plan, scratch / "dependencies") for source in plan.sources)
     return tuple(dict.fromkeys(file for files in lists for file in files))
 
@@ -178,8 +178,9 @@ def _sentence(ended: Ended, plan: Compilation, compiler: str) -> str:
             f"the sources must compile with {compiler} {' '.join(FLAGS[:1])}"
         )
     lines = [found[0] for found in _LINKER.finditer(ended.output)] or ended.output.strip().splitlines()
-    told = _bounded(lines[0]) if lines else f"it ended with status {ended.status} and told nothing"
-    return f"{sources}: {compiler} does not compile it: {told}; compiling a candidate may take {plan.bounds.in_words()}"
+    reason = _bounded(lines[0]) if lines else f"it ended with status {ended.status} and reported nothing"
+    bounds = plan.bounds.in_words()
+    return f"{sources}: {compiler} does not compile it: {reason}; compiling a candidate may take {bounds}"
 
 
 def _place(found: re.Match[str]) -> str:

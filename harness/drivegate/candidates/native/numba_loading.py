@@ -63,7 +63,7 @@ def phase_current(sense: Any, index: int) -> float:
 
 
 class CompiledController(NativeController):
-    """One instance of a numba candidate; an exception in its step is told as that of a Python candidate."""
+    """One instance of a numba candidate; an exception in its step is reported as that of a Python candidate."""
 
     def __init__(self, step: Any, reset: Any, state_size: int) -> None:
         self._functions = (step, reset)
@@ -130,10 +130,10 @@ def _from_callbacks(definition: NumbaController, name: str) -> CompiledControlle
         size = _layout(definition.state, name).itemsize
     if not 0 < size <= LARGEST_STATE:
         raise InputError(f"{name}: the size of the state is {size}, but must be 1 to {LARGEST_STATE} bytes")
-    wanted = {"reset": (types.int32, 2), "step": (types.void, 3)}
+    required = {"reset": (types.int32, 2), "step": (types.void, 3)}
     for role, function in (("reset", definition.reset), ("step", definition.step)):
         signature = vars(function)["_sig"]
-        answer, count = wanted[role]
+        answer, count = required[role]
         if signature.return_type != answer or len(signature.args) != count:
             raise InputError(
                 f"{name}: {role} has the type {_bounded(str(signature))}, but must return {answer} and take {count} "
@@ -145,7 +145,7 @@ def _from_callbacks(definition: NumbaController, name: str) -> CompiledControlle
 
 
 def _check_function(role: str, function: object, name: str) -> None:
-    wanted = ", ".join(_ARGUMENTS[role])
+    arguments = ", ".join(_ARGUMENTS[role])
     if isinstance(function, CFunc):
         raise InputError(
             f"{name}: {role} is a numba.cfunc, but the other one is not; make both or none of them one"
@@ -153,13 +153,13 @@ def _check_function(role: str, function: object, name: str) -> None:
     plain = function.py_func if isinstance(function, Dispatcher) else function
     if not inspect.isfunction(plain):
         raise InputError(
-            f"{name}: {role} is of type {type(plain).__name__}, but must be a function {role}({wanted})"
+            f"{name}: {role} is of type {type(plain).__name__}, but must be a function {role}({arguments})"
         )
     try:
         inspect.signature(plain).bind(*_ARGUMENTS[role])
     except TypeError:
         given = ", ".join(inspect.signature(plain).parameters)
-        raise InputError(f"{name}: {role} takes ({given}), but must take ({wanted})") from None
+        raise InputError(f"{name}: {role} takes ({given}), but must take ({arguments})") from None
 
 
 def _layout(state: Any, name: str) -> np.dtype[Any]:
@@ -189,12 +189,12 @@ def _why_not_compiled(role: str, error: Exception) -> str:
     if isinstance(error, KeyError):
         return f"{role} does not compile: a record has no field {_bounded(text)}; the fields are those of the contract"
     lines = (line.strip() for line in text.splitlines())
-    told = [line for line in lines if line and not line.startswith(("Failed in", "During", "File "))]
+    reasons = [line for line in lines if line and not line.startswith(("Failed in", "During", "File "))]
     place = _PLACE.search(text)
     where = ""
     if place is not None:
         where = f" ({shown_path(place['file'] or place['at'])}, line {place['line'] or place['line_at']})"
-    message = _bounded(_RECORD.sub("record", told[0])) if told else type(error).__name__
+    message = _bounded(_RECORD.sub("record", reasons[0])) if reasons else type(error).__name__
     return f"{role} does not compile: {message}{where}; {_USABLE}"
 
 

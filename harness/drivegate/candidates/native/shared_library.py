@@ -1,4 +1,4 @@
-"""What can be told of a shared library without loading it, which would run its code."""
+"""What can be read from a shared library without loading it, which would run its code."""
 
 import platform
 import struct

@@ -41,24 +41,24 @@ class ExecutedProgram:
         self._process = ProgramProcess(program, folder)
         self._step_deadline = program.step_deadline
         try:
-            self._asked(HELLO, check_hello, START_DEADLINE, "loading")
+            self._answered(HELLO, check_hello, START_DEADLINE, "loading")
         except BaseException:
             self._process.end()
             raise
 
     def reset(self, nameplate: Nameplate) -> None:
         """Send the nameplate."""
-        self._asked(reset_message(nameplate), check_ready, START_DEADLINE, "reset")
+        self._answered(reset_message(nameplate), check_ready, START_DEADLINE, "reset")
 
     def step(self, sense: Sense) -> Command:
         """Send a Sense and take the Command that answers it."""
-        return self._asked(sense_message(sense), command_of, self._step_deadline, "step")
+        return self._answered(sense_message(sense), command_of, self._step_deadline, "step")
 
-    def _asked(
+    def _answered(
         self, message: bytes, read: Callable[[bytes], _Answer], deadline: float, phase: Phase
     ) -> _Answer:
         try:
-            return read(self._process.ask(message, deadline))
+            return read(self._process.request(message, deadline))
         except WrongAnswer as error:
             fault = Fault(FaultKind.INVALID_OUTPUT, bounded_line(str(error)), phase)
         except LateAnswer as error:

@@ -62,7 +62,7 @@ class ProgramProcess:
         self._news.register(self._from, select.POLLIN)
         self.end = weakref.finalize(self, _end, os.getpid(), process)
 
-    def ask(self, message: bytes, deadline: float) -> bytes:
+    def request(self, message: bytes, deadline: float) -> bytes:
         """Send one line and wait for the line that answers it."""
         if self._news.poll(0):
             self._refuse_unasked()
@@ -100,7 +100,7 @@ class ProgramProcess:
     def _refuse_unasked(self) -> None:
         if not os.read(self._from, 1):
             self._raise_ended("closed its standard output", b"")
-        raise WrongAnswer("the program wrote a line that it was not asked for")
+        raise WrongAnswer("the program wrote a line that was not requested")
 
     def _raise_ended(self, otherwise: str, before: bytes) -> None:
         """Tell how the program ended; one that only closed its streams goes on for some time, or for ever."""

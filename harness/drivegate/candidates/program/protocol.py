@@ -64,14 +64,16 @@ def check_ready(line: bytes) -> None:
 def command_of(line: bytes) -> Command:
     """Read the answer to a Sense."""
     answer = _object(line, required=("current_reference", "advance_angle"), optional=("input_power",))
-    reference, angle, power = (
+    current_reference, angle, power = (
         answer["current_reference"],
         answer["advance_angle"],
         answer.get("input_power"),
     )
-    if type(reference) is type(angle) is float and (power is None or type(power) is float):
-        return Command(reference, angle) if power is None else Command(reference, angle, power)
-    command = Command(_number("current_reference", reference), _number("advance_angle", angle))
+    if type(current_reference) is type(angle) is float and (power is None or type(power) is float):
+        return (
+            Command(current_reference, angle) if power is None else Command(current_reference, angle, power)
+        )
+    command = Command(_number("current_reference", current_reference), _number("advance_angle", angle))
     return command if power is None else command._replace(input_power=_number("input_power", power))
 
 

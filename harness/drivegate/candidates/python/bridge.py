@@ -108,12 +108,12 @@ class _Steps:
             answer = self.candidate_step(sense)
             if not isinstance(answer, Command):
                 raise InvalidOutput(_not_a_command(answer))
-            reference, angle, power = answer
-            if not (type(reference) is type(angle) is type(power) is float):
-                reference, angle, power = _real_numbers(answer)
-            if not (isfinite(reference) and isfinite(angle)) or isinf(power):
-                raise InvalidOutput(_not_finite(reference, angle, power))
-            _OUTPUTS.pack_into(self._command_view, _OUTPUTS_OFFSET, reference, angle, power)
+            current_reference, angle, power = answer
+            if not (type(current_reference) is type(angle) is type(power) is float):
+                current_reference, angle, power = _real_numbers(answer)
+            if not (isfinite(current_reference) and isfinite(angle)) or isinf(power):
+                raise InvalidOutput(_not_finite(current_reference, angle, power))
+            _OUTPUTS.pack_into(self._command_view, _OUTPUTS_OFFSET, current_reference, angle, power)
         except BaseException as error:
             self._stop(error, sense, command_address)
 
@@ -128,7 +128,7 @@ class _Steps:
         self._currents_view = (ctypes.c_char * self._currents_packing.size).from_address(address)
 
     def _stop(self, error: BaseException, sense: Sense | None, command_address: int) -> None:
-        """End the run. Memory may be exhausted, so the loop is told first and the fault may stay terse."""
+        """End the run. Memory may be exhausted, so the loop is stopped first and the fault may stay terse."""
         ctypes.memmove(command_address, _STOP, len(_STOP))
         if self.fault is not None:
             return
@@ -170,9 +170,9 @@ def _real_numbers(answer: Command) -> list[float]:
     return numbers
 
 
-def _not_finite(reference: float, angle: float, power: float) -> str:
-    if not isfinite(reference):
-        return f"current_reference is {reference}, but must be finite"
+def _not_finite(current_reference: float, angle: float, power: float) -> str:
+    if not isfinite(current_reference):
+        return f"current_reference is {current_reference}, but must be finite"
     if not isfinite(angle):
         return f"advance_angle is {angle}, but must be finite"
     return f"input_power is {power}, but must be finite, or NaN for no estimate"

@@ -37,8 +37,8 @@ class Reading(NamedTuple):
     """Whether steps beyond 0° and 90° are remembered, or the angle itself is limited."""
 
 
-class Told(NamedTuple):
-    """What a search is told at a decision."""
+class Sensed(NamedTuple):
+    """What a search senses at a decision."""
 
     error: float
     """Speed reference less speed (rad/s)."""
@@ -51,7 +51,7 @@ class Told(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Search:
+class SearchState:
     """A search that has followed the flowchart so far, under one reading of it.
 
     Attributes
@@ -76,27 +76,32 @@ class Search:
         return min(max(line + self.offset, 0.0), LARGEST_ANGLE)
 
 
-def beginnings() -> frozenset[Search]:
+def beginnings() -> frozenset[SearchState]:
     """List every search before its first decision."""
     readings = (Reading(*choices) for choices in product((False, True), repeat=len(Reading._fields)))
-    return frozenset(Search(reading, direction) for reading in readings for direction in (-1, 1))
+    return frozenset(SearchState(reading, direction) for reading in readings for direction in (-1, 1))
 
 
 def allowed(
-    searches: Iterable[Search], told: Told, profile: FlowchartProfile, nominal_supply: float, *, free: bool
-) -> frozenset[Search]:
+    searches: Iterable[SearchState],
+    sensed: Sensed,
+    profile: FlowchartProfile,
+    nominal_supply: float,
+    *,
+    free: bool,
+) -> frozenset[SearchState]:
     """Make one decision of Fig. 4 in every way that it allows."""
     return frozenset(
-        after for search in searches for after in _decided(search, told, profile, nominal_supply, free)
+        after for search in searches for after in _decided(search, sensed, profile, nominal_supply, free)
     )
 
 
 def _decided(
-    search: Search, told: Told, profile: FlowchartProfile, nominal_supply: float, free: bool
-) -> Iterator[Search]:
+    search: SearchState, sensed: Sensed, profile: FlowchartProfile, nominal_supply: float, free: bool
+) -> Iterator[SearchState]:
     reading = search.reading
-    power = told.current_sum * (told.supply if reading.power_follows_supply else nominal_supply)
-    excess = abs(told.error) - profile.speed_tolerance
+    power = sensed.current_sum * (sensed.supply if reading.power_follows_supply else nominal_supply)
+    excess = abs(sensed.error) - profile.speed_tolerance
     if excess > -ROUNDING * profile.speed_tolerance:
         yield _with(search, search.old_power if reading.gate_keeps_power else power)
     if excess > ROUNDING * profile.speed_tolerance:
@@ -104,7 +109,7 @@ def _decided(
     if free or search.old_power is None:
         yield _with(search, power)
         for direction in (-1, 1):
-            yield _stepped(search, direction, power, told.line, profile.step)
+            yield _stepped(search, direction, power, sensed.line, profile.step)
         return
     change = power - search.old_power
     tolerance = profile.power_tolerance + profile.power_tolerance_fraction * power
@@ -113,32 +118,32 @@ def _decided(
         yield _with(search, search.old_power if reading.stop_keeps_power else power)
     if abs(change) >= tolerance - rounding:
         if change >= -rounding:
-            yield _stepped(search, -search.direction, power, told.line, profile.step)
+            yield _stepped(search, -search.direction, power, sensed.line, profile.step)
         if change <= rounding:
-            yield _stepped(search, search.direction, power, told.line, profile.step)
+            yield _stepped(search, search.direction, power, sensed.line, profile.step)
 
 
-def _with(search: Search, old_power: float | None) -> Search:
-    return Search(search.reading, search.direction, search.offset, old_power)
+def _with(search: SearchState, old_power: float | None) -> SearchState:
+    return SearchState(search.reading, search.direction, search.offset, old_power)
 
 
-def _stepped(search: Search, direction: int, power: float, line: float, step: float) -> Search:
+def _stepped(search: SearchState, direction: int, power: float, line: float, step: float) -> SearchState:
     offset = search.offset + direction * step
     if not search.reading.winds_up:
         offset = min(max(offset, -line), LARGEST_ANGLE - line)
-    return Search(search.reading, direction, round(offset, _DIGITS), power)
+    return SearchState(search.reading, direction, round(offset, _DIGITS), power)
 
 
-def described(told: Told, before: Told, profile: FlowchartProfile) -> str:
+def described(sensed: Sensed, before: Sensed, profile: FlowchartProfile) -> str:
     """Say which branch of the flowchart a decision is in."""
     rpm = 30.0 / math.pi
-    if abs(told.error) > profile.speed_tolerance:
+    if abs(sensed.error) > profile.speed_tolerance:
         tolerance = profile.speed_tolerance * rpm
-        return f"the speed is off by {told.error * rpm:+.4g} rpm, more than k1 = {tolerance:.4g} rpm"
-    power, old = (signals.current_sum * signals.supply for signals in (told, before))
+        return f"the speed is off by {sensed.error * rpm:+.4g} rpm, more than k1 = {tolerance:.4g} rpm"
+    power, old = (signals.current_sum * signals.supply for signals in (sensed, before))
     change = power - old
     tolerance = profile.power_tolerance + profile.power_tolerance_fraction * power
-    told_change = f"from {old:.6g} W by {change:+.4g} W"
+    change_text = f"from {old:.6g} W by {change:+.4g} W"
     if abs(change) <= tolerance:
-        return f"W changes {told_change}, no more than k2 = {tolerance:.4g} W"
-    return f"W {'rises' if change > 0.0 else 'falls'} {told_change}"
+        return f"W changes {change_text}, no more than k2 = {tolerance:.4g} W"
+    return f"W {'rises' if change > 0.0 else 'falls'} {change_text}"

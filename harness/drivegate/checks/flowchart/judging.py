@@ -17,7 +17,14 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.declaration import FlowchartProfile
-from drivegate.checks.flowchart.chart import LARGEST_ANGLE, Search, Told, allowed, beginnings, described
+from drivegate.checks.flowchart.chart import (
+    LARGEST_ANGLE,
+    SearchState,
+    Sensed,
+    allowed,
+    beginnings,
+    described,
+)
 from drivegate.checks.flowchart.scripts import probe
 from drivegate.checks.margin import Margin
 from drivegate.runs.scripted import scripted_angles
@@ -64,11 +71,11 @@ def judge_script(
     runner = _Runner(controller, profile, script, interval, progress)
     decision = runner.first_decision()
     if decision is None:
-        told = "the angle never changes, though W falls and rises by 3 k2 from decision to decision"
-        return ScriptVerdict(Margin(CHECK, -1.0, told), 1)
+        measured = "the angle never changes, though W falls and rises by 3 k2 from decision to decision"
+        return ScriptVerdict(Margin(CHECK, -1.0, measured), 1)
     line = runner.angles(script.rows, decision, resting=True)
     angles = runner.angles(script.rows, decision, resting=False)
-    return _compared(_Course(script, profile, interval, decision, line, angles))
+    return _compared(_ScriptRun(script, profile, interval, decision, line, angles))
 
 
 def _interval(profile: FlowchartProfile, script: Script) -> int:
@@ -117,7 +124,7 @@ class _Runner:
 
 
 @dataclass(frozen=True)
-class _Course:
+class _ScriptRun:
     """A script's run, and the same with the search at rest."""
 
     script: Script
@@ -127,12 +134,12 @@ class _Course:
     line: NDArray[np.float64]
     angles: NDArray[np.float64]
 
-    def told(self, number: int) -> Told:
-        """Return what the search is told at a decision."""
+    def sensed(self, number: int) -> Sensed:
+        """Return what the search senses at a decision."""
         row = self.script.rows[self.row(number)]
         error = (row.speed_reference_rpm - row.speed_rpm) * RADIANS_PER_RPM
         line = float(self.line[self.step(number)])
-        return Told(error, row.current_sum_a, row.supply_v, line)
+        return Sensed(error, row.current_sum_a, row.supply_v, line)
 
     def step(self, number: int) -> int:
         """Return the step in which a decision shows."""
@@ -142,7 +149,7 @@ class _Course:
         """Return the row that a decision is made in."""
         return max(number - FREE_DECISIONS + 1, 0)
 
-    def deviations(self, searches: frozenset[Search], begin: int, end: int) -> dict[float, float]:
+    def deviations(self, searches: frozenset[SearchState], begin: int, end: int) -> dict[float, float]:
         """Return how far the angles of some steps are from those of searches, by their offset (rad)."""
         line, angles = self.line[begin:end], self.angles[begin:end]
         return {
@@ -151,51 +158,53 @@ class _Course:
         }
 
 
-def _compared(course: _Course) -> ScriptVerdict:
-    rows = course.script.rows
+def _compared(run: _ScriptRun) -> ScriptVerdict:
+    rows = run.script.rows
     searches = beginnings()
-    before = _nearest(course, searches, 0, course.decision)
+    before = _nearest(run, searches, 0, run.decision)
     if before > ANGLE_ROUNDING:
-        return _departure(course, 0, before, "the angle moves before the first decision")
+        return _departure(run, 0, before, "the angle moves before the first decision")
     for number in range(len(rows) + FREE_DECISIONS - 1):
-        begin, end = course.step(number), min(course.step(number + 1), len(course.angles))
+        begin, end = run.step(number), min(run.step(number + 1), len(run.angles))
         options = allowed(
             searches,
-            course.told(number),
-            course.profile,
-            course.script.motor.supply_voltage_v,
+            run.sensed(number),
+            run.profile,
+            run.script.motor.supply_voltage_v,
             free=number < FREE_DECISIONS,
         )
-        deviations = course.deviations(options, begin, end)
+        deviations = run.deviations(options, begin, end)
         searches = frozenset(search for search in options if deviations[search.offset] <= ANGLE_ROUNDING)
         if not searches:
-            told = _told(course, number, options)
-            return _departure(course, number, min(deviations.values()), told)
+            measured = _deviation_text(run, number, options)
+            return _departure(run, number, min(deviations.values()), measured)
     decisions = len(rows) + FREE_DECISIONS - 1
     return ScriptVerdict(Margin(CHECK, 1.0, f"all {decisions} decisions as Fig. 4 has them"), len(rows))
 
 
-def _nearest(course: _Course, options: frozenset[Search], begin: int, end: int) -> float:
-    return min(course.deviations(options, begin, end).values())
+def _nearest(run: _ScriptRun, options: frozenset[SearchState], begin: int, end: int) -> float:
+    return min(run.deviations(options, begin, end).values())
 
 
-def _departure(course: _Course, number: int, deviation: float, told: str) -> ScriptVerdict:
-    row = course.row(number)
-    steps = deviation / course.profile.step
-    return ScriptVerdict(Margin(CHECK, -(round(steps, _DIGITS) or steps), f"row {row + 1}, {told}"), row + 1)
+def _departure(run: _ScriptRun, number: int, deviation: float, measured: str) -> ScriptVerdict:
+    row = run.row(number)
+    steps = deviation / run.profile.step
+    return ScriptVerdict(
+        Margin(CHECK, -(round(steps, _DIGITS) or steps), f"row {row + 1}, {measured}"), row + 1
+    )
 
 
-def _told(course: _Course, number: int, options: frozenset[Search]) -> str:
+def _deviation_text(run: _ScriptRun, number: int, options: frozenset[SearchState]) -> str:
     """Say what is wrong with a decision."""
-    begin = course.step(number)
-    time = begin * course.script.control_period_s
-    if _nearest(course, options, begin, begin + 1) <= ANGLE_ROUNDING:
+    begin = run.step(number)
+    time = begin * run.script.control_period_s
+    if _nearest(run, options, begin, begin + 1) <= ANGLE_ROUNDING:
         return f"after the decision at {time:.4g} s: the angle changes before the next one is due"
-    told = course.told(number)
-    offset = float(course.angles[begin] - course.line[begin])
-    wanted = sorted({round(math.degrees(search.angle(told.line) - told.line), 6) for search in options})
-    listed = " or ".join(f"{angle:+.4g}°" for angle in wanted)
-    reason = described(told, course.told(max(number - 1, 0)), course.profile)
+    sensed = run.sensed(number)
+    offset = float(run.angles[begin] - run.line[begin])
+    expected = sorted({round(math.degrees(search.angle(sensed.line) - sensed.line), 6) for search in options})
+    listed = " or ".join(f"{angle:+.4g}°" for angle in expected)
+    reason = described(sensed, run.sensed(max(number - 1, 0)), run.profile)
     return (
         f"at {time:.4g} s: the angle is {math.degrees(offset):+.4g}° from the initial one, but Fig. 4 has {listed}, "
         f"since {reason}"

@@ -75,10 +75,10 @@ def _row(
     speed_rpm: float, error: float, current: float, motor: Motor, profile: FlowchartProfile
 ) -> ScriptRow:
     tolerance = profile.speed_tolerance * 30.0 / math.pi
-    wanted = round(speed_rpm + error * tolerance, _DIGITS)
+    requested = round(speed_rpm + error * tolerance, _DIGITS)
     return ScriptRow(
         # Where k1 is greater than the speed, the error can only be upward.
-        speed_reference_rpm=wanted if wanted >= 0.0 else round(speed_rpm - error * tolerance, _DIGITS),
+        speed_reference_rpm=requested if requested >= 0.0 else round(speed_rpm - error * tolerance, _DIGITS),
         speed_rpm=speed_rpm,
         current_sum_a=current,
         supply_v=motor.supply_voltage_v,

@@ -21,7 +21,7 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
 COASTING_SHARE = 0.5
-"""Greatest rate at which a loaded reference falls, over the rate at which the load alone slows the shaft (1)."""
+"""Greatest rate at which a loaded speed reference falls, over the rate at which the load alone slows the shaft (1)."""
 _RAMP_STEP_S = 0.1
 _WEIGHTS_KG = (150.0, 200.0)
 _GEARS = (6.0, 8.0)

@@ -24,7 +24,7 @@ Family: TypeAlias = Callable[[Motor, SpeedRange | None], st.SearchStrategy[Scena
 """From a motor and the speeds that a candidate is made for to scenarios of one kind."""
 
 HIGHEST_ADVISED = 4.0
-"""Highest speed over base speed, up to which constant power is asked for in an advisory way (1)."""
+"""Highest speed over base speed, up to which constant power is required in an advisory way (1)."""
 
 
 def steady_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:

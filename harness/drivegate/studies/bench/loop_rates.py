@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.measurement import Checked, Value, rate, timed
+from drivegate.studies.bench.measurement import Correctness, Value, rate, timed
 from drivegate.studies.bench.workbench import Workbench, operating_scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -24,18 +24,20 @@ SIMULATED: Final = {"reference": 4.0, "initial": 4.0, "numba": 4.0, "c": 4.0, "p
 """Simulated time of each run (s)."""
 
 TOLERANCE_RPM: Final = {"ideal": 5.0, "mcs96": 10.0}
-"""How far the true speed may end from its reference (rpm)."""
+"""How far the true speed may end from the speed reference (rpm)."""
 ENERGY_TOLERANCE: Final = 1e-9
 """Residual of the energy in a control period, over its throughput, up to which a run is right."""
 
 
-def checked_run(scenario: Scenario, run: ClosedLoopRun) -> Checked:
+def run_correctness(scenario: Scenario, run: ClosedLoopRun) -> Correctness:
     """Tell whether a run came to what it should."""
     speed = run.observed.speed_final / RADIANS_PER_RPM
-    wanted = float(scenario.speed_rpm[-1][1])
+    speed_reference = float(scenario.speed_rpm[-1][1])
     residual = run.observed.exchange_error
-    right = abs(speed - wanted) <= TOLERANCE_RPM[scenario.sensors.kind] and residual <= ENERGY_TOLERANCE
-    return Checked(right, f"ends at {speed:.1f} rpm, energy within {residual:.0e}")
+    right = (
+        abs(speed - speed_reference) <= TOLERANCE_RPM[scenario.sensors.kind] and residual <= ENERGY_TOLERANCE
+    )
+    return Correctness(right, f"ends at {speed:.1f} rpm, energy within {residual:.0e}")
 
 
 def loop_rate(bench: Workbench, candidate: str, speed_rpm: int, sensors: str) -> Value:
@@ -45,9 +47,9 @@ def loop_rate(bench: Workbench, candidate: str, speed_rpm: int, sensors: str) ->
     clock = time.perf_counter if candidate == "exec" else time.process_time
     with _one_processor():
         controller = bench.controller(candidate)
-        checked = checked_run(scenario, run_scenario(scenario, controller))
+        correctness = run_correctness(scenario, run_scenario(scenario, controller))
         times = timed(lambda: run_scenario(scenario, controller), clock, bench.rounds)
-    return rate(seconds, times, checked)
+    return rate(seconds, times, correctness)
 
 
 @contextmanager

@@ -21,19 +21,19 @@ class NotMeasured(Exception):
 
 
 @dataclass(frozen=True)
-class Checked:
+class Correctness:
     """Whether the work that was timed gave the right result.
 
     Attributes
     ----------
     valid : bool
         Whether it did.
-    told : str
+    measured : str
         What was looked at, with its numbers.
     """
 
     valid: bool
-    told: str
+    measured: str
 
 
 @dataclass(frozen=True)
@@ -48,14 +48,14 @@ class Value:
         Their median; far from the best where the machine was busy.
     rounds : int
         How many there were.
-    checked : Checked
+    correctness : Correctness
         Whether the result was right.
     """
 
     value: float
     median: float
     rounds: int
-    checked: Checked
+    correctness: Correctness
 
 
 def timed(work: Callable[[], object], clock: Callable[[], float], rounds: int) -> list[float]:
@@ -77,18 +77,18 @@ def interleaved(
     return times
 
 
-def rate(amount: float, times: list[float], checked: Checked) -> Value:
+def rate(amount: float, times: list[float], correctness: Correctness) -> Value:
     """Turn times into a rate."""
-    return Value(amount / min(times), amount / median(times), len(times), checked)
+    return Value(amount / min(times), amount / median(times), len(times), correctness)
 
 
-def duration(times: list[float], checked: Checked, scale: float = 1.0) -> Value:
+def duration(times: list[float], correctness: Correctness, scale: float = 1.0) -> Value:
     """Turn times into a duration."""
-    return Value(scale * min(times), scale * median(times), len(times), checked)
+    return Value(scale * min(times), scale * median(times), len(times), correctness)
 
 
-def ratio(ours: list[float], theirs: list[float], checked: Checked) -> Value:
+def ratio(ours: list[float], theirs: list[float], correctness: Correctness) -> Value:
     """Set times taken in turns against each other: what else runs slows both of a turn, but not every turn."""
     # The best of each may be from different turns.
     middle = median(own / other for own, other in zip(ours, theirs, strict=True))
-    return Value(middle, middle, len(ours), checked)
+    return Value(middle, middle, len(ours), correctness)

@@ -19,7 +19,7 @@ from drivegate.studies.bench.point_rates import POINTS, oracle_time, steady_rate
 from drivegate.studies.bench.process_times import gate_time, help_words, start_time
 from drivegate.studies.bench.python_overhead import SIMULATED as OVERHEAD_SIMULATED
 from drivegate.studies.bench.python_overhead import python_overhead
-from drivegate.studies.bench.record import Row
+from drivegate.studies.bench.record import BenchRow
 from drivegate.studies.bench.run_memory import run_memory
 from drivegate.studies.bench.workbench import Workbench
 from drivegate_cases.documents.wording import nearest, one_line
@@ -28,7 +28,7 @@ from drivegate_models.errors import InputError
 RATE_UNIT: Final = "× real time"
 """Unit of the closed loop's rate: simulated seconds a second."""
 NATIVE_BAR: Final = 300.0
-"""Rate that the reference is meant to reach at 1500 rpm, 9.8 N·m and a control period of 0.5 ms."""
+"""Rate that the reference controller is meant to reach at 1500 rpm, 9.8 N·m and a control period of 0.5 ms."""
 PYTHON_BAR: Final = 50.0
 """The same of a controller in Python."""
 EXEC_BAR: Final = 3.0
@@ -46,7 +46,7 @@ GATE_BARS: Final = {"warm": 60.0, "cold": 120.0}
 
 _POINT = (1500.0, 9.8)
 _BARRED_RPM = 1500
-_TOLD = ("name", "title", "setting", "unit", "better", "bar")
+_REPORTED = ("name", "title", "setting", "unit", "better", "bar")
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Planned:
     better : str
         Which way it is better.
     bar : float or None
-        What it is meant to reach on an ordinary machine; a bar that is missed is told and is no failure.
+        What it is meant to reach on an ordinary machine; a bar that is missed is reported and is no failure.
     measure : callable
         Does it.
     """
@@ -79,20 +79,22 @@ class Planned:
     bar: float | None
     measure: Callable[[Workbench], Value]
 
-    def row(self, bench: Workbench) -> Row:
+    def row(self, bench: Workbench) -> BenchRow:
         """Measure."""
-        about: dict[str, Any] = {field: getattr(self, field) for field in _TOLD}
+        about: dict[str, Any] = {field: getattr(self, field) for field in _REPORTED}
         try:
             made = self.measure(bench)
         except NotMeasured as error:
-            return Row(**about, value=None, median=None, rounds=0, valid=None, check=one_line(str(error)))
-        return Row(
+            return BenchRow(
+                **about, value=None, median=None, rounds=0, valid=None, check=one_line(str(error))
+            )
+        return BenchRow(
             **about,
             value=made.value,
             median=made.median,
             rounds=made.rounds,
-            valid=made.checked.valid,
-            check=made.checked.told,
+            valid=made.correctness.valid,
+            check=made.correctness.measured,
         )
 
 

@@ -7,7 +7,7 @@ from math import degrees, radians
 from typing import Final
 
 from drivegate.drives.kinds import DEFAULT_KIND, DEFAULT_MOTOR
-from drivegate.studies.bench.measurement import Checked, Value, duration, rate, timed
+from drivegate.studies.bench.measurement import Correctness, Value, duration, rate, timed
 from drivegate.studies.bench.workbench import Workbench
 
 POINTS: Final = 20_000
@@ -53,8 +53,10 @@ def steady_rate(bench: Workbench, band: float) -> Value:
     lost = columns["input_power_w"] - shaft - columns["copper_loss_w"]
     residual = float(np.abs(lost[exact] / np.maximum(np.abs(columns["exchanged_power_w"][exact]), 1.0)).max())
     right = certified >= LEAST_CERTIFIED and residual <= CLOSING
-    checked = Checked(right, f"{100.0 * certified:.1f} % certified periodic, power within {residual:.0e}")
-    return rate(count, timed(solve, time.process_time, bench.rounds), checked)
+    correctness = Correctness(
+        right, f"{100.0 * certified:.1f} % certified periodic, power within {residual:.0e}"
+    )
+    return rate(count, timed(solve, time.process_time, bench.rounds), correctness)
 
 
 def oracle_time(bench: Workbench, speed_rpm: float, torque: float) -> Value:
@@ -72,6 +74,6 @@ def oracle_time(bench: Workbench, speed_rpm: float, torque: float) -> Value:
         and abs(there.torque - torque) <= 1e-6 * torque
         and abs(there.current_sum - best.current_sum) <= 1e-6 * best.current_sum
     )
-    told = f"{degrees(best.advance):.2f}° gives {there.torque:.4f} N·m with {best.current_sum:.3f} A"
+    measured = f"{degrees(best.advance):.2f}° gives {there.torque:.4f} N·m with {best.current_sum:.3f} A"
     times = timed(lambda: oracle.least_current_sum(drive, speed, torque), time.process_time, bench.rounds)
-    return duration(times, Checked(right, told), 1e3)
+    return duration(times, Correctness(right, measured), 1e3)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from drivegate.studies.bench.measurement import Checked, NotMeasured, Value, duration
+from drivegate.studies.bench.measurement import Correctness, NotMeasured, Value, duration
 from drivegate.studies.bench.workbench import Workbench
 
 LONGEST: Final = 1800.0
@@ -31,8 +31,8 @@ def start_time(bench: Workbench, words: tuple[str, ...], expected: str) -> Value
         code, out = _ended(words, bench.scratch, os.environ)
         times.append(time.perf_counter() - began)
     right = code == 0 and expected in out
-    told = f"answers with '{expected}'" if right else f"ends with code {code} and without '{expected}'"
-    return duration(times[1:], Checked(right, told))
+    measured = f"answers with '{expected}'" if right else f"ends with code {code} and without '{expected}'"
+    return duration(times[1:], Correctness(right, measured))
 
 
 def help_words() -> tuple[str, ...]:
@@ -58,7 +58,7 @@ def gate_time(bench: Workbench, effort: str, *, cold: bool) -> Value:
         document = json.loads(out)
         verdict, runs = document.get("verdict", "none"), document.get("runs", 0)
     right = code == 0 and verdict == "pass"
-    return duration([seconds], Checked(right, f"verdict {verdict}, {runs} runs, exit code {code}"))
+    return duration([seconds], Correctness(right, f"verdict {verdict}, {runs} runs, exit code {code}"))
 
 
 def _ended(words: tuple[str, ...], folder: Path, environment: Mapping[str, str]) -> tuple[int | None, str]:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.loop_rates import checked_run
-from drivegate.studies.bench.measurement import Checked, Value, interleaved
+from drivegate.studies.bench.loop_rates import run_correctness
+from drivegate.studies.bench.measurement import Correctness, Value, interleaved
 from drivegate.studies.bench.workbench import Workbench, operating_scenario
 
 if TYPE_CHECKING:
@@ -65,8 +65,8 @@ def python_overhead(bench: Workbench) -> Value:
     )
     scale = 1e6 / len(listening.senses)
     overhead = scale * median(a - b - c for a, b, c in zip(looped, plant, own, strict=True))
-    told = (
+    measured = (
         f"its own {scale * median(own):.1f} µs, commands {'' if same else 'not '}those of its twin in {TWIN}"
     )
-    checked = Checked(same and checked_run(scenario, heard).valid, told)
-    return Value(overhead, overhead, len(own), checked)
+    correctness = Correctness(same and run_correctness(scenario, heard).valid, measured)
+    return Value(overhead, overhead, len(own), correctness)

@@ -24,7 +24,7 @@ Table = dict[str, Any]
 Number = float | None
 
 
-class Row(Section):
+class BenchRow(Section):
     """One measured number."""
 
     name: str = Field(description="its name")
@@ -59,7 +59,7 @@ class BenchDocument(Document):
     )
     provenance: Table = Field(description="versions, and the commit of drivegate's sources")
     valid: bool = Field(description="whether every result was right")
-    rows: tuple[Row, ...] = Field(description="what was measured")
+    rows: tuple[BenchRow, ...] = Field(description="what was measured")
     compared: Table | None = Field(default=None, description="the earlier document")
 
 
@@ -69,7 +69,7 @@ def load_now() -> float | None:
 
 
 def bench_document(
-    rows: Sequence[Row],
+    rows: Sequence[BenchRow],
     *,
     command: str,
     started: datetime,

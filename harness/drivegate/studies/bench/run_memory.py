@@ -6,7 +6,7 @@ import tracemalloc
 from typing import Final
 
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.measurement import Checked, Value
+from drivegate.studies.bench.measurement import Correctness, Value
 from drivegate.studies.bench.workbench import Workbench, operating_scenario
 
 GROWTH: Final = 4096
@@ -27,5 +27,5 @@ def run_memory(bench: Workbench) -> Value:
         finally:
             tracemalloc.stop()
     _, short, long = peaks
-    checked = Checked(long <= short + GROWTH, f"a run of {_LONG:g} s takes {long - short} bytes more")
-    return Value(short / 1024.0, short / 1024.0, 1, checked)
+    correctness = Correctness(long <= short + GROWTH, f"a run of {_LONG:g} s takes {long - short} bytes more")
+    return Value(short / 1024.0, short / 1024.0, 1, correctness)

@@ -36,12 +36,14 @@ def show_calibration(console: Console, document: dict[str, Any]) -> None:
     console.print(
         plain(f"the fit leaves {largest:.1e} N·m of its three torques; condition {document['condition']:.0f}")
     )
-    console.print(plain(f"the EMF constant asks for {flux:.2f} T in the gap with the published geometry"))
+    console.print(plain(f"the EMF constant requires {flux:.2f} T in the gap with the published geometry"))
     if document["agrees"]:
         console.print(plain(f"the stored motor '{document['motor']}' agrees with the fit", "green"))
     else:
-        told = f"the stored motor '{document['motor']}' differs from the fit by more than rounding explains"
-        console.print(plain(told, "bold red"))
+        message = (
+            f"the stored motor '{document['motor']}' differs from the fit by more than rounding explains"
+        )
+        console.print(plain(message, "bold red"))
     console.print(
         plain("next: drivegate point shows what the motor does; --json has the sensitivities", "dim")
     )

@@ -21,11 +21,13 @@ from drivegate.studies.campaign.table import table_bytes
 _REHEARSED: Final = "published"
 """A candidate that fails checks, so that what only failures need is compiled too."""
 
-Tell: TypeAlias = Callable[[int, int], None]
+ReportProgress: TypeAlias = Callable[[int, int], None]
 """Takes the number of runs that are kept so far, and how many of them were there before."""
 
 
-def make_runs(plan: CampaignPlan, folder: CampaignFolder, backend: Backend, tell: Tell) -> int:
+def make_runs(
+    plan: CampaignPlan, folder: CampaignFolder, backend: Backend, report_progress: ReportProgress
+) -> int:
     """Make every run of a campaign that is not kept yet.
 
     Nothing of a run stays in memory once its file is complete, so a campaign may be as long as the disk allows.
@@ -33,7 +35,7 @@ def make_runs(plan: CampaignPlan, folder: CampaignFolder, backend: Backend, tell
     left = [chunk for chunk in plan.chunks() if not folder.is_complete(chunk)]
     missing = sum(chunk.length for chunk in left)
     before = kept = plan.runs - missing
-    tell(kept, before)
+    report_progress(kept, before)
     if not left:
         return 0
     require_loadable(plan)
@@ -42,12 +44,12 @@ def make_runs(plan: CampaignPlan, folder: CampaignFolder, backend: Backend, tell
         compile_kernels(marker)
     rehearse(plan)
     parameters, checks = plan.campaign.parameters, plan.checks
-    tell(kept, before)
+    report_progress(kept, before)
     for chunk, result in done_by(backend, run_chunk, packed(plan), left):
         runs = [plan.run(number) for number in range(chunk.first, chunk.first + chunk.length)]
         folder.write(folder.path_of(chunk), table_bytes(runs, result.rows, parameters, checks))
         kept += chunk.length
-        tell(kept, before)
+        report_progress(kept, before)
     return missing
 
 
@@ -65,13 +67,13 @@ def rehearse(plan: CampaignPlan) -> None:
     A process that compiles a kernel itself may round it otherwise, in the last digit, than one that loads it.
     """
     step = plan.campaign.runs_per_candidate // len(plan.cases)
-    asked = [RowRequest(plan.run(place * step).scenario, plan.checks) for place in range(len(plan.cases))]
+    requests = [RowRequest(plan.run(place * step).scenario, plan.checks) for place in range(len(plan.cases))]
     with CandidateWorker(resolve_candidate(_REHEARSED), load_controller) as worker:
-        worker.run(Job(_rehearsed, asked))
+        worker.run(Job(_rehearsed, requests))
 
 
-def _rehearsed(loaded: LoadedCandidate, asked: list[RowRequest]) -> None:
-    for request in asked:
+def _rehearsed(loaded: LoadedCandidate, requests: list[RowRequest]) -> None:
+    for request in requests:
         run_row(loaded, request)
 
 

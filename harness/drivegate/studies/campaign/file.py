@@ -14,7 +14,7 @@ from drivegate_cases.documents.wording import nearest, one_line
 
 MOST_RUNS: Final = 10_000_000
 """Runs of one campaign at most."""
-_MOST_FILES_WANTED = 64
+_INTENDED_FILES = 64
 _MOST_RUNS_A_FILE = 100
 _Name = Annotated[str, Field(min_length=1, max_length=2000)]
 
@@ -147,7 +147,7 @@ class Campaign(Document):
         if self.runs_per_file is not None:
             return self.runs_per_file
         runs = len(self.candidates) * self.runs_per_candidate
-        return min(max(runs // _MOST_FILES_WANTED, 1), _MOST_RUNS_A_FILE)
+        return min(max(runs // _INTENDED_FILES, 1), _MOST_RUNS_A_FILE)
 
     @property
     def parameters(self) -> tuple[str, ...]:

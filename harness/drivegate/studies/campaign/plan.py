@@ -97,8 +97,10 @@ class CampaignPlan:
     @property
     def checks(self) -> tuple[str, ...]:
         """Checks that judge every run, in the order of the catalogue."""
-        wanted = self.campaign.checks
-        return JUDGED_CHECKS if wanted is None else tuple(name for name in JUDGED_CHECKS if name in wanted)
+        requested = self.campaign.checks
+        return (
+            JUDGED_CHECKS if requested is None else tuple(name for name in JUDGED_CHECKS if name in requested)
+        )
 
     @property
     def runs(self) -> int:

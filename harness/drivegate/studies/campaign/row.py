@@ -23,7 +23,7 @@ from drivegate_models.units import RPM
 PASS: Final = "pass"
 FAIL: Final = "fail"
 SET_ASIDE: Final = "set aside"
-"""Verdict on a run that was not made, since no controller could do what it asks."""
+"""Verdict on a run that was not made, since no controller could do what it requires."""
 NOT_JUDGED: Final = "not judged"
 """Verdict on a run to which none of the checks applies."""
 HARNESS_FAULT: Final = "harness fault"
@@ -56,7 +56,7 @@ _BY_ID = {check.id: check for check in CHECKS}
 
 @dataclass(frozen=True)
 class RowRequest:
-    """What a worker is asked to run.
+    """What a worker is to run.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class RowRequest:
 
 
 @dataclass(frozen=True)
-class Row:
+class CampaignRow:
     """What a run came to.
 
     Attributes
@@ -98,31 +98,31 @@ class Row:
     observed: dict[str, float] | None = None
 
 
-def run_row(loaded: LoadedCandidate, asked: RowRequest) -> Row:
+def run_row(loaded: LoadedCandidate, request: RowRequest) -> CampaignRow:
     """Make a run and judge it; this is what the candidate's process does."""
-    if not kind_of(asked.scenario.motor).is_fair(asked.scenario):
-        return Row(SET_ASIDE)
+    if not kind_of(request.scenario.motor).is_fair(request.scenario):
+        return CampaignRow(SET_ASIDE)
     try:
-        record = recorded(loaded, asked.scenario, loaded.controller())
-        return _judged(record, asked.checks)
+        record = recorded(loaded, request.scenario, loaded.controller())
+        return _judged(record, request.checks)
     except HarnessFault as fault:
-        return Row(HARNESS_FAULT, bounded_line(str(fault)))
+        return CampaignRow(HARNESS_FAULT, bounded_line(str(fault)))
 
 
-def fault_row(fault: Fault) -> Row:
+def fault_row(fault: Fault) -> CampaignRow:
     """Give the row of a run that the candidate's fault ended."""
-    return Row(fault.kind.value, bounded_line(fault.message))
+    return CampaignRow(fault.kind.value, bounded_line(fault.message))
 
 
-def _judged(record: RunRecord, wanted: tuple[str, ...]) -> Row:
+def _judged(record: RunRecord, checks: tuple[str, ...]) -> CampaignRow:
     margins: list[Margin] = []
-    for name in wanted:
+    for name in checks:
         check = _BY_ID[name]
         if check.reason_not_applicable(record.declaration) is None:
             margin = check.evaluate(record)
             if margin is not None:
                 margins.append(margin)
-    return Row(
+    return CampaignRow(
         _verdict(margins),
         margins={margin.check: margin.value for margin in margins},
         measured={margin.check: margin.measured for margin in margins},

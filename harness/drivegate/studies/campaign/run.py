@@ -13,7 +13,7 @@ from drivegate.candidates.fault import Fault
 from drivegate.containment.contained_runs import contained_runs
 from drivegate.results.provenance import provenance
 from drivegate.studies.campaign.plan import CampaignPlan, Chunk
-from drivegate.studies.campaign.row import Row, RowRequest, fault_row, run_row
+from drivegate.studies.campaign.row import CampaignRow, RowRequest, fault_row, run_row
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -26,12 +26,12 @@ class ChunkResult:
     ----------
     chunk : Chunk
         Which runs.
-    rows : tuple of Row
+    rows : tuple of CampaignRow
         One for each of them.
     """
 
     chunk: Chunk
-    rows: tuple[Row, ...]
+    rows: tuple[CampaignRow, ...]
 
 
 def packed(plan: CampaignPlan) -> bytes:
@@ -82,15 +82,15 @@ def _versions() -> dict[str, Any]:
     return provenance()
 
 
-def _require_versions(wanted: dict[str, Any]) -> None:
-    if wanted != _versions():
+def _require_versions(required: dict[str, Any]) -> None:
+    if required != _versions():
         raise InputError(
-            f"a worker has other versions ({_told(_versions())}) than the campaign ({_told(wanted)}); install the same "
-            "everywhere, since results of two versions are not mixed"
+            f"a worker has other versions ({_in_words(_versions())}) than the campaign ({_in_words(required)}); "
+            "install the same everywhere, since results of two versions are not mixed"
         )
 
 
-def _told(versions: dict[str, Any]) -> str:
+def _in_words(versions: dict[str, Any]) -> str:
     packages = ", ".join(f"{name} {number}" for name, number in versions["packages"].items())
     head = f"drivegate {versions['drivegate']}, Python {versions['python']} on {versions['machine']}"
     return one_line(f"{head}, {packages}")

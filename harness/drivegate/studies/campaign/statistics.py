@@ -17,9 +17,9 @@ from drivegate.studies.campaign.row import FAIL, HARNESS_FAULT, PASS, UNCOUNTED
 from drivegate.studies.campaign.table import MARGIN, columns_of
 
 QUANTILES: Final = (0.0, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
-"""Shares of the runs whose margins are at most as large as what is told."""
+"""Shares of the runs whose margins are at most as large as what is reported."""
 CONFIDENCE: Final = 0.95
-"""Confidence of the intervals, unless another one is asked for."""
+"""Confidence of the intervals, unless another one is requested."""
 _MOST_VALUES = 4_000_000
 
 

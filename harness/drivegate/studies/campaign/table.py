@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.studies.campaign.plan import CampaignRun
-from drivegate.studies.campaign.row import OBSERVATIONS, Row
+from drivegate.studies.campaign.row import OBSERVATIONS, CampaignRow
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -34,7 +34,7 @@ def require_parquet(what: str) -> None:
 
 
 def table_bytes(
-    runs: Sequence[CampaignRun], rows: Sequence[Row], parameters: Sequence[str], checks: Sequence[str]
+    runs: Sequence[CampaignRun], rows: Sequence[CampaignRow], parameters: Sequence[str], checks: Sequence[str]
 ) -> bytes:
     """Write rows as a Parquet file."""
     import pyarrow
@@ -57,7 +57,9 @@ def schema(parameters: Sequence[str], checks: Sequence[str]) -> pyarrow.Schema:
     return pyarrow.schema(list(types.items()))
 
 
-def _record(run: CampaignRun, row: Row, parameters: Sequence[str], checks: Sequence[str]) -> dict[str, Any]:
+def _record(
+    run: CampaignRun, row: CampaignRow, parameters: Sequence[str], checks: Sequence[str]
+) -> dict[str, Any]:
     margins = row.margins or {}
     binding = {check: value for check, value in margins.items() if check not in row.advisory}
     worst = min(binding, key=lambda check: binding[check], default="")

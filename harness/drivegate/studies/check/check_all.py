@@ -114,7 +114,7 @@ def _name(checked: Checked) -> str:
 
 
 def _options(effort: Effort, records: Records, names: Sequence[str]) -> dict[str, Any]:
-    """Read the records, and give what the engine is told."""
+    """Read the records, and give what the engine takes."""
     options: dict[str, Any] = {
         "effort": effort.name,
         "seed": effort.seed,

@@ -104,8 +104,8 @@ def cycle_figures(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
     period = scenario.control_period_s
     columns = {name: run.trace[name] for name in observation.TRACE_COLUMNS}
     km_h = RADIANS_PER_RPM * VEHICLE.lever_m * 3.6
-    speed, wanted = columns["speed_rpm"] * km_h, columns["speed_reference_rpm"] * km_h
-    power, error = columns["input_power_w"], speed - wanted
+    speed, speed_reference = columns["speed_rpm"] * km_h, columns["speed_reference_rpm"] * km_h
+    power, error = columns["input_power_w"], speed - speed_reference
     energy = run.observed.input_energy / 3600.0
     distance = float(speed.sum()) * period / 3600.0
     energy_by_phase = {
@@ -122,7 +122,7 @@ def cycle_figures(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
         "tracking_error_rms_km_h": float(np.sqrt(np.mean(error**2))),
         "tracking_error_worst_km_h": float(error[np.abs(error).argmax()]),
         "outside_tolerance_s": float((np.abs(error) > TOLERANCE_KM_H).sum()) * period,
-        "samples": _samples(columns, speed, wanted, period),
+        "samples": _samples(columns, speed, speed_reference, period),
     }
 
 
@@ -140,14 +140,16 @@ def _phases(scenario: Scenario, times: Any) -> dict[str, Any]:
     }
 
 
-def _samples(columns: dict[str, Any], speed: Any, wanted: Any, period: float) -> dict[str, list[float]]:
+def _samples(
+    columns: dict[str, Any], speed: Any, speed_reference: Any, period: float
+) -> dict[str, list[float]]:
     block = max(round(SAMPLE_S / period), 1)
     whole = len(speed) // block * block
     power = columns["input_power_w"][:whole].reshape(-1, block).mean(axis=1)
     energy = np.cumsum(columns["input_power_w"]) * period / 3600.0
     return {
         "time_s": [round(float(value), 6) for value in columns["time_s"][:whole:block]],
-        "speed_reference_km_h": [round(float(value), 4) for value in wanted[:whole:block]],
+        "speed_reference_km_h": [round(float(value), 4) for value in speed_reference[:whole:block]],
         "speed_km_h": [round(float(value), 4) for value in speed[:whole:block]],
         "input_power_w": [round(float(value), 3) for value in power],
         "energy_wh": [round(float(value), 5) for value in energy[:whole:block]],

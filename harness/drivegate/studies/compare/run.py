@@ -123,7 +123,7 @@ def _trajectory(columns: dict[str, NDArray[np.float64]]) -> dict[str, list[float
 
 
 def timed(loaded: LoadedCandidate, scenario: Scenario) -> Figures:
-    """Time a candidate's steps on what it was told in a run."""
+    """Time a candidate's steps on what it sensed in a run."""
     controller = loaded.controller()
     run = run_scenario(scenario, controller, progress=loaded.progress, trace_every=1)
     columns = _columns(run)

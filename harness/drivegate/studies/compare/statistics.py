@@ -12,7 +12,7 @@ CONFIDENCE: Final = 0.95
 LEAST_EFFECT: Final = 0.001
 """Difference that matters, over the mean of both candidates (1)."""
 FEWEST_PAIRS: Final = 3
-"""Pairs below which no interval is told."""
+"""Pairs below which no interval is reported."""
 NO_DIFFERENCE: Final = "no real difference"
 METHOD: Final = (
     "Differences are paired: both candidates ran the same scenario with the same noise, and only pairs in which both "

@@ -151,7 +151,7 @@ def check_rows(all_compared: Sequence[Compared]) -> list[Row]:
         }
         for compared in all_compared
         for outcome in compared.outcomes or ()
-        # What takes times is told with the times.
+        # What takes times is reported with the times.
         if outcome.id != "TIM-1" and outcome.subject == "candidate"
     ]
 

@@ -1,4 +1,4 @@
-"""Two candidates step by step: one drives the plant, the other is asked the same and must answer the same."""
+"""Two candidates step by step: one drives the plant, the other is given the same and must answer the same."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.messages import Job
 from drivegate.containment.worker import CandidateWorker
 from drivegate.studies.diff.jobs import (
-    Recording,
+    RecordRequest,
     Rule,
     Shadowing,
     load_only,
@@ -51,7 +51,7 @@ class Difference:
     step : int
         Number of the step, from 0.
     sense : Sense
-        What both were told.
+        What both sensed.
     plant : PlantState
         State of the plant at the start of that step.
     begin : int
@@ -98,19 +98,19 @@ def compared(
     """Compare two candidates step by step.
 
     The first one drives the plant, in a process of its own, which writes a record of every step. The second one is
-    then told the same, in another process, until it answers otherwise. Both are alike up to there, so nothing is
+    then given the same, in another process, until it answers otherwise. Both are alike up to there, so nothing is
     lost by asking one after the other.
     """
     with tempfile.TemporaryDirectory(prefix="drivegate") as name:
         refuse_without_room(scenario, Path(name))
         path = Path(name) / "steps"
         with CandidateWorker(second, load_controller) as following:
-            # It is loaded before the long run, so that a second candidate that is refused is told at once.
+            # It is loaded before the long run, so that a second candidate that is refused is reported at once.
             loading = following.run(Job(load_only, None))
             if isinstance(loading, Fault):
                 return StepComparison(0, fault=loading, faulted=SECOND)
             with CandidateWorker(first, load_controller) as leading:
-                led = leading.run(Job(record_run, Recording(path, scenario)))
+                led = leading.run(Job(record_run, RecordRequest(path, scenario)))
             if isinstance(led, Fault):
                 return StepComparison(led.step or 0, fault=led, faulted=FIRST)
             end = row_count(path, scenario.motor.phases)

@@ -25,8 +25,8 @@ def show_difference(console: Console, document: dict[str, Any], words: str) -> N
     console.print(plain(f"first: {one}, second: {other}; {document['scenario']}, {rule}"))
     fault, found = document["fault"], document["difference"]
     if fault is not None:
-        told = f"{fault['kind'].upper()} of the {fault['place']}, {fault['candidate']}: {fault['message']}"
-        console.print(plain(told, "bold red"))
+        message = f"{fault['kind'].upper()} of the {fault['place']}, {fault['candidate']}: {fault['message']}"
+        console.print(plain(message, "bold red"))
         console.print(plain(f"  {document['steps_equal']} steps before"))
         for line in fault["traceback"].splitlines():
             console.print(plain(f"  {line}", "dim"))
@@ -42,12 +42,12 @@ def show_difference(console: Console, document: dict[str, Any], words: str) -> N
 
 
 def _show_difference(console: Console, found: dict[str, Any]) -> None:
-    told = table("both were told", "value", "unit", right=("value",))
+    sensed = table("both sensed", "value", "unit", right=("value",))
     for key, unit in _SENSE:
-        told.add_row(key, repr(found["sense"][key]), unit)
+        sensed.add_row(key, repr(found["sense"][key]), unit)
     for phase, current in enumerate(found["sense"]["phase_currents"], 1):
-        told.add_row(f"phase current {phase}", repr(current), "A")
-    console.print(told)
+        sensed.add_row(f"phase current {phase}", repr(current), "A")
+    console.print(sensed)
     plant = found["plant"]
     currents = ", ".join(f"{current:.4g}" for current in plant["phase_currents"])
     console.print(

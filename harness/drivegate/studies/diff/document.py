@@ -29,11 +29,13 @@ def document_of(
     """Write a comparison as plain data."""
     found, fault = comparison.difference, comparison.fault
     verdict = EQUAL if found is None else DIFFERENT
-    told = None
+    reported = None
     if fault is not None:
         verdict = fault.kind.value
         who = candidates[0 if comparison.faulted == FIRST else 1].name
-        told = {"candidate": who, "place": comparison.faulted} | asdict(fault) | {"kind": fault.kind.value}
+        reported = (
+            {"candidate": who, "place": comparison.faulted} | asdict(fault) | {"kind": fault.kind.value}
+        )
     return {
         "schema": SCHEMA,
         "kind": "diff",
@@ -51,7 +53,7 @@ def document_of(
         "steps_planned": scenario.control_periods,
         "steps_equal": comparison.steps,
         "difference": None if found is None else _difference(found, rule),
-        "fault": told,
+        "fault": reported,
         "files": [],
     }
 

@@ -61,4 +61,4 @@ def _draw_panels(all_axes: Any, found: Difference, names: tuple[str, str]) -> No
         apart.set_ylabel("difference")
     speed = found.rows[:, SCALARS.index("speed")] * (30.0 / np.pi)
     all_axes[-1].plot(steps, speed, color="tab:gray")
-    all_axes[-1].set_ylabel("speed told (rpm)")
+    all_axes[-1].set_ylabel("speed sensed (rpm)")

@@ -41,8 +41,8 @@ class Rule:
 
 
 @dataclass(frozen=True)
-class Recording:
-    """What the first candidate's process is asked for.
+class RecordRequest:
+    """What the first candidate's process is to record.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class Shadowing:
-    """What the second candidate's process is asked for.
+    """What the second candidate's process is to answer.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class Shadowed:
     differs : int or None
         The step of the first difference.
     answers : ndarray, shape (n, 3)
-        The commands that were asked for.
+        The commands that were requested.
     """
 
     differs: int | None
@@ -100,7 +100,7 @@ def load_only(loaded: LoadedCandidate, _payload: None) -> None:
     loaded.controller()
 
 
-def record_run(loaded: LoadedCandidate, plan: Recording) -> None:
+def record_run(loaded: LoadedCandidate, plan: RecordRequest) -> None:
     """Run a scenario and write the record of every step; this is what the first worker process does."""
     with plan.path.open("wb") as file:
         controller = RecordingController(loaded.controller(), file, plan.scenario.motor.phases)
@@ -109,7 +109,7 @@ def record_run(loaded: LoadedCandidate, plan: Recording) -> None:
 
 
 def shadow_run(loaded: LoadedCandidate, plan: Shadowing) -> Shadowed:
-    """Ask a candidate what is on record, until it answers otherwise; this is what the second worker process does."""
+    """Give a candidate what is on record, until it answers otherwise; this is what the second worker process does."""
     nameplate = plan.scenario.nameplate()
     controller, progress = loaded.controller(), loaded.progress
     judged, tolerance = (plan.rule.judged, plan.rule.tolerance) if plan.rule else ((), BITWISE)
@@ -152,7 +152,7 @@ def _not_finite(shadow: Shadow, step: int) -> Fault:
     )
 
 
-def play_back(loaded: LoadedCandidate, asked: tuple[Shadowing, int]) -> PlantState:
+def play_back(loaded: LoadedCandidate, request: tuple[Shadowing, int]) -> PlantState:
     """Find the plant's state at one step; this is what a worker process without a user's candidate does."""
-    plan, step = asked
+    plan, step = request
     return plant_at(plan.path, plan.scenario, step, loaded.progress)

@@ -42,7 +42,7 @@ class PlantState:
 
 
 class _Reached(Exception):
-    """The playback has come to the step that is asked for."""
+    """The playback has come to the step that is requested."""
 
 
 class _Playback:

@@ -42,7 +42,7 @@ _NAMES: Final = {SPEED: "speed (rpm)", TORQUE: "torque (N·m)", ADVANCE: "advanc
 
 
 def write_tables(made: OperatingMap, csv: Path | None, parquet: Path | None) -> None:
-    """Write a map as the tables that are wanted."""
+    """Write a map as the tables that are requested."""
     if csv is None and parquet is None:
         return
     table = made.table()
@@ -66,7 +66,7 @@ def write_figure(made: OperatingMap, plot: Path, title: str) -> None:
     from matplotlib.figure import Figure
 
     other = ADVANCE if made.plan.kind == "points" else TORQUE
-    chosen, told = _slice(made, other)
+    chosen, fixed_values = _slice(made, other)
     buffer = io.BytesIO()
     with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
         figure = Figure(figsize=(11.0, 8.0), layout="constrained")
@@ -77,7 +77,7 @@ def write_figure(made: OperatingMap, plot: Path, title: str) -> None:
                 # Beside no torque any ripple is endless, and would leave no colour for the rest.
                 values = np.where(values > _RIPPLE_SHOWN, np.nan, values)
             _draw(axes, made, other, values, label)
-        figure.suptitle(one_line(f"{title}{told}"))
+        figure.suptitle(one_line(f"{title}{fixed_values}"))
         kind = plot.suffix.lower().removeprefix(".")
         figure.savefig(buffer, format=kind, dpi=120, metadata={"Date": None} if kind == "svg" else None)
     write_atomically(plot, buffer.getvalue())
@@ -88,15 +88,15 @@ def _slice(made: OperatingMap, other: str) -> tuple[NDArray[np.float64], str]:
     axes = made.plan.axes
     cube = made.numbers.reshape(*axes.shape, -1)
     places: list[Any] = []
-    told = ""
+    fixed_values = ""
     for name, values in zip(axes.names, axes.values, strict=True):
         if name in (SPEED, other):
             places.append(slice(None))
             continue
         place = len(values) - 1 if name == CURRENT else 0
         places.append(place)
-        told += f", {name} = {values[place]:g}"
-    return np.moveaxis(cube[tuple(places)], -1, 0), told
+        fixed_values += f", {name} = {values[place]:g}"
+    return np.moveaxis(cube[tuple(places)], -1, 0), fixed_values
 
 
 def _draw(axes: Axes, made: OperatingMap, other: str, values: NDArray[np.float64], label: str) -> None:

@@ -23,7 +23,7 @@ class OperatingMap:
     Attributes
     ----------
     plan : MapPlan
-        What was asked for.
+        What was requested.
     numbers : ndarray, shape (points, columns)
         What was computed.
     verdicts : list of str
@@ -46,7 +46,7 @@ class OperatingMap:
         return columns
 
 
-def computed(plan: MapPlan, backend: Backend, tell: Callable[[int, int], None]) -> OperatingMap:
+def computed(plan: MapPlan, backend: Backend, report_progress: Callable[[int, int], None]) -> OperatingMap:
     """Compute a map."""
     for parameter in single_parameters(plan):
         plant_of(plan.motor, parameter)
@@ -56,11 +56,11 @@ def computed(plan: MapPlan, backend: Backend, tell: Callable[[int, int], None]) 
     package = pickle.dumps(plan, pickle.HIGHEST_PROTOCOL)
     if plan.kind == "points":
         compile_solver(package)
-    tell(0, 0)
+    report_progress(0, 0)
     for (first, last), part in done_by(backend, compute_piece, package, plan.pieces()):
         values[first:last] = part.values
         if part.verdicts:
             verdicts[first:last] = part.verdicts
         done += last - first
-        tell(done, 0)
+        report_progress(done, 0)
     return OperatingMap(plan, values, verdicts)

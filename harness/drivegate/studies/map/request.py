@@ -1,4 +1,4 @@
-"""What kind of operating map is asked for, over which axes."""
+"""What kind of operating map is requested, over which axes."""
 
 from __future__ import annotations
 

@@ -26,8 +26,8 @@ def made_map(
     began = time.monotonic()
     title = title_of(plan)
     with progress_on(sys.stderr) as display:
-        tell = with_rate(display, title, plan.axes.points, unit="points")
-        made = computed(plan, Backend("local", workers), tell)
+        report_progress = with_rate(display, title, plan.axes.points, unit="points")
+        made = computed(plan, Backend("local", workers), report_progress)
     seconds = time.monotonic() - began
     write_tables(made, csv, parquet)
     if plot is not None:

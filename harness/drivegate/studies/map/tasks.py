@@ -20,7 +20,7 @@ from drivegate.containment.worker import CandidateWorker
 from drivegate.drives.drive_kind import Drive
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
-from drivegate.runs.record import RunRecord, Window
+from drivegate.runs.record import RunRecord, SteadyWindow
 from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S
 from drivegate.studies.map.plan import (
     ADVANCE,
@@ -105,7 +105,7 @@ def _points(plan: MapPlan, first: int, last: int) -> MapPart:
             at[CURRENT][piece],
             values[piece],
         )
-    # A current beyond the limit is never asked for, so what it would give is nobody's operating point.
+    # A current beyond the limit is never requested, so what it would give is nobody's operating point.
     for piece, motor, _ in drives_of(plan, at):
         values[piece][at[CURRENT][piece] > motor.current_limit_a] = nan
     return MapPart(values)
@@ -196,7 +196,7 @@ def _is_feasible(scenario: Scenario, drive: Drive) -> bool:
 
 def _measured(record: RunRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
     scenario = record.scenario
-    window = Window(scenario, dwells(scenario)[-1], record.run.windows[-1])
+    window = SteadyWindow(scenario, dwells(scenario)[-1], record.run.windows[-1])
     margin, _ = window_convergence(window)
     row = window.values
     torque, speed = row.torque, row.speed
@@ -207,7 +207,7 @@ def _measured(record: RunRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
     least = nan
     if scenario.initial_speed_rpm > scenario.motor.base_speed_rpm and torque > 0.0 < speed:
         least = kind_of(scenario.motor).oracle().least_current_sum(drive, speed, torque).current_sum
-    shaft = window.torque_asked * speed
+    shaft = window.torque_required * speed
     values = (
         margin,
         row.speed_error / RADIANS_PER_RPM,

@@ -30,7 +30,7 @@ _PLACES: Final = MappingProxyType(
 
 
 @dataclass(frozen=True)
-class Kind:
+class Template:
     """A kind of candidate that there is a template of.
 
     Attributes
@@ -47,11 +47,11 @@ class Kind:
 
 KINDS: Final = MappingProxyType(
     {
-        "python": Kind("controller.py"),
-        "numba": Kind("controller.py"),
-        "c": Kind("controller.c"),
-        "rust": Kind("src/lib.rs", "cargo build --release"),
-        "exec": Kind("controller.py"),
+        "python": Template("controller.py"),
+        "numba": Template("controller.py"),
+        "c": Template("controller.c"),
+        "rust": Template("src/lib.rs", "cargo build --release"),
+        "exec": Template("controller.py"),
     }
 )
 """The kinds, by the name on the command line."""

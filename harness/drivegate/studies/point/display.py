@@ -34,13 +34,13 @@ def show_point(console: Console, document: dict[str, Any], drive: Drive, torque:
         values.add_row(name, number(document[key]), unit)
     console.print(values)
     if not document["feasible"]:
-        asked = (
+        reason = (
             f"{torque:g} N·m cannot be produced here at the current limit of {drive.current_limit:g} A; "
             "the values are those at the limit"
             if torque is not None
             else f"the current reference exceeds the limit of {drive.current_limit:g} A"
         )
-        console.print(plain(f"not feasible: {asked}", "yellow"))
+        console.print(plain(f"not feasible: {reason}", "yellow"))
     if document.get("averaged_cycles", 1) > 1:
         console.print(
             plain(

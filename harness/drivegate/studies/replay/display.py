@@ -35,7 +35,7 @@ def show_replay(console: Console, document: dict[str, Any], hint: str) -> None:
         plain(f"{document['check']} {document['verdict'].upper()}", "bold green" if good else "bold red")
     )
     console.print(plain(f"  {document['requirement']}"))
-    console.print(plain(f"  then {_told(document['then'])}, by {document['found_with']['name']}"))
+    console.print(plain(f"  then {_margin_text(document['then'])}, by {document['found_with']['name']}"))
     if fault is not None:
         console.print(plain(f"  now  {fault['kind']}: {fault['message']}, by {name}"))
         for line in fault["traceback"].splitlines():
@@ -43,7 +43,7 @@ def show_replay(console: Console, document: dict[str, Any], hint: str) -> None:
     elif document["now"] is None:
         console.print(plain(f"  now  {document['reason']}; {name} ran"))
     else:
-        console.print(plain(f"  now  {_told(document['now'])}, by {name}"))
+        console.print(plain(f"  now  {_margin_text(document['now'])}, by {name}"))
         console.print(plain(f"  limit {document['limit']}; in {document['scenario']}, {_where(document)}"))
     for path in document["files"]:
         console.print(plain(f"written: {path}"))
@@ -58,7 +58,7 @@ def _where(document: dict[str, Any]) -> str:
     return f"{start:g} s to {end:g} s"
 
 
-def _told(measured: dict[str, Any]) -> str:
+def _margin_text(measured: dict[str, Any]) -> str:
     margin = measured["margin"]
-    told = "margin –" if margin is None else f"margin {margin:+.4g}"
-    return f"{told} ({measured['measured']})" if measured["measured"] else told
+    text = "margin –" if margin is None else f"margin {margin:+.4g}"
+    return f"{text} ({measured['measured']})" if measured["measured"] else text

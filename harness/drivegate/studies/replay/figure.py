@@ -29,7 +29,7 @@ def draw(stored: Counterexample, ended: Replay, plot: Path, title: str) -> None:
 
 
 def _draw_script(script: Script, ended: Replay, plot: Path, title: str) -> None:
-    """Draw what the controller was told, row by row."""
+    """Draw what the controller sensed, row by row."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -57,8 +57,8 @@ def _draw_script(script: Script, ended: Replay, plot: Path, title: str) -> None:
             axes.legend(loc="best", fontsize="small")
         all_axes[-1].xaxis.get_major_locator().set_params(integer=True)
         all_axes[-1].set_xlabel("row: one period of the search")
-        told = ended.margin.measured if ended.margin is not None else ""
-        figure.suptitle(one_line(f"{title}, {told}"), fontsize="small", wrap=True)
+        measured = ended.margin.measured if ended.margin is not None else ""
+        figure.suptitle(one_line(f"{title}, {measured}"), fontsize="small", wrap=True)
         kind = plot.suffix.lower().removeprefix(".")
         figure.savefig(buffer, format=kind, dpi=120, metadata={"Date": None} if kind == "svg" else None)
     write_atomically(plot, buffer.getvalue())

@@ -26,11 +26,11 @@ def show_matrix(console: Console, matrix: Matrix) -> None:
         console.print(plain(problem, "bold red"))
     caught = sum(row.caught for row in matrix.faults)
     acquitted = sum(row.acquitted for row in matrix.designs)
-    told = (
+    summary = (
         f"{caught} of {len(matrix.faults)} faults caught by the checks named for them, "
         f"{acquitted} of {len(matrix.designs)} checks of correct designs passed"
     )
-    console.print(plain(told, "bold red" if problems else "green"))
+    console.print(plain(summary, "bold red" if problems else "green"))
     if problems and matrix.faults:
         name = next((row.name for row in matrix.faults if not row.caught), matrix.faults[0].name)
         console.print(plain(f"next: drivegate check faulty:{name} shows every check and scenario", "dim"))

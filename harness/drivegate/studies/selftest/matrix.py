@@ -123,7 +123,7 @@ class Matrix:
 
     def _false_alarms(self) -> list[str]:
         return [
-            f"the correct design '{row.name}' is accused with seed {row.seed}: {row.verdict}{_told(row)}"
+            f"the correct design '{row.name}' is accused with seed {row.seed}: {row.verdict}{_accusations(row)}"
             for row in self.designs
             if not row.acquitted
         ]
@@ -142,18 +142,20 @@ class Matrix:
         }
 
 
-def _told(row: DesignRow) -> str:
+def _accusations(row: DesignRow) -> str:
     return "".join(f"; {check}: {message}" for check, message in row.accused_by.items())
 
 
 def _miss(row: FaultRow) -> str:
     seeds = ", ".join(map(str, row.missed_seeds))
-    told = f"it fails {', '.join(row.also_failing)} instead" if row.also_failing else "no other check fails"
+    outcome = (
+        f"it fails {', '.join(row.also_failing)} instead" if row.also_failing else "no other check fails"
+    )
     if row.unconvincing:
-        told += f", and {row.check} only where the controller without the fault fails it too"
+        outcome += f", and {row.check} only where the controller without the fault fails it too"
     if row.faults:
-        told += f"; it ended with: {'; '.join(row.faults)}"
-    return f"{row.check} misses the fault '{row.name}' with seed {seeds} in {row.runs} runs: {told}"
+        outcome += f"; it ended with: {'; '.join(row.faults)}"
+    return f"{row.check} misses the fault '{row.name}' with seed {seeds} in {row.runs} runs: {outcome}"
 
 
 def _fault_document(row: FaultRow) -> dict[str, Any]:

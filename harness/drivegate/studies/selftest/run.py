@@ -100,8 +100,8 @@ def _jobs(plan: Sequence[Work], origins: Sequence[Origin], *, seeded: bool) -> t
 
 def _row(mutation: Mutation, outcome: TrialOutcome | Fault, effort: SelftestEffort) -> FaultRow:
     if isinstance(outcome, Fault):
-        told = (f"{outcome.kind.value}: {outcome.message}",)
-        outcome = TrialOutcome(dict.fromkeys(range(effort.seeds)), (), 0, told, 0)
+        faults = (f"{outcome.kind.value}: {outcome.message}",)
+        outcome = TrialOutcome(dict.fromkeys(range(effort.seeds)), (), 0, faults, 0)
     return FaultRow(
         name=mutation.name,
         sentence=mutation.sentence,

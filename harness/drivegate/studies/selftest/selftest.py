@@ -1,4 +1,4 @@
-"""The whole self-test: the faulty controllers that are asked for, and every correct design."""
+"""The whole self-test: the faulty controllers that are requested, and every correct design."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def chosen_mutations(names: Sequence[str]) -> tuple[Mutation, ...]:
 
 
 def selftested(mutations: Sequence[Mutation], effort: SelftestEffort, *, designs: bool) -> Matrix:
-    """Put faulty controllers before the checks, and the correct designs if they are wanted."""
+    """Put faulty controllers before the checks, and the correct designs if they are requested."""
     from drivegate.checks.catalogue import CHECKS
     from drivegate.studies.selftest.matrix import Matrix
 

@@ -28,7 +28,7 @@ MOST_ROWS: Final = 1_000_000
 
 @dataclass(frozen=True)
 class Plan:
-    """What a worker is asked to run.
+    """What a worker is to run.
 
     Attributes
     ----------

@@ -75,7 +75,7 @@ def test_designs_move_differently() -> None:
     assert len(set(digests.values())) == len(digests), digests
 
 
-def test_an_unknown_design_is_told_with_the_nearest() -> None:
+def test_an_unknown_design_is_reported_with_the_nearest() -> None:
     with pytest.raises(InputError, match="design:golden-section"):
         resolve_candidate("design:golden-sectoin")
 

@@ -70,7 +70,7 @@ def test_the_one_that_survives_a_reset_differs_in_its_second_run_alone() -> None
 
 
 @pytest.mark.parametrize("mutation", MUTATIONS.values(), ids=MUTATIONS)
-def test_each_is_told_in_a_sentence_and_names_a_check_of_candidates(mutation: Mutation) -> None:
+def test_each_is_reported_in_a_sentence_and_names_a_check_of_candidates(mutation: Mutation) -> None:
     assert mutation.sentence[0].isupper()
     assert mutation.sentence.endswith(".")
     assert mutation.check in KNOWN, f"there is no check '{mutation.check}'"

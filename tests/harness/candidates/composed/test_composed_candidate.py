@@ -114,7 +114,7 @@ def test_a_regulator_without_an_integral_runs_with_the_guarded_search(manifest):
 
 
 @pytest.mark.parametrize(
-    ("answer", "kind", "told"),
+    ("answer", "kind", "reason"),
     [
         ("None", "invalid output", "speed_regulator.step is of type NoneType, but must be a current in A"),
         ("True", "invalid output", "of type bool"),
@@ -122,19 +122,19 @@ def test_a_regulator_without_an_integral_runs_with_the_guarded_search(manifest):
         ("1 / 0", "exception", "ZeroDivisionError"),
     ],
 )
-def test_what_a_block_does_wrong_is_a_fault_of_the_candidate(manifest, answer, kind, told):
+def test_what_a_block_does_wrong_is_a_fault_of_the_candidate(manifest, answer, kind, reason):
     file = manifest({"speed_regulator": "mine.py:Regulator"}, REGULATOR.format(answer=answer))
     controller = load_controller(resolve_candidate(str(file)))
     with pytest.raises(CandidateFault) as ended:
         run_scenario(SCENARIOS["rising"], controller)
     fault = ended.value.fault
     assert (fault.kind, fault.phase) == (kind, "step")
-    assert told in fault.message
+    assert reason in fault.message
     assert fault.sense["speed"] > 0.0
 
 
 @pytest.mark.parametrize(
-    ("blocks", "source", "told"),
+    ("blocks", "source", "reason"),
     [
         ({"search": "mine.py:Serch"}, "class Search: pass", "the nearest name there is 'Search'"),
         ({"search": "mine.py:search"}, "def search(): pass", "must be a class with reset"),
@@ -155,16 +155,16 @@ def test_what_a_block_does_wrong_is_a_fault_of_the_candidate(manifest, answer, k
         ({"angle_model": "mine.py:angle"}, "def angle(speed, nameplate:", "line 1"),
     ],
 )
-def test_a_block_that_cannot_be_used_is_refused_in_one_sentence(manifest, blocks, source, told):
+def test_a_block_that_cannot_be_used_is_refused_in_one_sentence(manifest, blocks, source, reason):
     candidate = resolve_candidate(str(manifest(blocks, source)))
     with pytest.raises(InputError) as refused:
         load_controller(candidate)
-    assert told in str(refused.value)
+    assert reason in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize(
-    ("blocks", "keys", "told"),
+    ("blocks", "keys", "reason"),
     [
         ({}, {}, "must replace a block"),
         ({"serch": "mine.py:Search"}, {}, "'search'"),
@@ -175,11 +175,11 @@ def test_a_block_that_cannot_be_used_is_refused_in_one_sentence(manifest, blocks
         ({"search": "mine.py:Search"}, {"kind": "python"}, "is for the kind 'compose'"),
     ],
 )
-def test_a_manifest_that_composes_nothing_is_refused(manifest, blocks, keys, told):
+def test_a_manifest_that_composes_nothing_is_refused(manifest, blocks, keys, reason):
     file = manifest(blocks, **keys)
     with pytest.raises(InputError) as refused:
         resolve_candidate(str(file))
-    assert told in str(refused.value)
+    assert reason in str(refused.value)
 
 
 def test_the_kind_needs_its_table(tmp_path):

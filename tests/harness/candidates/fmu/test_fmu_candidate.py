@@ -1,4 +1,4 @@
-"""FMUs as candidates: real ones, built from C, answer like the C they are built from; all others are told about."""
+"""FMUs as candidates: real ones, built from C, answer like the C they are built from; all others are reported."""
 
 import gc
 import importlib.util
@@ -43,7 +43,7 @@ SENSE = Sense(0.0, 157.0, 156.5, (1.0, 2.0, -3.0, 0.5, 0.0), 6.5, 47.9)
 VERSIONS = (2, 3)
 DESCRIPTION = "modelDescription.xml"
 
-# It counts its steps, tells what it was told, and does something particular in the fifth.
+# It counts its steps, reports what it sensed, and does something particular in the fifth.
 SOURCE = """
 #include <math.h>
 #include <stdlib.h>
@@ -68,15 +68,15 @@ void drivegate_step(void *state, const drivegate_sense *sense, drivegate_command
     {step}
 }}
 """
-TOLD = """
-    double told[] = {sense->time, sense->speed_reference, sense->speed, sense->current_magnitude_sum,
+SENSED = """
+    double sensed[] = {sense->time, sense->speed_reference, sense->speed, sense->current_magnitude_sum,
         sense->half_supply_voltage, (double)sense->phase_count, sense->phase_currents[0], sense->phase_currents[1],
         sense->phase_currents[2], sense->phase_currents[3], sense->phase_currents[4],
         (double)self->plate.phases, (double)self->plate.pole_pairs, self->plate.half_supply_voltage,
         self->plate.base_speed, self->plate.rated_power, self->plate.current_limit, self->plate.control_period,
         self->plate.hysteresis_band, self->plate.resistance, self->plate.inductance, self->plate.emf_constant,
         self->plate.inertia};
-    command->current_reference = told[(int)self->count - 1];
+    command->current_reference = sensed[(int)self->count - 1];
 """
 
 
@@ -180,15 +180,15 @@ def test_the_example_as_an_fmu_gives_the_trace_of_the_same_source_bit_for_bit(ve
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_inputs_and_parameters_arrive_and_the_answer_is_of_the_same_period(version, workshop):
-    controller = controller_of(workshop(version, power=True, step=TOLD))
+    controller = controller_of(workshop(version, power=True, step=SENSED))
     controller.reset(NAMEPLATE)
-    told = [
+    sensed = [
         *(SENSE.time, SENSE.speed_reference, SENSE.speed, SENSE.current_magnitude_sum),
         *(SENSE.half_supply_voltage, 5.0, *SENSE.phase_currents, *NAMEPLATE),
     ]
-    times = [k * NAMEPLATE.control_period for k in range(len(told))]
+    times = [k * NAMEPLATE.control_period for k in range(len(sensed))]
     commands = stepped(controller, times)
-    assert [command.current_reference for command in commands] == told
+    assert [command.current_reference for command in commands] == sensed
     assert [command.input_power for command in commands] == times, "outputs are those of the step just done"
 
 
@@ -240,7 +240,7 @@ def test_an_fmu_runs_in_a_worker_and_is_unpacked_once(version, workshop):
 
 
 def test_a_time_input_is_set(workshop, altered):
-    fmu = altered(workshop(2, step=TOLD), ('name="phase_currents[5]"', 'name="time"'))
+    fmu = altered(workshop(2, step=SENSED), ('name="phase_currents[5]"', 'name="time"'))
     with pytest.raises(InputError, match="takes 4 phase currents, but the motor has 5 phases"):
         controller_of(fmu).reset(NAMEPLATE)
     controller = controller_of(fmu)
@@ -342,14 +342,14 @@ def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(fault, versio
     statement, kind, message = FAULTS[fault]
     candidate = resolve_candidate(str(workshop(version, fifth=statement)))
     with CandidateWorker(candidate, load_controller, limits=QUICK) as worker:
-        told = worker.run(Job(worker_jobs.drive, 7))
-        assert (told.kind, told.phase, told.step) == (kind, "step", 4)
-        assert message in told.message
+        fault = worker.run(Job(worker_jobs.drive, 7))
+        assert (fault.kind, fault.phase, fault.step) == (kind, "step", 4)
+        assert message in fault.message
         assert worker.run(Job(worker_jobs.drive, 3)) == 6.0
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_a_status_of_failure_is_told_with_what_the_fmu_logged(version, workshop, altered):
+def test_a_status_of_failure_is_reported_with_what_the_fmu_logged(version, workshop, altered):
     import worker_jobs
 
     fmu = altered(workshop(version), ('name="control_period"', 'name="sample_time"'))
@@ -365,7 +365,7 @@ def test_a_status_of_failure_is_told_with_what_the_fmu_logged(version, workshop,
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_a_controller_that_refuses_its_reset_is_told_in_the_first_step(version, workshop):
+def test_a_controller_that_refuses_its_reset_is_reported_in_the_first_step(version, workshop):
     import worker_jobs
 
     with CandidateWorker(
@@ -415,7 +415,7 @@ def test_an_fmu_that_asks_to_end_the_simulation_has_failed(workshop):
         return 0
 
     controller._fmu._do_step = ending
-    with pytest.raises(FmuError, match="fmi3DoStep asked to end the simulation"):
+    with pytest.raises(FmuError, match="fmi3DoStep requested the end of the simulation"):
         stepped(controller, [0.0])
 
 
@@ -439,14 +439,14 @@ UNUSABLE = {
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("case", UNUSABLE)
-def test_variables_that_do_not_fit_are_all_told(case, version, workshop, altered):
-    replacements, told = UNUSABLE[case]
+def test_variables_that_do_not_fit_are_all_reported(case, version, workshop, altered):
+    replacements, reason = UNUSABLE[case]
     sentence = refusal_of(altered(workshop(version), *replacements))
-    assert told in sentence
+    assert reason in sentence
     assert "a controller has the" in sentence
 
 
-def test_ill_typed_variables_are_all_told(workshop, altered):
+def test_ill_typed_variables_are_all_reported(workshop, altered):
     text = '<ScalarVariable name="speed" valueReference="2" causality="input" variability="discrete">\n      <Real'
     parameter = 'name="inertia" valueReference="40" causality="parameter" variability="fixed">\n      <Real'
     sentence = refusal_of(
@@ -460,12 +460,12 @@ def test_ill_typed_variables_are_all_told(workshop, altered):
             ),
         )
     )
-    for told in (
+    for reason in (
         "'speed' is of the type Integer, but must be Real",
         "'inertia' is of the type Boolean, but must be Real",
         "'current_reference' is of the causality local, but must be an output",
     ):
-        assert told in sentence
+        assert reason in sentence
 
 
 def test_arrays_are_only_for_the_phase_currents(workshop, altered):
@@ -479,7 +479,7 @@ def test_arrays_are_only_for_the_phase_currents(workshop, altered):
     assert "'speed' is an array, but must be a single value" in sentence
 
 
-def test_a_gap_among_the_phase_currents_is_told(workshop, altered):
+def test_a_gap_among_the_phase_currents_is_reported(workshop, altered):
     sentence = refusal_of(altered(workshop(2), ('name="phase_currents[2]"', 'name="phase_currents[6]"')))
     assert "there is no input 'phase_currents[2]'" in sentence
 
@@ -537,8 +537,8 @@ REFUSED = {
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_an_fmu_that_is_not_for_this_is_refused(case, workshop, altered):
-    version, replacement, told = REFUSED[case]
-    assert told in refusal_of(altered(workshop(version), replacement))
+    version, replacement, reason = REFUSED[case]
+    assert reason in refusal_of(altered(workshop(version), replacement))
 
 
 def test_a_rule_of_fmi_that_does_not_matter_here_may_be_broken(workshop, altered):

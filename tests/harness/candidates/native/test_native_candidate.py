@@ -138,7 +138,9 @@ def test_a_manifest_for_a_library(folder, written, controller_source):
         (['sources = ["absent.c"]'], "mine.c", "absent.c does not exist"),
     ],
 )
-def test_a_manifest_that_cannot_be_built_is_told(folder, lines, entry, sentence, written, controller_source):
+def test_a_manifest_that_cannot_be_built_is_reported(
+    folder, lines, entry, sentence, written, controller_source
+):
     written(folder, controller_source())
     written(folder, "", "mine.txt")
     assert sentence in refusal(manifest(folder, *lines, entry=entry))
@@ -158,17 +160,17 @@ def test_a_manifest_that_cannot_be_built_is_told(folder, lines, entry, sentence,
         ),
     ],
 )
-def test_what_does_not_compile_or_link_is_told_with_its_place(folder, source, sentence, written):
+def test_what_does_not_compile_or_link_is_reported_with_its_place(folder, source, sentence, written):
     written(folder, source)
     with pytest.raises(InputError) as caught:
         load_controller(resolve_candidate("mine.c"))
-    told = str(caught.value)
-    assert sentence in told
-    assert told.isprintable()
-    assert len(told) < 700
+    message = str(caught.value)
+    assert sentence in message
+    assert message.isprintable()
+    assert len(message) < 700
 
 
-def test_a_function_that_is_nowhere_is_told(folder, written, controller_source):
+def test_a_function_that_is_nowhere_is_reported(folder, written, controller_source):
     written(folder, controller_source(top="void nowhere(void);\n", fifth_step="nowhere();"))
     with pytest.raises(InputError, match=r"mine\.c cannot be loaded: undefined symbol: nowhere; link all"):
         load_controller(resolve_candidate("mine.c"))
@@ -189,7 +191,7 @@ def test_a_very_long_message_is_cut(folder, written):
     assert len(refusal("mine.c")) < 1000
 
 
-def test_warnings_are_told_once_when_it_compiles(folder, caplog, written, controller_source):
+def test_warnings_are_reported_once_when_it_compiles(folder, caplog, written, controller_source):
     written(folder, controller_source(fifth_step="int unused; int other;"))
     with caplog.at_level(logging.WARNING, logger="drivegate"):
         resolve_candidate("mine.c")
@@ -201,23 +203,23 @@ def test_warnings_are_told_once_when_it_compiles(folder, caplog, written, contro
     assert "(and 1 more warning)" in message
 
 
-def test_a_controller_that_warns_of_nothing_is_told_nothing_of(folder, caplog, written, controller_source):
+def test_a_controller_that_warns_of_nothing_is_not_reported(folder, caplog, written, controller_source):
     written(folder, controller_source())
     resolve_candidate("mine.c")
     assert caplog.records == []
 
 
 @pytest.mark.parametrize(
-    ("source", "bounds", "told"),
+    ("source", "bounds", "reason"),
     [
         ('#include "/dev/zero"\n', Bounds(20.0, memory_bytes=2**28), "out of memory"),
         ('#include "mine.c"\n#include "mine.c"\n', Bounds(0.5), "did not come to an end"),
         ("char x[1L << 40] = {1};\n", Bounds(20.0, file_bytes=2**20), "File size limit exceeded"),
     ],
 )
-def test_a_hostile_source_cannot_hold_up_or_fill_the_machine(folder, source, bounds, told, written):
+def test_a_hostile_source_cannot_hold_up_or_fill_the_machine(folder, source, bounds, reason, written):
     written(folder, source)
-    with pytest.raises(InputError, match=told) as caught:
+    with pytest.raises(InputError, match=reason) as caught:
         built_library(Compilation(folder, ("mine.c",), bounds=bounds))
     assert bounds.in_words() in str(caught.value)
 
@@ -247,7 +249,7 @@ def test_without_a_compiler_it_is_said_what_to_install(folder, monkeypatch, writ
         ("'cc", "CC is ''cc', which is no command line"),
     ],
 )
-def test_a_compiler_that_is_not_there_is_told(
+def test_a_compiler_that_is_not_there_is_reported(
     folder, monkeypatch, chosen, sentence, written, controller_source
 ):
     written(folder, controller_source())
@@ -267,7 +269,7 @@ def test_a_source_may_have_any_name(folder, name, written, controller_source):
     assert [file.name for file in resolve_candidate(f"./{name}").sources] == [name]
 
 
-def test_a_folder_that_cannot_be_written_is_told(folder, monkeypatch, written, controller_source):
+def test_a_folder_that_cannot_be_written_is_reported(folder, monkeypatch, written, controller_source):
     written(folder, controller_source())
     monkeypatch.setattr("drivegate_models.compilation.kernels.choose_cache_folder", lambda: None)
     assert "name one in the environment variable DRIVEGATE_CACHE" in refusal("mine.c")

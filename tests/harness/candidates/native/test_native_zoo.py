@@ -77,7 +77,7 @@ def test_a_controller_without_fault_runs_to_the_end(ended):
         (FILL, FaultKind.CRASH, "SIGSEGV"),
     ],
 )
-def test_a_fault_of_the_process_is_told_with_its_step(ended, statement, kind, message):
+def test_a_fault_of_the_process_is_reported_with_its_step(ended, statement, kind, message):
     fault = ended(fifth_step=statement)
     assert (fault.kind, fault.phase) == (kind, "step"), fault
     assert message in fault.message
@@ -96,7 +96,7 @@ def test_a_fault_of_the_process_is_told_with_its_step(ended, statement, kind, me
         (SPIN, FaultKind.HANG, "in reset"),
     ],
 )
-def test_a_fault_in_reset_is_told(ended, statement, kind, message):
+def test_a_fault_in_reset_is_reported(ended, statement, kind, message):
     fault = ended(reset=statement)
     assert (fault.kind, fault.phase) == (kind, "reset"), fault
     assert message in fault.message
@@ -113,7 +113,7 @@ def test_a_fault_in_reset_is_told(ended, statement, kind, message):
         ("memset(command, 0xff, sizeof *command);", "the command's struct_size was overwritten"),
     ],
 )
-def test_an_invalid_command_is_told_with_its_inputs(ended, statement, message):
+def test_an_invalid_command_is_reported_with_its_inputs(ended, statement, message):
     fault = ended(fifth_step=statement)
     assert (fault.kind, fault.phase, fault.step) == (FaultKind.INVALID_OUTPUT, "step", 4), fault
     assert message in fault.message
@@ -135,7 +135,7 @@ def test_another_size_of_the_command_changes_nothing(ended, size):
         ({"size": f"int64_t drivegate_state_size(void) {{ {SPIN} return 8; }}\n"}, "processor time"),
     ],
 )
-def test_a_fault_while_loading_is_told(ended, parts, message):
+def test_a_fault_while_loading_is_reported(ended, parts, message):
     fault = ended(**parts)
     assert fault.phase == "loading", fault
     assert message in fault.message

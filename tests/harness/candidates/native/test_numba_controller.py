@@ -1,4 +1,4 @@
-"""A controller that numba compiles: what an author may write, and what is told when it is wrong."""
+"""A controller that numba compiles: what an author may write, and what is reported when it is wrong."""
 
 import subprocess
 import sys
@@ -72,9 +72,9 @@ def reset_callback(state, nameplate):
 
 @numba.cfunc(STEP_TYPE)
 def step_callback(state, sense, command):
-    told = carray(sense, 1)[0]
+    sensed = carray(sense, 1)[0]
     carray(command, 1)[0].current_reference = (
-        carray(state, 1)[0].limit if told.speed < told.speed_reference else 0.0
+        carray(state, 1)[0].limit if sensed.speed < sensed.speed_reference else 0.0
     )
     carray(command, 1)[0].advance_angle = 0.0
 
@@ -107,7 +107,7 @@ def test_a_phase_current_is_read_through_the_sense(scenario):
     assert run.last_command[0]["input_power"] == pytest.approx(float(run.last_currents.sum()))
 
 
-def test_an_exception_in_step_is_told_with_its_inputs(scenario):
+def test_an_exception_in_step_is_reported_with_its_inputs(scenario):
     with pytest.raises(CandidateFault) as caught:
         run_scenario(scenario, loaded(step=raising_step))
     fault = caught.value.fault
@@ -117,7 +117,7 @@ def test_an_exception_in_step_is_told_with_its_inputs(scenario):
     assert "raising_step" in fault.traceback
 
 
-def test_an_exception_in_reset_is_told(scenario):
+def test_an_exception_in_reset_is_reported(scenario):
     with pytest.raises(CandidateFault) as caught:
         run_scenario(scenario, loaded(reset=raising_reset))
     fault = caught.value.fault
@@ -180,13 +180,13 @@ def two_arguments(sense, command):
         ({"state": -1, "step": step_callback, "reset": reset_callback}, "the size of the state is -1, but"),
     ],
 )
-def test_what_is_wrong_is_told_in_one_sentence(parts, sentence):
+def test_what_is_wrong_is_reported_in_one_sentence(parts, sentence):
     with pytest.raises(InputError) as caught:
         loaded(**parts)
-    told = str(caught.value)
-    assert sentence in told
-    assert told.isprintable()
-    assert len(told) < 700
+    message = str(caught.value)
+    assert sentence in message
+    assert message.isprintable()
+    assert len(message) < 700
 
 
 FILE = """

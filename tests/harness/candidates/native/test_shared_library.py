@@ -26,7 +26,7 @@ def with_byte(library, place, value):
 
 
 @pytest.mark.parametrize(
-    ("place", "value", "told"),
+    ("place", "value", "reason"),
     [
         (MACHINE, 8, "is compiled for machine 8, but this machine is"),
         (MACHINE, 22, "is compiled for s390x, but this machine is"),
@@ -36,9 +36,9 @@ def with_byte(library, place, value):
         (0, 0, "is no shared library"),
     ],
 )
-def test_another_machine_is_named(library, place, value, told):
+def test_another_machine_is_named(library, place, value, reason):
     with_byte(library, place, value)
-    with pytest.raises(InputError, match=told) as caught:
+    with pytest.raises(InputError, match=reason) as caught:
         resolve_candidate(str(library))
     assert "compile it on this machine with cc -shared -fPIC" in str(caught.value)
 

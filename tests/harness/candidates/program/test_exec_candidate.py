@@ -104,7 +104,7 @@ def test_a_manifest_says_what_a_program_is_made_of(folder):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reason"),
     [
         ("exec:", "names no program; write exec:python3 controller.py"),
         ("exec:''", "names no program"),
@@ -116,13 +116,13 @@ def test_a_manifest_says_what_a_program_is_made_of(folder):
         ("exec:./beside.sh", "which is not executable; set its permission with chmod"),
     ],
 )
-def test_a_program_that_cannot_be_is_refused_in_one_sentence(folder, text, told):
+def test_a_program_that_cannot_be_is_refused_in_one_sentence(folder, text, reason):
     written(folder / "beside.sh", SHELL)
-    if os.geteuid() == 0 and "not executable" in told:
+    if os.geteuid() == 0 and "not executable" in reason:
         assert not os.access(folder / "beside.sh", os.X_OK)
     with pytest.raises(InputError) as refused:
         resolve_candidate(text)
-    assert told in str(refused.value)
+    assert reason in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
@@ -147,9 +147,9 @@ def test_a_deadline_is_for_programs_only(folder):
 
 
 def test_numbers_cross_without_rounding():
-    told = json.loads(sense_message(SENSE))["sense"]
-    assert Sense(**{**told, "phase_currents": tuple(told["phase_currents"])}) == SENSE
-    assert math.copysign(1.0, told["phase_currents"][1]) == -1.0
+    sensed = json.loads(sense_message(SENSE))["sense"]
+    assert Sense(**{**sensed, "phase_currents": tuple(sensed["phase_currents"])}) == SENSE
+    assert math.copysign(1.0, sensed["phase_currents"][1]) == -1.0
     assert Nameplate(**json.loads(reset_message(NAMEPLATE))["reset"]) == NAMEPLATE
     answer = {"current_reference": SENSE.speed, "advance_angle": 5e-324, "input_power": 1 / 3}
     assert command_of(json.dumps(answer).encode()) == Command(SENSE.speed, 5e-324, 1 / 3)
@@ -204,7 +204,7 @@ def test_a_program_sees_no_descriptor_but_its_own(folder):
     with Path(os.devnull).open() as secret:
         os.set_inheritable(secret.fileno(), True)
         process = ProgramProcess(program, folder)
-        seen = json.loads(process.ask(HELLO, 30.0))["name"].split()
+        seen = json.loads(process.request(HELLO, 30.0))["name"].split()
         process.end()
     # The fourth is the folder that is being listed.
     assert seen == ["0", "1", "2", "3"], "a descriptor of the harness reached the program"

@@ -1,4 +1,4 @@
-"""A Python controller behind its C function: what it is told, what it may answer, how each fault is told."""
+"""A Python controller behind its C function: what it senses, what it may answer, how each fault is reported."""
 
 import ctypes
 import fractions
@@ -41,23 +41,23 @@ def raising(error):
     return step
 
 
-def test_the_controller_is_told_the_sense_as_it_is():
-    told = []
-    stepped(controller_of(lambda sense: told.append(sense) or Command(1.0, 0.5)))
-    assert told == [SENSE]
-    assert isinstance(told[0], Sense)
-    assert isinstance(told[0].phase_currents, tuple)
+def test_the_controller_receives_the_sense_as_it_is():
+    sensed = []
+    stepped(controller_of(lambda sense: sensed.append(sense) or Command(1.0, 0.5)))
+    assert sensed == [SENSE]
+    assert isinstance(sensed[0], Sense)
+    assert isinstance(sensed[0].phase_currents, tuple)
 
 
 def test_the_controller_follows_records_that_move_and_change_their_size():
-    told = []
-    controller = controller_of(lambda sense: told.append(sense) or Command(1.0, 0.5))
+    sensed = []
+    controller = controller_of(lambda sense: sensed.append(sense) or Command(1.0, 0.5))
     senses = [
         SENSE._replace(time=float(phases), phase_currents=(1.5,) * phases) for phases in (5, 3, 5, 0, 9)
     ]
     for sense in senses:
         stepped(controller, sense)
-    assert told == senses
+    assert sensed == senses
 
 
 @pytest.mark.parametrize(
@@ -98,7 +98,7 @@ def test_the_command_reaches_the_record(command, expected):
         (Command(10**400, 0.5), "current_reference is an integer too large for a 64-bit float"),
     ],
 )
-def test_an_invalid_output_stops_the_loop_and_is_told(answer, message):
+def test_an_invalid_output_stops_the_loop_and_is_reported(answer, message):
     controller = controller_of(lambda sense: answer)
     record = stepped(controller)
     assert record["struct_size"] == STOP
@@ -112,7 +112,7 @@ def test_an_invalid_output_stops_the_loop_and_is_told(answer, message):
     [ValueError("wrong gain"), SystemExit(3), KeyboardInterrupt(), GeneratorExit(), RecursionError("deep")],
     ids=lambda error: type(error).__name__,
 )
-def test_an_exception_in_step_stops_the_loop_and_is_told(error):
+def test_an_exception_in_step_stops_the_loop_and_is_reported(error):
     controller = controller_of(raising(error))
     record = stepped(controller)
     fault = controller.fault
@@ -142,7 +142,7 @@ def test_an_endless_recursion_is_an_exception():
     assert controller.fault.error == "RecursionError"
 
 
-def test_an_exception_that_cannot_be_printed_is_still_told():
+def test_an_exception_that_cannot_be_printed_is_still_reported():
     class Unprintable(Exception):
         def __str__(self):
             raise RuntimeError("no text")
@@ -152,7 +152,7 @@ def test_an_exception_that_cannot_be_printed_is_still_told():
     assert controller.fault.message == "Unprintable: (its text cannot be had: RuntimeError)"
 
 
-def test_what_is_told_is_bounded_and_printable():
+def test_what_is_reported_is_bounded_and_printable():
     controller = controller_of(raising(ValueError("\x1b[31m" + "line\n\ud800\t" * 100_000)))
     stepped(controller)
     fault = controller.fault
@@ -163,7 +163,7 @@ def test_what_is_told_is_bounded_and_printable():
     assert all(line.isprintable() for line in fault.traceback.split("\n"))
 
 
-def test_memory_addresses_are_left_out_of_what_is_told():
+def test_memory_addresses_are_left_out_of_what_is_reported():
     messages = set()
     for thing in (object(), object()):
         controller = controller_of(raising(ValueError(f"{thing!r} is wrong")))
@@ -184,7 +184,7 @@ def test_reset_passes_the_nameplate_and_takes_over_a_new_step():
     assert stepped(controller)["current_reference"] == NAMEPLATE.current_limit
 
 
-def test_an_exception_in_reset_is_told():
+def test_an_exception_in_reset_is_reported():
     controller = controller_of(lambda sense: Command(1.0, 0.0), raising(ZeroDivisionError("no gain")))
     with pytest.raises(CandidateFault) as caught:
         controller.reset(NAMEPLATE)

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from drivegate.studies.bench import loop_rates, process_times
-from drivegate.studies.bench.measurement import Checked, NotMeasured, Value
+from drivegate.studies.bench.measurement import Correctness, NotMeasured, Value
 from drivegate.studies.bench.plan import Planned
 from drivegate.studies.bench.process_times import gate_time, start_time
 from drivegate.studies.bench.record import BenchDocument, bench_document, compared_with
@@ -51,16 +51,16 @@ def test_it_measures_keeps_and_compares(bench, short, tmp_path):
 
 def test_a_wrong_result_is_exit_code_1(bench, short, monkeypatch):
     monkeypatch.setattr(loop_rates, "ENERGY_TOLERANCE", -1.0)
-    told = bench("--quick", "--only", NAME, "--json")
-    assert told.code == 1
-    assert told.document["valid"] is False
-    assert told.row(NAME)["valid"] is False
+    ended = bench("--quick", "--only", NAME, "--json")
+    assert ended.code == 1
+    assert ended.document["valid"] is False
+    assert ended.row(NAME)["valid"] is False
     shown = bench("--quick", "--only", NAME)
     assert shown.code == 1
     assert f"wrong results, so that their times say nothing: {NAME}" in shown.out
 
 
-def test_a_missing_compiler_is_told_and_fails_nothing(bench, monkeypatch):
+def test_a_missing_compiler_is_reported_and_fails_nothing(bench, monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     ended = bench("--quick", "--only", "loop.c.1500.ideal", "--json")
     assert ended.code == 0
@@ -86,11 +86,11 @@ def test_bad_input_is_refused_in_one_sentence(bench, tmp_path, words, sentence):
     (tmp_path / "other.json").write_text(json.dumps({"schema": 1, "kind": "check"}))
     (tmp_path / "broken.json").write_text('{"schema": 1,')
     before = sorted(tmp_path.iterdir())
-    told, data = bench(*words), bench(*words, "--json")
-    assert told.code == data.code == 2, told.err
-    assert told.out == ""
-    lines = told.err.strip().splitlines()
-    assert len(lines) == 1, told.err
+    text, data = bench(*words), bench(*words, "--json")
+    assert text.code == data.code == 2, text.err
+    assert text.out == ""
+    lines = text.err.strip().splitlines()
+    assert len(lines) == 1, text.err
     assert sentence in lines[0]
     assert data.document["error"]["message"] == lines[0].removeprefix("error: ")
     assert sorted(tmp_path.iterdir()) == before
@@ -112,7 +112,7 @@ def row(name, value, better="more", setting="4 s", valid=True):
     def measure(_bench):
         if value is None:
             raise NotMeasured("no tool")
-        return Value(value, value, 3, Checked(valid, "told"))
+        return Value(value, value, 3, Correctness(valid, "measured"))
 
     return Planned(name, "title", setting, "unit", better, None, measure).row(None)
 
@@ -121,9 +121,11 @@ def test_only_a_wrong_result_makes_a_document_invalid():
     wrong, right, missing = row("wrong", 1.0, valid=False), row("right", 1.0), row("missing", None)
     assert not document(right, wrong)["valid"]
     assert document(right, missing)["valid"]
-    told = document(missing)["rows"][0]
-    assert told | {"value": None, "median": None, "rounds": 0, "valid": None, "check": "no tool"} == told
-    assert not {"earlier", "times_as_good"} & set(told), "it was compared with nothing"
+    written = document(missing)["rows"][0]
+    assert (
+        written | {"value": None, "median": None, "rounds": 0, "valid": None, "check": "no tool"} == written
+    )
+    assert not {"earlier", "times_as_good"} & set(written), "it was compared with nothing"
 
 
 def test_only_the_same_work_is_compared_and_above_one_is_better(tmp_path):
@@ -139,7 +141,7 @@ def test_only_the_same_work_is_compared_and_above_one_is_better(tmp_path):
     earlier = parse_document(document(*(one[0] for one in names.values())), BenchDocument, "earlier")
     compared = compared_with(document(*(one[1] for one in names.values())), earlier, tmp_path / "old.json")
     found = {one["name"]: one["times_as_good"] for one in compared["rows"]}
-    assert found == {name: wanted for name, (_, _, wanted) in names.items()}
+    assert found == {name: expected for name, (_, _, expected) in names.items()}
     assert compared["compared"]["rows"] == 2
     elsewhere = compared_with(
         document() | {"machine": {"processor": "another"}}, earlier, tmp_path / "old.json"
@@ -158,9 +160,9 @@ def test_a_gate_is_right_only_with_its_verdict(workbench, monkeypatch):
         monkeypatch.setattr(process_times, "_ended", run)
 
     ended(0, "pass")
-    assert gate_time(workbench, "quick", cold=False).checked.valid
+    assert gate_time(workbench, "quick", cold=False).correctness.valid
     ended(1, "fail")
-    assert not gate_time(workbench, "quick", cold=False).checked.valid
+    assert not gate_time(workbench, "quick", cold=False).correctness.valid
     assert seen[0][0][2:4] == ("check", "reference")
     monkeypatch.setenv("NUMBA_CACHE_DIR", "/nowhere")
     ended(0, "pass")
@@ -171,6 +173,6 @@ def test_a_gate_is_right_only_with_its_verdict(workbench, monkeypatch):
 
 
 def test_a_start_is_right_only_with_its_answer(workbench):
-    assert start_time(workbench, ("-c", "print('here')"), "here").checked.valid
-    assert not start_time(workbench, ("-c", "print('gone')"), "here").checked.valid
-    assert not start_time(workbench, ("-c", "print('here'); raise SystemExit(1)"), "here").checked.valid
+    assert start_time(workbench, ("-c", "print('here')"), "here").correctness.valid
+    assert not start_time(workbench, ("-c", "print('gone')"), "here").correctness.valid
+    assert not start_time(workbench, ("-c", "print('here'); raise SystemExit(1)"), "here").correctness.valid

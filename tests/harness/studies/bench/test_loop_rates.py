@@ -1,4 +1,4 @@
-"""A rate is told with a check of the run that was timed."""
+"""A rate is reported with a check of the run that was timed."""
 
 import os
 
@@ -31,14 +31,14 @@ def run():
 def test_speed_and_energy_decide_whether_a_run_is_right(run, monkeypatch, entry, factor, valid):
     changed = run.observed._replace(**{entry: getattr(run.observed, entry) * factor})
     monkeypatch.setitem(run.__dict__, "observed", changed)
-    assert loop_rates.checked_run(operating_scenario(1500, "ideal", 1.0), run).valid is valid
+    assert loop_rates.run_correctness(operating_scenario(1500, "ideal", 1.0), run).valid is valid
 
 
 @pytest.mark.parametrize("candidate", loop_rates.CANDIDATES)
 def test_every_kind_of_candidate_is_measured(workbench, monkeypatch, candidate):
     monkeypatch.setitem(loop_rates.SIMULATED, candidate, 1.0)
     value = loop_rates.loop_rate(workbench, candidate, 1500, "mcs96")
-    assert value.checked.valid, value.checked.told
+    assert value.correctness.valid, value.correctness.measured
     assert value.value >= value.median > 0.0
 
 
@@ -56,18 +56,18 @@ def test_loops_are_measured_on_one_processor_which_they_give_back(workbench, mon
     assert os.sched_getaffinity(0) == allowed
 
 
-def test_the_overhead_of_python_is_told_beside_the_candidates_own_time(workbench, monkeypatch):
+def test_the_overhead_of_python_is_reported_beside_the_candidates_own_time(workbench, monkeypatch):
     monkeypatch.setattr(python_overhead, "SIMULATED", 1.0)
     value = python_overhead.python_overhead(workbench)
-    assert value.checked.valid, value.checked.told
+    assert value.correctness.valid, value.correctness.measured
     assert 0.0 < value.value < 100.0
-    assert value.checked.told.endswith("commands those of its twin in numba")
+    assert value.correctness.measured.endswith("commands those of its twin in numba")
 
 
 def test_an_overhead_against_a_loop_of_another_course_is_no_measure(workbench, monkeypatch):
     monkeypatch.setattr(python_overhead, "SIMULATED", 3.0)
     monkeypatch.setattr(python_overhead, "TWIN", "reference")
-    assert not python_overhead.python_overhead(workbench).checked.valid
+    assert not python_overhead.python_overhead(workbench).correctness.valid
 
 
 def test_a_kind_whose_compiler_is_missing_says_so(workbench, monkeypatch):
@@ -78,14 +78,14 @@ def test_a_kind_whose_compiler_is_missing_says_so(workbench, monkeypatch):
 
 @pytest.mark.parametrize("band", [0.25, 0.0])
 def test_steady_states_are_checked_by_their_power(workbench, monkeypatch, band):
-    assert point_rates.steady_rate(workbench, band).checked.valid
+    assert point_rates.steady_rate(workbench, band).correctness.valid
     monkeypatch.setattr(point_rates, "CLOSING", -1.0)
-    assert not point_rates.steady_rate(workbench, band).checked.valid
+    assert not point_rates.steady_rate(workbench, band).correctness.valid
 
 
 def test_the_oracle_is_checked_at_the_angle_that_it_found(workbench, monkeypatch):
-    assert point_rates.oracle_time(workbench, 1500.0, 9.8).checked.valid
-    found = point_rates.oracle_time(workbench, 1500.0, 9.8).checked.told
+    assert point_rates.oracle_time(workbench, 1500.0, 9.8).correctness.valid
+    found = point_rates.oracle_time(workbench, 1500.0, 9.8).correctness.measured
     assert "9.8000 N·m" in found
     from drivegate_models.half_bridge.steady import oracle
 
@@ -96,11 +96,11 @@ def test_the_oracle_is_checked_at_the_angle_that_it_found(workbench, monkeypatch
         return best._replace(current_sum=best.current_sum * 1.001)
 
     monkeypatch.setattr(oracle, "least_current_sum", wrong)
-    assert not point_rates.oracle_time(workbench, 1500.0, 9.8).checked.valid
+    assert not point_rates.oracle_time(workbench, 1500.0, 9.8).correctness.valid
 
 
 def test_memory_that_grows_is_wrong(workbench, monkeypatch):
-    assert run_memory.run_memory(workbench).checked.valid
+    assert run_memory.run_memory(workbench).correctness.valid
     real, kept = run_memory.run_scenario, []
 
     def keeping(scenario, controller):
@@ -108,4 +108,4 @@ def test_memory_that_grows_is_wrong(workbench, monkeypatch):
         return real(scenario, controller)
 
     monkeypatch.setattr(run_memory, "run_scenario", keeping)
-    assert not run_memory.run_memory(workbench).checked.valid
+    assert not run_memory.run_memory(workbench).correctness.valid

@@ -1,8 +1,8 @@
 """How times are taken and what becomes of them."""
 
-from drivegate.studies.bench.measurement import Checked, Value, duration, interleaved, rate, ratio, timed
+from drivegate.studies.bench.measurement import Correctness, Value, duration, interleaved, rate, ratio, timed
 
-RIGHT = Checked(True, "right")
+RIGHT = Correctness(True, "right")
 
 
 class Clock:
@@ -21,7 +21,7 @@ class Clock:
         return work
 
 
-def test_the_time_of_one_piece_of_work_is_told_whatever_it_takes():
+def test_the_time_of_one_piece_of_work_is_reported_whatever_its_length():
     for seconds in (1e-4, 3.0):
         clock = Clock()
         times = timed(clock.works(seconds), clock, 4)

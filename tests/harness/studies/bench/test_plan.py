@@ -34,7 +34,7 @@ def test_bars_are_those_of_the_design():
     assert bars["start.import"] == 0.15
 
 
-def test_the_cold_gate_is_measured_only_where_asked_for():
+def test_the_cold_gate_is_measured_only_where_requested():
     assert set(NAMES) - {one.name for one in planned(quick=False, cold=False)} == {"gate.cold"}
 
 

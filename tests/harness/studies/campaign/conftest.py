@@ -34,8 +34,8 @@ class Steady:
         self.heavy = nameplate.inertia > 0.055
 
     def step(self, sense):
-        asked = 12.0 if sense.speed < sense.speed_reference else 0.0
-        return Command(current_reference=asked, advance_angle=0.9)
+        current = 12.0 if sense.speed < sense.speed_reference else 0.0
+        return Command(current_reference=current, advance_angle=0.9)
 
 
 class Raising(Steady):
@@ -79,7 +79,7 @@ def folder(tmp_path: Path, short_case: str) -> Path:
 
 @pytest.fixture
 def write(folder: Path) -> Callable[..., Path]:
-    """Write a campaign's file: twelve drives of a built-in candidate, unless told otherwise."""
+    """Write a campaign's file: twelve drives of a built-in candidate, unless given otherwise."""
 
     def written(name: str = "campaign.json", **changes: object) -> Path:
         content = {
@@ -143,7 +143,7 @@ def run(
 
 @pytest.fixture
 def finish(run: Callable[..., Ended]) -> Callable[..., dict]:
-    """Run a campaign to its end, in this process unless more workers are asked for, and give its JSON."""
+    """Run a campaign to its end, in this process unless more workers are requested, and give its JSON."""
 
     def finished(file: Path, output: str, *words: object, workers: int = 1) -> dict:
         ended = run("campaign", file, "--output", output, "--workers", workers, *words, "--json")

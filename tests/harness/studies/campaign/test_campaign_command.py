@@ -154,7 +154,7 @@ def test_a_damaged_file_is_named(write, refused, finish, folder):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reason"),
     [
         (("--backend", "dask"), "needs --scheduler"),
         (("--scheduler", "tcp://127.0.0.1:1"), "goes with --backend dask only"),
@@ -163,5 +163,5 @@ def test_a_damaged_file_is_named(write, refused, finish, folder):
         (("--backend", "dusk"), "dusk"),
     ],
 )
-def test_options_that_do_not_go_together_are_refused(write, refused, words, told):
-    assert told in refused(write(), *words)
+def test_options_that_do_not_go_together_are_refused(write, refused, words, reason):
+    assert reason in refused(write(), *words)

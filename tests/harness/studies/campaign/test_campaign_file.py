@@ -10,7 +10,7 @@ UNIFORM = {"kind": "uniform", "lowest": 0.9, "highest": 1.1}
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reason"),
     [
         ({"candidate": ["reference"]}, "the nearest known key is 'candidates'"),
         ({"candidates": []}, "'candidates'"),
@@ -39,12 +39,12 @@ UNIFORM = {"kind": "uniform", "lowest": 0.9, "highest": 1.1}
         ({"schema": 2}, "newer than this drivegate reads"),
     ],
 )
-def test_what_is_wrong_is_told_in_one_sentence(write, changes, told):
+def test_what_is_wrong_is_reported_in_one_sentence(write, changes, reason):
     file = write(**changes)
     with pytest.raises(InputError) as refused:
         read_campaign(file)
     sentence = str(refused.value)
-    assert told in sentence
+    assert reason in sentence
     assert "\n" not in sentence
     assert "campaign.json" in sentence, "the sentence must name the file"
 

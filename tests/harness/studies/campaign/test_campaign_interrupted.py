@@ -48,7 +48,7 @@ def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(write, start, finish_
     assert again["timing"]["runs_made"] == 0
 
 
-def test_a_second_campaign_in_the_same_folder_is_told_who_writes(write, folder):
+def test_a_second_campaign_in_the_same_folder_is_refused_with_who_writes(write, folder):
     plan = planned(read_campaign(write()), folder)
     with CampaignFolder(folder / "out", plan):
         with pytest.raises(InputError) as refused, CampaignFolder(folder / "out", plan):

@@ -67,7 +67,7 @@ def test_parameters_change_the_case_and_leave_the_nameplate_or_not(plan):
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reason"),
     [
         ({"cases": ["fig5-serch"]}, "the nearest is 'fig5-search'"),
         ({"candidates": ["referense"]}, "the nearest known one is 'reference'"),
@@ -83,14 +83,14 @@ def test_parameters_change_the_case_and_leave_the_nameplate_or_not(plan):
         ),
     ],
 )
-def test_what_a_campaign_names_must_exist_and_fit(plan, folder, changes, told):
+def test_what_a_campaign_names_must_exist_and_fit(plan, folder, changes, reason):
     (folder / "fig5.json").write_text(
         (folder / "short.json").read_text(encoding="utf-8").replace('"short"', '"fig5-search"'),
         encoding="utf-8",
     )
     with pytest.raises(InputError) as refused:
         plan(**changes)
-    assert told in str(refused.value)
+    assert reason in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
@@ -115,7 +115,7 @@ def test_chunks_cover_every_run_once_and_never_mix_candidates(plan):
     ]  # fmt: skip
 
 
-def test_drawn_values_have_the_distribution_that_was_asked_for():
+def test_drawn_values_have_the_distribution_that_was_requested():
     shares = (np.arange(20_000) + 0.5) / 20_000
     normal = NormalSpread(kind="normal", mean=1.0, sigma=0.1, lowest=0.8, highest=1.2)
     values = np.array([drawn(normal, float(share)) for share in shares])

@@ -68,7 +68,7 @@ def test_points_held_come_before_watts():
     assert rows[1]["power_above_first_w"] == pytest.approx(-499.0), "only points that both hold are compared"
 
 
-def test_equals_are_told_apart_by_watts_and_share_a_place_within_a_thousandth():
+def test_equals_are_separated_by_watts_and_share_a_place_within_a_thousandth():
     rows = ranking_rows(
         [compared("worse"), compared("best"), compared("nearly")],
         points("worse", (103.0, 400.0, 800.0))

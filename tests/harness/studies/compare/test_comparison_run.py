@@ -33,7 +33,7 @@ def test_a_disturbance_that_is_never_felt_takes_no_time():
     assert figures == {"held_before": True, "worst_error_rpm": 0.0, "recovery_s": 0.0}
 
 
-def test_what_is_not_held_again_is_told():
+def test_what_is_not_held_again_is_reported():
     figures = recovery_figures(columns(lambda times: np.where(times < 10.0, 0.0, -200.0)), 10.0)
     assert figures["recovery_s"] is None
     lost = recovery_figures(columns(lambda times: np.full_like(times, -30.0)), 10.0)

@@ -1,4 +1,4 @@
-"""Two candidates step by step: the first difference, with what both were told and the plant's own state."""
+"""Two candidates step by step: the first difference, with what both sensed and the plant's own state."""
 
 import math
 
@@ -110,7 +110,7 @@ def test_a_candidate_that_fails_after_its_difference_still_shows_it(candidate):
 @pytest.mark.parametrize(
     ("name", "kind", "step"), [("Raising", "exception", 99), ("NotFinite", "invalid output", 10)]
 )
-def test_a_fault_of_either_is_told(candidate, name, kind, step):
+def test_a_fault_of_either_is_reported(candidate, name, kind, step):
     first = compare(candidate(name), candidate(name))
     assert (first.faulted, first.fault.kind, first.fault.step, first.steps) == (FIRST, kind, step, step)
     # Both answer alike before, except that NotFinite has an answer of its own.
@@ -119,7 +119,7 @@ def test_a_fault_of_either_is_told(candidate, name, kind, step):
     assert second.fault.sense is not None
 
 
-def test_a_second_candidate_that_is_refused_is_told_before_the_long_run(candidate):
+def test_a_second_candidate_that_is_refused_is_reported_before_the_long_run(candidate):
     long = SHORT.replaced(duration_s=8000.0)
     with pytest.raises(InputError, match="Missing"):
         compare(candidate("Steady"), candidate("Missing"), scenario=long)
@@ -145,9 +145,9 @@ def test_a_record_is_exact_and_the_plant_played_back_is_the_plant(tmp_path):
         plant = plant_at(path, scenario, step)
         assert plant.speed * (30.0 / math.pi) == columns["speed_rpm"][step], "played back otherwise"
         assert 0.0 <= plant.angle < 2.0 * math.pi
-    told = rows[1501]
-    assert plant.speed != told[2], "the encoder shows the speed otherwise than it is"
-    assert plant.phase_currents == pytest.approx(told[8:], abs=1.0)
+    sensed = rows[1501]
+    assert plant.speed != sensed[2], "the encoder shows the speed otherwise than it is"
+    assert plant.phase_currents == pytest.approx(sensed[8:], abs=1.0)
     turned = scenario.motor.pole_pairs * (math.pi / 30.0) * columns["speed_rpm"][:1501].sum() * 0.0005
     assert math.remainder(plant.angle - turned, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
 

@@ -162,7 +162,7 @@ def test_a_map_of_one_row_is_drawn_as_lines(command, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reason"),
     [
         (("--speed-rpm", "fast"), "--speed-rpm: it is \"fast\", but must be LOW:HIGH:COUNT"),
         (("--speed-rpm", "100:50:3"), "must be LOW:HIGH:COUNT"),
@@ -181,12 +181,12 @@ def test_a_map_of_one_row_is_drawn_as_lines(command, tmp_path):
         (("--plot", "map.pdf"), "must end in .png or .svg"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_told_in_one_sentence(command, tmp_path, words, told):
+def test_what_is_wrong_is_reported_in_one_sentence(command, tmp_path, words, reason):
     code, out, err = command(*words)
     assert code == 2, err
     assert out == ""
     (sentence,) = [line for line in err.splitlines() if line.startswith("error: ")]
-    assert told in sentence
+    assert reason in sentence
     assert list(tmp_path.iterdir()) == []
 
 

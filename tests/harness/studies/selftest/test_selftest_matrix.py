@@ -48,7 +48,7 @@ def test_a_miss_with_one_seed_is_a_miss() -> None:
     assert document["faults"][1]["runs_to_first"] is None
 
 
-def test_a_failure_that_the_base_shares_is_told_as_such() -> None:
+def test_a_failure_that_the_base_shares_is_reported_as_such() -> None:
     shared = replace(MISSED, failing=(), unconvincing=2)
     assert matrix(shared).problems() == [
         "ADV-1 misses the fault 'hides' with seed 1 in 40 runs: no other check fails, and ADV-1 only where the "

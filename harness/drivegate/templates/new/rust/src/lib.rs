@@ -20,7 +20,7 @@ pub struct Nameplate {
     inertia: f64,
 }
 
-/// What the controller is told at the start of a control period.
+/// What the controller senses at the start of a control period.
 #[repr(C)]
 pub struct Sense {
     struct_size: i64,
