@@ -27,8 +27,10 @@ _POSITION = 0
 _FALSE_COUNTS = 1
 _MEASURED = 2
 _EDGES_A_LINE = 4
+# The generator of Park and Miller (multiplier of 1993): one number of state, and no product beyond 64 bits.
 _MODULUS = 2147483647
 _MULTIPLIER = 48271
+# The sum of four even draws has a variance of a third.
 _UNIT_VARIANCE = sqrt(3.0)
 
 
@@ -167,6 +169,7 @@ def real_sensors(
     generator = np.random.default_rng(seed)
     edge_angle = 2.0 * pi / (_EDGES_A_LINE * encoder_lines)
     looks = max(round(speed_window / control_period), 1)
+    # The looks that a shaft already turning has left, so that the measured speed does not begin at zero.
     times = (np.arange(looks) - looks + 1.0) * control_period
     positions = initial_speed * times / edge_angle
     whole = np.floor(positions)
@@ -335,6 +338,7 @@ def show_currents(
             offset = sensors.offsets[phase]
             step = sensors.current_step
             greatest = sensors.current_range
+            # The sensor sees the signed current, and only then is its magnitude taken.
             signed_offset = -offset if current < 0.0 else offset
             noisy = abs(gain * mean + signed_offset) + sensors.current_noise * _noise(sensors.random)
             mean = _converted(noisy, step, 0.0, greatest)
@@ -367,12 +371,14 @@ def turn_encoder(sensors: Sensors, step: int, time: float, period: float, speed:
     memory = sensors.memory
     counts = sensors.counts
     ticks = sensors.ticks
+    # A ring: what this look overwrites is the one a speed window ago.
     slot = step % counts.size
     before = memory[_POSITION]
     after = before + speed * period / sensors.edge_angle
     whole = floor(after)
     tick = ticks[(step - 1) % counts.size]
     if whole > floor(before):
+        # Exact, since the speed is constant within the period; the timer rounds it down.
         edge = time + period - (after - whole) * sensors.edge_angle / speed
         tick = floor(edge / sensors.clock)
     memory[_POSITION] = after

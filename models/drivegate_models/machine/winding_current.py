@@ -22,6 +22,7 @@ from drivegate_models.compilation.kernels import inlined, kernel
 LONGEST = 0.5
 """Longest interval, as a multiple of the time constant L/R, for which the series are used."""
 
+# Chops are far shorter than L/R: seven terms are exact to rounding up to x = 1/64, seventeen up to 1/2.
 _SHORT = 1.0 / 64.0
 _SHORT_TERMS = 7
 _ALL_TERMS = 17
@@ -29,6 +30,10 @@ _ALL_TERMS = 17
 
 def _phi4_term(k: int) -> float:
     return 1.0 / factorial(k + 4)
+
+
+# Integrals of the squares of t phi1 and t**2 phi2, and of their product, as series of their own: the closed
+# forms in exponentials cancel when the resistance is small.
 
 
 def _square_11_term(k: int) -> float:
@@ -50,6 +55,7 @@ def _polynomial(term: Callable[[int], float]) -> Callable[[float], float]:
 
     def evaluate(x: float) -> float:
         if x <= _SHORT:
+            # In pairs, so that one product need not wait for the other.
             square = x * x
             return (c0 + c1 * x) + square * ((c2 + c3 * x) + square * ((c4 + c5 * x) + square * c6))
         total = 0.0
@@ -118,6 +124,7 @@ def turning_time(slope: float, curvature: float, rate: float) -> float:
         return inf
     ratio = slope / curvature
     x = rate * ratio
+    # Without resistance the logarithm over the rate is zero over zero; this is its series.
     if x < 1e-9:
         return ratio * (1.0 - 0.5 * x)
     return log1p(x) / rate
@@ -145,6 +152,7 @@ def _root(
     if discriminant >= 0.0:
         # The parabola that leaves the start with the current's slope and curvature.
         square = np.sqrt(discriminant)
+        # The form of the quadratic formula that adds numbers of one sign only.
         divisor = slope + (square if slope >= 0.0 else -square)
         first = 2.0 * gap / divisor if divisor != 0.0 else -1.0
         second = divisor / bending if bending != 0.0 else -1.0
@@ -167,9 +175,11 @@ def _root(
         if abs(step) * bend <= 2e-16 * high * abs(current_slope) or abs(step) <= 2e-16 * high:
             return min(max(time - step, low), high)
         following = time - step
+        # Halving cannot fail where Newton leaves the bracket.
         if not (low_limit < following < high_limit):
             following = 0.5 * (low_limit + high_limit)
             if following in (low_limit, high_limit):
+                # The far side of two neighbouring floats: there the level has been reached.
                 return high_limit
         time = following
     return time
@@ -223,8 +233,10 @@ def crossing_time(
             if not reached_at_end:
                 return inf
             return _root(start, slope, curvature, rate, level, 0.0, end, rising)
+        # Up to the turn only: a current that comes back has met the level before.
         turn = min(turning_time(slope, curvature, rate), end)
         if not reached_at_end:
+            # The end lies short of the level, so the turn alone can have reached it.
             peak, _ = current_after(start, slope, curvature, rate, turn)
             if sign * (peak - level) < 0.0:
                 return inf

@@ -29,9 +29,12 @@ SEARCH_PERIOD: Final = 0.1
 SEARCHES: Final = MappingProxyType({"initial": NO_SEARCH, "published": FLOWCHART, "reference": GUARDED})
 """Kind of search by name of controller."""
 
+# Both (1/s) no higher: an encoder's speed comes in steps, and the regulator turns each into current.
 _BANDWIDTH = 80.0
 _INTEGRAL_RATE = 15.0
+# What the converter makes of the current sum, as a share of the current limit.
 _LEAST_CHANGE = 0.0008
+# Without it, regulation at base speed would switch the jump of the angle on and off.
 _ADVANCE_MARGIN = 10.0 * RADIANS_PER_RPM
 
 
@@ -59,10 +62,12 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.nominal_voltage = nameplate.half_supply_voltage
     state.current_limit = nameplate.current_limit
     state.control_period = nameplate.control_period
+    # A window of 144 of 180 degrees: this is how many phases carry current at a time.
     state.conducting_phases = 0.8 * nameplate.phases
     torque_per_ampere = state.conducting_phases * nameplate.emf_constant
     state.proportional = nameplate.inertia * _BANDWIDTH / torque_per_ampere
     state.integral_step = state.proportional * _INTEGRAL_RATE * nameplate.control_period
+    # k1 and k2 of Fig. 4.
     state.speed_tolerance = 5.0 * RADIANS_PER_RPM
     state.power_tolerance = 0.001
     state.least_change = _LEAST_CHANGE * nameplate.current_limit

@@ -41,6 +41,7 @@ def decide_by_flowchart(state: Any, error: float) -> None:
     power = state.power_sum / state.count
     if abs(error) > state.speed_tolerance:
         return
+    # The first one is minus infinity, as nothing came before, so the first step is always taken.
     change = power - state.old_power
     state.old_power = power
     if abs(change) <= state.power_tolerance * power:
@@ -62,6 +63,7 @@ def move(state: Any, power: float, change: float) -> None:
         Mean current sum of the decision interval, and its change from the one before (A).
     """
     forget_other_load(state, power)
+    # Half a step may still fit between here and the forbidden angle.
     while (
         state.step >= SMALLEST_STEP
         and state.direction < 0.0
@@ -93,8 +95,10 @@ def decide_guarded(state: Any) -> None:
     if work == BEGINNING:
         move(state, power, change)
         return
+    # Less than noise makes of the sum is no slope.
     if abs(change) <= max(state.power_tolerance * power, noise_of_power(state)):
         state.quiet += 1
+        # One flat step is not yet the optimum.
         if state.quiet >= 2:
             begin_holding(state, power)
             return
@@ -103,8 +107,10 @@ def decide_guarded(state: Any) -> None:
         state.improvements += 1
         if change > 0.0:
             state.direction = -state.direction
+            # At its whole step the flowchart would go to and fro for ever.
             state.step = 0.5 * state.step
             state.improvements = 0
+        # At light load the optimum is 40 degrees or more away, too far for steps of one.
         elif state.improvements >= _IMPROVEMENTS and state.step < 2.0 * state.first_step:
             state.step = 2.0 * state.step
             state.improvements = 0

@@ -28,15 +28,21 @@ STARVED: Final = 3.0
 SLACK: Final = 0.04
 """Current reference at which no winding counts as starved yet, as a share of the current limit."""
 
+# The supply is held until it moves by this: the noise of its measurement must not move the angle.
 _SUPPLY_MOVED = 0.02
+# Given back besides the step, so that the walk back does not end on the edge itself.
 _RECOVERY = radians(0.3)
+# Of k1, that is 1.5 rpm: beyond the edge the torque goes at once, and k1 itself would be too late.
 _ALARM = 0.3
+# Dwell times (s). The climb waits least: the load takes speed away faster than steps of a degree return it.
 _STARVED_DWELL = 0.03
 _DWELL = 0.02
 _CLIMB_DWELL = 0.01
+# Time in which lost speed has to come back, else the torque counts as lost (s).
 _REGAIN = 0.25
 _SLOWEST_REGAIN = 20.0 * RADIANS_PER_RPM
 _LONGEST_CLIMB = radians(8.0)
+# Current sums, over that at which an angle was forbidden, that mean another load.
 _LIGHTER = 0.88
 _HEAVIER = 1.35
 
@@ -74,6 +80,7 @@ def rearm(state: Any) -> None:
     """
     state.offset = 0.0
     state.step = state.first_step
+    # The initial line keeps above the edge, so less current lies at less angle.
     state.direction = -1.0
     state.forbidden = -inf
     state.forbidden_power = 0.0
@@ -154,6 +161,7 @@ def walk_back(state: Any, angle: float, lost: bool) -> None:
     if lost:
         forbid(state)
     state.offset += angle
+    # The edge is near; what comes next has to be smaller than what led over it.
     state.step = max(min(0.5 * state.step, 0.5 * state.first_step), SMALLEST_STEP)
     state.direction = -1.0
     begin_settling(state)
@@ -170,11 +178,14 @@ def seek_torque(state: Any, gained: float) -> None:
     gained : float
         Speed gained at the current limit since the last step (rad/s).
     """
+    # Past the angle of greatest torque each step returns less speed than the one before.
     if gained < state.regained:
         state.climb = -0.5 * state.climb
+    # A heavy load takes the speed away meanwhile, so equal steps would come too late.
     elif abs(state.climb) < _LONGEST_CLIMB:
         state.climb = 2.0 * state.climb
     state.regained = gained
+    # An angle at which speed returns, only slowly, has the torque and is not forbidden.
     walk_back(state, state.climb, gained <= 0.0 and state.climb > 0.0)
 
 
@@ -205,6 +216,7 @@ def guard_regulation(
     period : float
         Control period (s).
     """
+    # The edge depends on EMF over supply, so either one makes what was found worthless.
     supply_moved = abs(voltage - state.supply_voltage) > _SUPPLY_MOVED * state.nominal_voltage
     if speed_reference != state.speed_reference or supply_moved:
         state.speed_reference = speed_reference
@@ -223,11 +235,13 @@ def guard_regulation(
     if state.saturated_run == 1:
         state.speed_mark = speed
     flowing = current_sum / state.conducting_phases
+    # A reference far beyond the current shows a lost torque before the regulator reaches its limit.
     starved = reference > STARVED * flowing + SLACK * state.current_limit
     state.starved_run = state.starved_run + 1 if starved else 0
     if state.starved_run == 1:
         state.starved_mark = speed
     is_starved = state.starved_run * period >= _STARVED_DWELL
+    # After an own step downward that step is to blame, so it is given back whole.
     if state.moved < 0.0 and (is_starved or speed_reference - speed > _ALARM * state.speed_tolerance):
         # The integral has wound up in vain; with the old angle goes the old current.
         state.integral = state.good_integral
@@ -236,6 +250,7 @@ def guard_regulation(
         state.starved_run = 0
         gained = speed - state.starved_mark
         if gained <= sag * _STARVED_DWELL / _REGAIN:
+            # Left at what it wound up in vain, the integral would overshoot once the torque is back.
             state.integral = min(state.integral, STARVED * flowing)
             walk_back(state, state.first_step, gained <= 0.0)
     elif state.saturated_run * period >= (_DWELL if state.offset < 0.0 else _CLIMB_DWELL):

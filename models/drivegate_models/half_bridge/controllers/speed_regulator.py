@@ -33,6 +33,7 @@ def regulate_speed(
     """
     following = min(max(integral + integral_step * error, 0.0), limit)
     reference = proportional * error + following
+    # Limited, the integral may come back but not go on; the speed would overshoot until it is unwound.
     if reference > limit:
         return limit, min(integral, following) if error > 0.0 else following
     if reference < 0.0:

@@ -35,12 +35,15 @@ LOAD_CHANGED: Final = 0.12
 _SETTLED = 0.01
 _CHANGED = 0.03
 _SMALLEST_POWER = 1.0
+# Of k1, that is 0.5 rpm, and over the calmest error: the steps of an encoder alone are no sign of the edge.
 _UNEASY = 0.1
 _CALM = 1.5
 _ANSWER = 2.0
+# With a band the torque climbs in jumps, up which the regulator creeps to its limit within seconds.
 _CREEP = 1.15
 _CREEP_LEAST = 0.15
 _RESTLESS = 0.003
+# The same creep before any good angle is known: an integral that grows for no more current.
 _WINDING = 0.005
 _IDLE = 0.002
 _WOUND = 3
@@ -59,6 +62,7 @@ def begin_holding(state: Any, power: float) -> None:
     """
     state.mode = HOLDING
     state.held_power = power
+    # Without a step before it, the angle held is the only good one known.
     if state.good_power == inf:
         state.good_offset = state.offset
         state.good_integral = state.integral
@@ -99,6 +103,7 @@ def noise_of_regulator(state: Any) -> float:
     float
         Current sum (A).
     """
+    # A greater error is no noise but a speed about to be lost.
     error = min(state.calm_error, _UNEASY * state.speed_tolerance)
     noise: float = _ANSWER * state.proportional * error
     return noise
@@ -165,6 +170,7 @@ def load_has_changed(state: Any, power: float, fall: float, rise: float) -> bool
     bool
         False as long as no good angle is known, and away from it.
     """
+    # Farther off, the angle alone may explain the difference.
     near = abs(state.offset - state.good_offset) <= 3.0 * state.first_step
     share = fall if power < state.good_power else rise
     changed: bool = near and abs(power - state.good_power) > share * power + 0.2
@@ -195,6 +201,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
     elif changed:
         rearm(state)
     elif uneasy or abs(change) > _RESTLESS * power + noise_of_power(state):
+        # The optimum may lie on the edge itself: a little above it costs less than a new search.
         forbid(state)
         state.offset += SMALLEST_STEP
         state.quiet = 0
@@ -240,6 +247,7 @@ def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
         state.integral = state.good_integral
         walk_back(state, 0.5 * state.first_step, True)
         return WAITING, change
+    # A current sum with the speed off its reference says nothing about the angle.
     if not regulated or power < _SMALLEST_POWER:
         begin_settling(state)
         return WAITING, change
@@ -248,6 +256,7 @@ def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
         rearm(state)
         return WAITING, change
     if state.mode == SETTLING:
+        # A load that is still coming on would be taken for the effect of the first step.
         wound = state.integral > STARVED * power / state.conducting_phases + SLACK * state.current_limit
         if not settled or wound or is_uneasy(state):
             return WAITING, change

@@ -85,6 +85,7 @@ def continue_golden_section(state: Any, power: float) -> float:
         state.left_power = power
     else:
         state.right_power = power
+    # By the golden ratio the inner point that stays is in place again: each part dropped costs one probe.
     if state.left_power < state.right_power:
         state.high = state.right
         state.right = state.left

@@ -52,6 +52,7 @@ def next_stride(state: Any) -> float:
     float
         Offset to probe (rad electrical).
     """
+    # Downward, since the initial angle has the torque, and the edge beyond which it is lost lies below.
     lowest = LOWEST_ANGLE - state.line
     state.low = max(state.left - _STRIDE, lowest)
     if state.left - lowest < _NARROW:
@@ -118,6 +119,7 @@ def narrow(state: Any) -> float:
         if not abs(probe - state.left) >= nearest:
             # Too near to be distinguished: look into the longer side.
             probe = state.left - 0.4 * below if below > above else state.left + 0.4 * above
+        # Close to an end a probe would hardly narrow the bracket.
         probe = min(max(probe, state.low + 0.15 * below), state.high - 0.15 * above)
     state.right = probe
     chosen: float = probe

@@ -167,6 +167,7 @@ def settle_for(state: Any, offset: float) -> None:
         What the design requests (rad electrical).
     """
     requested = offset
+    # What is known to lose the torque need not be tried: to the design it is infinitely dear.
     while state.finished == 0 and requested < state.controller.forbidden + MARGIN:
         requested = next_probe(state, inf)
     if state.finished == 1:
@@ -211,6 +212,7 @@ def go_on(state: Any) -> float:
         state.finished = 0
         state.probes = 0
         return look_up(state, state.controller.last_power)
+    # The optimum has moved with the load, but not so far that all has to be searched again.
     state.best_offset = state.controller.offset
     return begin_confirmation(state)
 

@@ -54,15 +54,18 @@ def continue_sweep(state: Any, power: float) -> float:
     float
         Next offset to probe (rad electrical).
     """
+    # Back at the top of the fine sweep, what the coarse one measured there is no longer compared with.
     if state.stage == 1 or power < state.left_power:
         state.left = state.right
         state.left_power = power
+    # A small rise is passed over: at light load the current sum has minima beside the least.
     ended = power > state.left_power * (_COARSE_RISE if state.stage == 0 else _FINE_RISE)
     step = _COARSE if state.stage == 0 else _FINE
     ended = ended or state.right - step < state.low
     if state.stage == 0 and ended and is_worth_confirming(state):
         state.stage = 1
         state.low = max(state.low, state.left - _AROUND)
+        # The fine sweep comes down like the coarse one, from the side that has the torque.
         state.right = min(state.left + _AROUND, state.home)
     elif ended:
         state.best_offset = state.left

@@ -74,6 +74,7 @@ def table_angle(speed: float, current_sum: float) -> float:
     float
         Advance angle (rad electrical).
     """
+    # Short of the last row, so that there is always a next one to interpolate toward.
     position = min(max((speed - _FIRST_SPEED) / _SPEED_STEP, 0.0), _SUMS.shape[0] - 1.001)
     row = int(position)
     share: float = position - row

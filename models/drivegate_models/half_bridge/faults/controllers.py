@@ -43,9 +43,11 @@ def faulty_step_state(state: Any, sense: Any, command: Any) -> None:
     """
     fault = state.fault
     state.steps += 1
+    # A copy: the fault alters what its controller senses, not the record of whoever called it.
     state.sense = sense
     alter_sense(fault, state.sense)
     alter_search_before(state, fault)
+    # Some faults undo what the search does in a step, and need what it was.
     state.before = state.controller
     step_state(state.controller, state.sense, command)
     alter_search_after(state, fault)

@@ -11,9 +11,11 @@ from drivegate_models.half_bridge.controllers.angle_line import initial_angle
 from drivegate_models.half_bridge.controllers.protection import HOLDING, SEARCHING
 from drivegate_models.half_bridge.faults import state as faults
 
+# Beyond all five phases at 26 A, so that a mirrored sum stays positive.
 MIRROR: Final = 200.0
 """The mirrored current sum is this less the true one (A)."""
 
+# What 16 bits of milliamperes span (A).
 _WORD: Final = 65.536
 
 
@@ -103,10 +105,12 @@ def alter_search_before(state: Any, fault: int) -> None:
         controller.saturated = 0
         controller.saturated_run = 0
     elif fault == faults.NO_WALK_BACK:
+        # The protections know an own step by it, and creeping by the integral of a good angle.
         controller.moved = 0.0
         controller.saturated_run = 0
         controller.good_integral = inf
     elif fault == faults.FALLING_LOAD_IGNORED:
+        # Just before the decision that would see the fall; a rise is still seen.
         if controller.mode == HOLDING and controller.count + 1 >= controller.decision_steps:
             controller.held_power = min(controller.held_power, mean_power(state))
     elif fault == faults.ANGLE_CAPPED:

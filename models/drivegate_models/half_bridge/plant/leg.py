@@ -33,10 +33,13 @@ def ideal_latch(
     slides : bool
         Whether the current is held at the reference.
     """
+    # An exact comparison will do: an event at i* sets the current to i* itself.
     if along != reference:
         return (1 if along < reference else 0), depart, False
+    # A current that has just left still equals i*; taken for sliding, it would never get away.
     if depart != 0:
         return (1 if depart < 0 else 0), depart, False
+    # Beyond a rail no share of switching holds the current.
     if needed > front:
         return 1, -1, False
     if needed < back:
@@ -80,6 +83,7 @@ def connection(
     side : int
         Sign of the current, 0 for none.
     """
+    # A current that begins is still zero; its direction has to come with it, or the phase would float on.
     side = starting
     if current > 0.0:
         side = 1
@@ -88,10 +92,12 @@ def connection(
     if gate == 0:
         if side == 0:
             # Rectifying: the back-EMF drives current into a rail through that rail's diode.
+            # At equality, where the event that leads here has ended, only the slope says which way it goes.
             if emf > upper + diode_drop or (emf == upper + diode_drop and emf_rate > 0.0):
                 side = -1
             elif emf < -(lower + diode_drop) or (emf == -(lower + diode_drop) and emf_rate < 0.0):
                 side = 1
+        # With the gates off a current can only flow on through a diode, against the rail that it ends at.
         return -side, side
     if side == 0:
         source = upper if gate > 0 else lower
@@ -100,6 +106,7 @@ def connection(
             side = gate
         elif opposing > source + diode_drop:
             side = -gate
+        # Without drops there is no dead zone to rest in: at equality the slope decides.
         elif switch_drop + diode_drop == 0.0:
             side = -gate if gate * emf_rate > 0.0 else gate
         else:

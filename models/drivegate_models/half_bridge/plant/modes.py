@@ -78,11 +78,14 @@ def slide(
     wait = time_to_pass(needed, needed_rate, -back, front)
     is_whole = not wait < length
     if not is_whole:
+        # By rounding the voltage may lie beyond the rail already.
         length = max(wait, 0.0)
+        # The rail in front no longer suffices where the need rises, the one behind where it falls.
         depart = -1 if needed_rate > 0.0 else 1
     if length > 0.0:
         # The switch's share of time, the limit of a band that shrinks to nothing.
         share = (needed + 0.5 * needed_rate * length + back) / (front + back)
+        # The share is linear in time, and all integrals are linear in the share: its mean makes them exact.
         charge = reference * length
         taken = share * front_source * charge
         given = (1.0 - share) * back_source * charge
@@ -131,6 +134,7 @@ def float_free(
     length, is_whole, sums, motion
         As in `slide`.
     """
+    # A switch that is on leaves only the dead zone between its own drop and its diode's.
     high = upper + winding.diode_drop if demand.gate >= 0 else -(lower - winding.switch_drop)
     low = -(lower + winding.diode_drop) if demand.gate <= 0 else upper - winding.switch_drop
     length = stretch.length
@@ -184,6 +188,7 @@ def _comparator_level(demand: Demand, side: int) -> tuple[float, bool]:
         return demand.gate * (demand.reference + demand.band), side == demand.gate
     level = demand.sector * max(demand.reference - demand.band, 0.0)
     chops = demand.sector != 0 and demand.reference > 0.0 and side == demand.sector
+    # A level of zero is met by the event of zero current.
     return level, chops and level != 0.0
 
 
@@ -261,6 +266,7 @@ def conduct(
     current = motion.current
     latch = motion.latch
     kept = motion.kept
+    # Beyond, the series are not exact; the rest follows as a stretch of its own.
     length = min(stretch.length, winding.longest)
     is_whole = stretch.length <= winding.longest
     returning = rail * side < 0

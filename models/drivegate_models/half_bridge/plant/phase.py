@@ -188,6 +188,7 @@ def advance_phase(
     if sector != sectors[phase]:
         # The latch is set anew at each window's start.
         latch = 1
+    # A new command may have moved i* or the window, so both comparators look again.
     if sector != 0:
         latch = _compared(latch, sector * currents[phase], reference, drive.hysteresis_band)
     motion = Motion(currents[phase], latch, 0, 0, 0)
@@ -220,12 +221,14 @@ def advance_phase(
             )
         # The limit itself, not the sum, so that a corner is passed exactly once.
         time = limit if is_whole else time + length
+        # Not `if`: corners closer together than the rounding of time are passed at once.
         while time >= shape.end:
             shape = next_shape(corners, corner_values, corner_slopes, shape, electrical)
         while time >= window.end:
             window = next_window(window, drive.window, electrical)
             latch = motion.latch
             if window.sector != 0:
+                # A latch is on when its window opens, whatever it was in the last one.
                 latch = _compared(1, window.sector * motion.current, reference, drive.hysteresis_band)
             motion = Motion(motion.current, latch, 0, motion.conducting, motion.kept)
 

@@ -51,6 +51,8 @@ def make_phases(drive: Drive, longest_advance: float = 0.0) -> Phases:
     count = drive.phases
     capacity = 0
     if longest_advance > 0.0:
+        # A segment without room is dropped, so there is room for the steepest current that supply and
+        # back-EMF can drive together, and for corners and window edges besides.
         band = drive.hysteresis_band
         swing = 2.5 * drive.half_supply_voltage / drive.inductance
         chops = longest_advance * swing / band if band > 0.0 else 0.0
@@ -107,6 +109,7 @@ def advance_phases(
         `drivegate_models.half_bridge.plant.phase.COMPLETED` or another status of it.
     """
     status = COMPLETED
+    # Once for all phases: every look at an array in a tuple counts a reference.
     corners = drive.emf_angles
     corner_values = drive.emf_values
     corner_slopes = drive.emf_slopes
@@ -138,6 +141,7 @@ def advance_phases(
             rows,
             row_counts,
         )
+        # The ledger keeps no phase apart, but each phase has a current sensor of its own.
         magnitudes[phase] = totals[ledger.MAGNITUDE] - before
         if outcome != COMPLETED:
             status = outcome

@@ -20,6 +20,7 @@ Coefficients = tuple[float, float, float, float, float, float]
 def _derivatives(coefficients: Coefficients, rate: float, time: float) -> tuple[float, float, float]:
     """Return torque over EMF constant and its first two derivatives at a time of the interval."""
     c0, c1, d0, d1, q0, q1 = coefficients
+    # From phi4 downward, as in `winding_current`: upward recurrence would cancel at small R t / L.
     x = rate * time
     phi2 = 0.5 - x * (1.0 / 6.0 - x * phi4(x))
     phi1 = 1.0 - x * phi2
@@ -36,8 +37,10 @@ def _derivatives(coefficients: Coefficients, rate: float, time: float) -> tuple[
 def _zero(coefficients: Coefficients, rate: float, low: float, high: float, order: int) -> float:
     """Return the zero of a derivative (1 or 2) that changes sign over [low, high], by safeguarded bisection."""
     at_low = _derivatives(coefficients, rate, low)[order]
+    # The chord bound below lets few intervals come this far, so plain halving is fast enough.
     for _ in range(100):
         middle = 0.5 * (low + high)
+        # No float lies between any more.
         if middle in (low, high):
             break
         at_middle = _derivatives(coefficients, rate, middle)[order]
@@ -60,11 +63,13 @@ def _interval_extremes(
     lowest = min(lowest, start, end)
     highest = max(highest, start, end)
     _, _, d0, d1, q0, q1 = coefficients
+    # The only zero of the third derivative. Without resistance that derivative is a constant and has none.
     divisor = rate * (rate * d1 + q1)
     inflection = 0.0
     if divisor != 0.0:
         inflection = (3.0 * (rate * d1 + q1) - rate * (rate * d0 + q0)) / divisor
     bends = 0.0 < inflection < length
+    # Then the second derivative keeps its sign, the first is monotone, and so it keeps its sign, too.
     if not bends and start_second * end_second > 0.0 and start_first * end_first > 0.0:
         return lowest, highest
     # A function departs from its chord by an eighth of its greatest second derivative times the length squared.
@@ -72,6 +77,7 @@ def _interval_extremes(
     if bends:
         steepest = max(steepest, abs(_derivatives(coefficients, rate, inflection)[2]))
     off_chord = 0.125 * steepest * length * length
+    # What cannot leave the range known so far is not searched: that spares most intervals of a cycle.
     if max(start, end) + off_chord <= highest and min(start, end) - off_chord >= lowest:
         return lowest, highest
 
@@ -135,6 +141,7 @@ def torque_extremes(
     """
     phases = rows.shape[0]
     positions[:] = 0
+    # The common factor is divided out once, not multiplied into every evaluation.
     low = lowest / emf_constant
     high = highest / emf_constant
     time = 0.0
@@ -147,6 +154,7 @@ def torque_extremes(
         q0 = 0.0
         q1 = 0.0
         for phase in range(phases):
+            # The last segment is never passed: by rounding it may end short of the advance.
             while positions[phase] < row_counts[phase] - 1:
                 row = rows[phase, positions[phase]]
                 if row[segments.START] + row[segments.LENGTH] > time:
@@ -159,6 +167,7 @@ def torque_extremes(
             offset = time - row[segments.START]
             current = row[segments.CURRENT]
             curvature = row[segments.CURVATURE]
+            # Every phase is taken to the same instant, from which on the sum has six coefficients in all.
             current, slope = current_after(current, row[segments.SLOPE], curvature, rate, offset)
             shape_rate = row[segments.SHAPE_RATE]
             shape = row[segments.SHAPE] + shape_rate * offset

@@ -30,7 +30,9 @@ _HIGHEST = 0.5 * pi
 _FINE_PARTS = 10
 _GOLDEN = 0.6180339887498949
 _ANGLE_TOLERANCE = radians(1e-3)
+# A search needs the order of the costs only; its answer is located anew, to `CURRENT_TOLERANCE`.
 _SEARCH_TOLERANCE = 1e-4
+# At light load the current sum has several minima, which the coarse grid may rank wrongly.
 _VALLEYS = 2
 # A valley this much above the least found is not worth a closer look.
 _HOPELESS = 1.05
@@ -113,6 +115,7 @@ def reaches(demand: TorqueDemand, advance: float, static: bool = False) -> bool:
     limit = drive.current_limit
     if mean_state(drive, work, slices, speed, voltage, limit, advance).torque >= torque:
         return True
+    # One steady state decides on robust feasibility; static feasibility is a search over the references.
     if not static:
         return False
     least = least_conceivable(drive, torque)
@@ -146,6 +149,7 @@ def smallest_feasible(demand: TorqueDemand, static: bool = False) -> float:
     float
         The edge (rad electrical), 0 where no advance is needed; NaN if there is none up to 90 degrees.
     """
+    # Too much advance loses the torque again, so bisection alone could miss the feasible angles.
     for degrees in range(_DEGREES + 1):
         inside = radians(degrees)
         if reaches(demand, inside, static):
@@ -155,6 +159,7 @@ def smallest_feasible(demand: TorqueDemand, static: bool = False) -> float:
 
 def _evaluated(demand: TorqueDemand, by_power: bool, advance: float, nearby: float) -> Evaluation:
     """Return the cost of an angle; the scan starts just below a reference nearby, if that is not NaN."""
+    # NaN, which alone differs from itself, stands for no feasible neighbour.
     floor = nearby - _BELOW * demand.drive.current_limit if nearby == nearby else 0.0
     found = search_reference(demand, advance, _SEARCH_TOLERANCE, floor)
     if found.feasibility != ROBUST:
@@ -185,6 +190,7 @@ def _finest(demand: TorqueDemand, by_power: bool, valley: Evaluation) -> Evaluat
     angles: Iterable[float] = (valley.advance + k * step for k in range(-_FINE_PARTS, _FINE_PARTS + 1))
     inside = [advance for advance in angles if 0.0 <= advance <= _HIGHEST]
     best = min(_evaluated(demand, by_power, advance, valley.reference) for advance in inside)
+    # At constant power the least lies on the feasible edge, which golden section never reaches.
     ends = []
     for end in (max(best.advance - step, 0.0), min(best.advance + step, _HIGHEST)):
         feasible = reaches(demand, end)
@@ -213,7 +219,9 @@ def least_cost(demand: TorqueDemand, by_power: bool) -> float:
     nearby = nan
     for degrees in range(_DEGREES + 1):
         grid.append(_evaluated(demand, by_power, radians(degrees), nearby))
+        # Neighbouring angles need much the same current, so each scan starts just below the last result.
         nearby = grid[-1].reference
+    # Beyond the ends cost is infinite, as it is where infeasible: a least on an edge is a valley, too.
     costs = [inf, *(point.cost for point in grid), inf]
     valleys = sorted(
         point for k, point in enumerate(grid) if point.cost < inf and costs[k] >= point.cost <= costs[k + 2]

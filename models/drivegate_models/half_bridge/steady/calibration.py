@@ -30,6 +30,7 @@ ASSUMED_RESISTANCE: float = 0.08
 ASSUMED_FLUX_DENSITY: float = 0.8
 """Flux density in the gap from which the fit starts (T)."""
 
+# Table 1 of the paper, which the fit takes as given.
 _LIMIT = 26.0
 _BASE_SPEED = 500.0
 
@@ -213,6 +214,7 @@ def greatest_torque_at_limit(drive: Drive, speed_rpm: float) -> tuple[float, flo
         The angle (rad electrical), from a grid of 1 degree and Brent's method about the best.
     """
     torques = [_torque_at_limit(drive, speed_rpm, radians(degree)) for degree in range(91)]
+    # Brent's method finds one maximum of several; the grid chooses which.
     best = int(np.argmax(torques))
     found = minimize_scalar(
         lambda advance: -_torque_at_limit(drive, speed_rpm, float(advance)),
@@ -272,6 +274,7 @@ def _residuals(
     """Return the torques at the current limit less the published ones (N m), shape (3,)."""
     emf_constant, inductance, flat = scaled * scale
     drive = calibration_drive(MotorConstants(float(emf_constant), float(inductance), float(flat), resistance))
+    # Torques at published angles, not angles at published torques: an angle can jump or vanish.
     worst = _torque_at_limit(drive, 1500.0, radians(figures.worst_ripple_angle))
     middle = _torque_at_limit(drive, 1200.0, radians(figures.middle_angle))
     rated, _ = greatest_torque_at_limit(drive, _BASE_SPEED)
@@ -283,6 +286,7 @@ def _fitted(
     figures: PublishedFigures, resistance: float, start: MotorConstants
 ) -> tuple[MotorConstants, NDArray[np.float64], NDArray[np.float64]]:
     """Return constants, residuals (N m) and the derivatives by the constants' logarithms (N m)."""
+    # Henries and volt-seconds differ by orders of magnitude, which the trust region must not see.
     scale = np.array([start.emf_constant, start.inductance, start.emf_flat])
     lowest = np.array([0.1, 1e-4, radians(10.0)]) / scale
     highest = np.array([1.0, 2e-2, radians(170.0)]) / scale
@@ -300,6 +304,7 @@ def _fitted(
         raise HarnessFault(f"the calibration did not converge: {found.message}")
     emf_constant, inductance, flat = (float(value) for value in found.x * scale)
     constants = MotorConstants(emf_constant, inductance, flat, resistance)
+    # Relative changes, so that the condition number does not depend on units.
     return constants, np.asarray(found.fun), np.asarray(found.jac) * found.x
 
 
@@ -341,10 +346,12 @@ def calibrate(figures: PublishedFigures | None = None, resistance: float = ASSUM
     """
     chosen = figures or PublishedFigures()
     constants, residuals, derivatives = _fitted(chosen, resistance, _guess())
+    # One figure at a time; to first order the magnitudes add up to the worst of all roundings together.
     roundings = [
         _shifted(name, half, replace(chosen, **{name: getattr(chosen, name) + half}), resistance, constants)
         for name, half in ROUNDING.items()
     ]
+    # The resistance is assumed, so what the assumption does is shown beside the roundings.
     quarter = 0.25 * resistance
     from_resistance = _shifted("resistance", quarter, chosen, resistance + quarter, constants)
     return Calibration(

@@ -143,6 +143,7 @@ def greatest_torque(
         Where it is (A).
     """
     step = limit / _SCAN_STEPS
+    # The likeliest place: torque falls only where more current outlasts the useful part of its half cycle.
     best = limit
     most = mean_state(drive, work, slices, speed, voltage, limit, advance).torque
     for k in range(int(max(floor, 0.0) / step), _SCAN_STEPS):
@@ -157,6 +158,7 @@ def greatest_torque(
         right = low + _GOLDEN * (high - low)
         left_torque = mean_state(drive, work, slices, speed, voltage, left, advance).torque
         right_torque = mean_state(drive, work, slices, speed, voltage, right, advance).torque
+        # With a band the summit is jagged, so the best point seen counts, not the last bracket.
         if left_torque > most:
             most = left_torque
             best = left
@@ -207,6 +209,7 @@ def _located(
     tolerance: float,
 ) -> ReferenceSearch:
     """Shrink a bracket, below the demanded torque at `low` and not at `high`, by regula falsi and halving."""
+    # The most torque of a current of the tolerance; a closer match says no more about the reference.
     near = drive.phases * drive.emf_constant * tolerance
     low_weight = low_state.torque - torque
     high_weight = high_state.torque - torque
@@ -227,6 +230,7 @@ def _located(
             high = middle
             high_state = state
             high_weight = state.torque - torque
+            # The Illinois rule: an end that stays counts half, or the false position would creep.
             if side == 1:
                 low_weight *= 0.5
             side = 1
@@ -298,6 +302,7 @@ def reference_for_torque(
         One reference; two with their shares of time where the torque jumps across the demanded one.
     """
     nowhere = ReferenceSearch(OUT_OF_REACH, nan, nan, nan, nan, nan)
+    # First, because it settles robust feasibility, and so ends the search at many an angle.
     at_limit = mean_state(drive, work, slices, speed, voltage, limit, advance)
     feasibility = ROBUST if at_limit.torque >= torque else STATIC
     if robust_only and feasibility != ROBUST:
@@ -319,6 +324,7 @@ def reference_for_torque(
     step = limit / _SCAN_STEPS
     high = low
     high_state = low_state
+    # Upward, so that the first bracket holds the least reference, though torque need not grow with it.
     while high < limit and high_state.torque < torque:
         low = high
         low_state = high_state

@@ -184,9 +184,11 @@ def point_at_torque(
     )
     if found.feasibility == OUT_OF_REACH:
         return TorquePoint(False, False, *(nan,) * 15, False)
+    # The search compares means; only extremes of the torque need room for segments.
     work = make_phases(drive, KEPT_TIME)
     low = solve_steady_state(drive, work, slices, speed, supply, found.low, advance)
     high = low
+    # Where the torque jumps across the demanded one, the regulator dwells on both sides in turns.
     if found.share > 0.0:
         high = solve_steady_state(drive, work, slices, speed, supply, found.high, advance)
     share = found.share
@@ -201,6 +203,7 @@ def point_at_torque(
         reference_high=found.high,
         share=share,
         torque=_mixed(low, high, share, "torque"),
+        # Both sides occur in a mix, so its extremes are theirs, not a mean of them.
         torque_lowest=min(low.torque_lowest, high.torque_lowest),
         torque_highest=max(low.torque_highest, high.torque_highest),
         current_sum=_mixed(low, high, share, "current_sum"),
@@ -254,6 +257,7 @@ def _least(drive: Drive, speed: float, torque: float, voltage: float | None, by_
     advance = least_cost(demand, by_power)
     if isnan(advance):
         return Optimum(nan, nan, nan, nan)
+    # Anew, since the search has compared costs to a coarser tolerance.
     found = search_reference(demand, advance)
     return Optimum(advance, found.current_sum, found.input_power, _mean_reference(found))
 

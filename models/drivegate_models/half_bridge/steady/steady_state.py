@@ -33,6 +33,7 @@ TOLERANCE: float = 1e-10
 KEPT_TIME: float = 1e-3
 """Longest piece of a torque period whose segments are kept at once (s)."""
 
+# Secant steps before plain repetition takes over, and repetitions before a state counts as aperiodic.
 _SECANTS = 12
 _SETTLING = 40
 
@@ -124,6 +125,7 @@ def _half_cycle(
     count = drive.phases
     shift = pi / count
     step = shift / (drive.pole_pairs * speed)
+    # Where the window opens the latch is set, so that the current is the whole state.
     angle = 0.5 * (pi - drive.window) - advance
     corners = drive.emf_angles
     corner_values = drive.emf_values
@@ -136,8 +138,10 @@ def _half_cycle(
     # A literal would be compiled for by itself, beside the one for every phase.
     first = int(np.int64(0))
     currents[0] = start
+    # As if from the gap before, so that the advance sets the latch anew.
     sectors[0] = 0
     latches[0] = 1
+    # Cut at the phase shifts: there the first phase is in the state that another had half a cycle ago.
     for k in range(count):
         slices.currents[k] = currents[0]
         slices.sectors[k] = sectors[0]
@@ -196,6 +200,7 @@ def advance_with_extremes(
     lowest = inf
     highest = -inf
     positions = np.zeros(drive.phases, np.int64)
+    # At low speed a torque period outlasts the room for segments.
     pieces = int(duration / KEPT_TIME) + 1
     length = duration / pieces
     status = COMPLETED
@@ -263,6 +268,7 @@ def periodic_start(
     """
     scratch = np.zeros(ledger.ENTRIES)
     tolerance = TOLERANCE * (1.0 + reference)
+    # Where the current dies out before the next window, zero is periodic at once.
     start = 0.0
     image = _half_cycle(drive, work, slices, speed, voltage, reference, advance, start, scratch)
     certified = APERIODIC
@@ -278,9 +284,11 @@ def periodic_start(
             if abs(gap) <= tolerance:
                 certified = PERIODIC
                 break
+            # With a band the map jumps where a chop enters or leaves the half cycle; no secant helps.
             following = image
             if attempt < _SECANTS and gap != last_gap:
                 following = start - gap * (start - last_start) / (gap - last_gap)
+                # Two gaps nearly alike send the secant far off; repetition stays in range.
                 if abs(following) > 10.0 * (reference + 1.0):
                     following = image
             last_start = start
@@ -325,6 +333,7 @@ def solve_steady_state(
     totals = np.zeros(ledger.ENTRIES)
     electrical = drive.pole_pairs * speed
     if certified == PERIODIC:
+        # All phases are alike, so everything repeats with the shift; a cycle would cost 2 m times as much.
         duration = pi / (drive.phases * electrical)
         _, lowest, highest = advance_with_extremes(
             drive, work, angle, speed, voltage, reference, advance, duration, totals
@@ -337,6 +346,7 @@ def solve_steady_state(
         _, low, high = advance_with_extremes(
             drive, work, angle, speed, voltage, reference, advance, cycle, totals
         )
+        # Without a period the widest cycle stands for the ripple.
         if k == 0 or high - low > highest - lowest:
             lowest = low
             highest = high
