@@ -226,7 +226,6 @@ def _ripple_follower(torque_range: Callable[..., tuple[float, float]]) -> Callab
         room: Room,
         watched: int,
         watch: RippleWatch,
-        impulse: float,
         length: float,
         wraps: bool,
     ) -> RippleWatch:
@@ -235,7 +234,7 @@ def _ripple_follower(torque_range: Callable[..., tuple[float, float]]) -> Callab
         lowest, highest = torque_range(
             plant, recorded, room.row_positions, length, watch.lowest, watch.highest
         )
-        watch = widened_watch(watch, lowest, highest, impulse, length)
+        watch = widened_watch(watch, lowest, highest, room.period[ledger.IMPULSE], length)
         if not wraps:
             return watch
         observe_ripple(records.windows[watched], watch)
@@ -315,17 +314,8 @@ def loop_of(kernels: PlantKernels) -> Any:
 
             turn_encoder(sensors, k, time, length, speed)
             turned = angle + drive.pole_pairs * speed * length
-            watch = follow_ripple(
-                plant,
-                recorded,
-                records,
-                room,
-                watched,
-                watch,
-                period[ledger.IMPULSE],
-                length,
-                turned >= 2.0 * pi,
-            )
+            wraps = turned >= 2.0 * pi
+            watch = follow_ripple(plant, recorded, records, room, watched, watch, length, wraps)
             angle = within_a_turn(turned)
             if load.kind != LOCKED:
                 speed = speed_after(drive, observed, inertia, speed, load_now, period, length)
