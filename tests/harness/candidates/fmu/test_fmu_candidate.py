@@ -516,12 +516,12 @@ REFUSED = {
     "reference": (
         2,
         (' valueReference="2"', ' valueReference="two"'),
-        f"{DESCRIPTION} is not as FMI asks: ERROR",
+        f"{DESCRIPTION} is not as FMI requires: ERROR",
     ),
     "structure": (
         2,
         ('<Unknown index="', '<Unknown index="99'),
-        f"{DESCRIPTION} is not as FMI asks: IndexError",
+        f"{DESCRIPTION} is not as FMI requires: IndexError",
     ),
     "library": (2, ('modelIdentifier="mine', 'modelIdentifier="yours'), "but this platform needs binaries/"),
     "document type": (
