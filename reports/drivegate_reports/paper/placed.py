@@ -1,4 +1,4 @@
-"""The figures of the paper, ready to be placed in a page."""
+"""A figure of the paper, ready to be placed in a page."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from functools import cache
 
 from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.style import house_style, inline_svg
-from drivegate_reports.paper.catalogue import FIGURES, PaperFigure
+from drivegate_reports.paper.catalogue import PaperFigure
 
 
 @cache
@@ -17,8 +17,3 @@ def placed(figure: PaperFigure) -> PageFigure:
     with house_style():
         svg = inline_svg(figure.draw(data), identifier)
     return PageFigure(identifier, figure.title, svg, figure.alternative(data), figure.caption(data))
-
-
-def page_figures() -> tuple[PageFigure, ...]:
-    """Compute and draw all figures of the paper."""
-    return tuple(map(placed, FIGURES))
