@@ -34,6 +34,7 @@ class FaultKind(StrEnum):
     CRASH = "crash"
     HANG = "hang"
     NON_DETERMINISTIC = "non-deterministic"
+    MEMORY = "foreign memory"
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ class Fault:
 
 
 class CandidateFault(Exception):
-    """Raised in a worker process to end its job with a verdict on the candidate."""
+    """Raised to end a job with a verdict on the candidate."""
 
     def __init__(self, fault: Fault) -> None:
         super().__init__(fault)

@@ -1,4 +1,4 @@
-"""The keeper of a worker process: a small process between it and the harness, which lets nothing outlive it.
+"""The keeper of a process: a small process between it and the harness, which lets nothing outlive it.
 
 The keeper starts the worker, then waits until the harness closes the keeper's standard input, which also happens
 when the harness is killed. Then it kills the worker and every process that came from it, and removes their
@@ -18,26 +18,30 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+from drivegate.containment.private_memory import keep_shared_memory_private
+
 _PR_SET_CHILD_SUBREAPER = 36
 _PATIENCE = 10.0
 _BLOCK = 4096
 
 
-def keep(temporary: str, connection: str, progress: str) -> None:
+def keep(role: str, temporary: str, *descriptors: str) -> None:
     """Start a worker process, and see to it that nothing of it is left once standard input ends.
 
     In the keeper this does not return; in the worker it returns when its parent has hung up. The keeper reports
     on its standard output the worker's process id, and at the end its exit status, negative for a signal.
     """
     _adopt_orphans()
+    if role == "candidate":
+        keep_shared_memory_private()
     keeper = os.getpid()
     worker = os.fork()
     if worker == 0:
-        _become_worker(int(connection), int(progress), keeper)
+        _become_worker(role, temporary, [int(descriptor) for descriptor in descriptors], keeper)
         return
     status = None
     try:
-        for descriptor in (connection, progress):
+        for descriptor in descriptors:
             os.close(int(descriptor))
         _report(worker)
         while os.read(sys.stdin.fileno(), _BLOCK):
@@ -56,17 +60,23 @@ def _adopt_orphans() -> None:
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
-def _become_worker(connection: int, progress: int, keeper: int) -> None:
+def _become_worker(role: str, temporary: str, descriptors: list[int], keeper: int) -> None:
     """Leave the keeper's streams: nothing to read, and what is printed goes to the harness."""
     os.setsid()
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     os.close(nothing)
     os.dup2(2, 1)
-    # Only the worker needs the libraries that this brings.
-    from drivegate.containment.process import main
+    # Only the process itself needs the libraries that these bring.
+    if role == "candidate":
+        from drivegate.containment.serving import serve
 
-    main(connection, progress, keeper)
+        connection, progress = descriptors
+        serve(connection, progress, keeper)
+    else:
+        from drivegate.containment.judge_process import judge_jobs
+
+        judge_jobs(descriptors[0], temporary, keeper)
 
 
 def _report(number: int) -> None:

@@ -1,4 +1,4 @@
-"""A worker process and its keeper as the harness starts and ends them."""
+"""A process of the harness or of a candidate, with its keeper, as it is started and ended."""
 
 import json
 import os
@@ -7,8 +7,12 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from contextlib import suppress
+from enum import StrEnum
 from pathlib import Path
+
+import psutil
 
 from drivegate.containment.environment import worker_environment
 
@@ -17,28 +21,42 @@ _BOOTSTRAP = (
     "from drivegate.containment.keeper import keep; keep(*sys.argv[2:])"
 )
 _KEEPER_PATIENCE = 20.0
+_PATIENCE = 3.0
+
+
+class Role(StrEnum):
+    """What a kept process does."""
+
+    JUDGE = "judge"
+    CANDIDATE = "candidate"
 
 
 class KeptProcess:
-    """One worker process, from its start to when nothing of it is left."""
+    """One process, from its start to when nothing of it is left.
 
-    def __init__(self, folder: Path, connection: int, progress: int, output: int) -> None:
+    A candidate's gets few environment variables, and its output goes to a descriptor; a judge's is the harness's own.
+    """
+
+    def __init__(
+        self, role: Role, folder: Path | None, descriptors: tuple[int, ...], *, output: int | None = None
+    ) -> None:
         self._owner = os.getpid()
         self._temporary = Path(tempfile.mkdtemp(prefix="drivegate-"))
         self._reported = b""
         # The import path is that of the harness, whatever the folder holds.
         paths = json.dumps([str(Path(place).absolute()) for place in sys.path])
-        arguments = [str(self._temporary), str(connection), str(progress)]
+        arguments = [role.value, str(self._temporary), *map(str, descriptors)]
+        contained = role is Role.CANDIDATE
         try:
             self._keeper = subprocess.Popen(
                 [sys.executable, "-P", "-c", _BOOTSTRAP, paths, *arguments],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=output,
-                pass_fds=(connection, progress),
+                pass_fds=descriptors,
                 start_new_session=True,
-                cwd=folder if folder.is_dir() else None,
-                env=worker_environment(os.environ, self._temporary),
+                cwd=folder if folder is not None and folder.is_dir() else None,
+                env=worker_environment(os.environ, self._temporary) if contained else None,
                 bufsize=0,
             )
         except BaseException:
@@ -57,6 +75,18 @@ class KeptProcess:
     def keeper_has_ended(self) -> bool:
         """Tell whether the keeper has ended by itself, which it does when it was killed."""
         return self._keeper.poll() is not None
+
+    def wait_for_worker(self) -> None:
+        """Give the process a moment to end by itself."""
+        until = time.monotonic() + _PATIENCE
+        number = self.process_id
+        while number is not None and time.monotonic() < until:
+            try:
+                if psutil.Process(number).status() == psutil.STATUS_ZOMBIE:
+                    return
+            except psutil.NoSuchProcess:
+                return
+            time.sleep(0.005)
 
     def exit_status(self) -> int:
         """Tell how the worker ended, once `end` has been called."""

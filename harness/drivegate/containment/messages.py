@@ -1,88 +1,57 @@
-"""What a worker process and its parent tell each other."""
+"""What is to be done with a candidate, and what comes of it."""
+
+from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final, Generic, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
-from drivegate.containment.shared_progress import SharedProgress
+
+if TYPE_CHECKING:
+    from drivegate.candidates.controller import Controller
+    from drivegate.containment.contained_controller import ContainedController
 
 ResultT = TypeVar("ResultT")
 
-LOST_CONNECTION: Final = 119
-"""Exit status of a worker process whose connection to its parent the candidate has closed."""
-
-LoadController: TypeAlias = Callable[[Candidate], Controller]
-"""Makes a new instance of a candidate; raises `InputError` or `CandidateFault`."""
+AnyController: TypeAlias = "Controller | ContainedController"
+"""An instance of drivegate's own code in this process, or of a candidate's in a process of its own."""
 
 
 @dataclass(frozen=True)
-class LoadedCandidate:
-    """A candidate whose code has been imported in this worker process.
+class JudgedCandidate:
+    """A candidate as a job has it.
 
     Attributes
     ----------
     candidate : Candidate
         What it is.
-    load : callable
-        Makes a new instance.
-    progress : SharedProgress
-        Where the parent reads what the process is doing.
+    controller : callable
+        Makes a new instance, so that nothing of an earlier job is left in it.
     """
 
     candidate: Candidate
-    load: LoadController
-    progress: SharedProgress
-
-    def controller(self) -> Controller:
-        """Make a new instance, so that nothing of an earlier job is left in it."""
-        with self.progress.loading():
-            return self.load(self.candidate)
+    controller: Callable[[], AnyController]
 
 
 @dataclass(frozen=True)
 class Job(Generic[ResultT]):
-    """Something to do with a candidate in a worker process.
+    """Something to do with a candidate, in a process that never runs its code.
 
     Attributes
     ----------
     target : callable
-        A module's function, called with the loaded candidate and the payload.
+        A module's function, called with the candidate and the payload.
     payload : object
         Anything that can be pickled.
     afresh : bool
-        Whether it needs a process that has done nothing before.
+        Whether the candidate needs a process that has done nothing before.
     """
 
-    target: Callable[[LoadedCandidate, Any], ResultT]
+    target: Callable[[JudgedCandidate, Any], ResultT]
     payload: Any
     afresh: bool = False
-
-
-@dataclass(frozen=True)
-class Setup:
-    """First message to a worker process.
-
-    Attributes
-    ----------
-    candidate : Candidate
-        The candidate to load.
-    load : callable
-        How to load it.
-    memory_limit : int
-        Bytes that the process may allocate beyond what it has at its start.
-    """
-
-    candidate: Candidate
-    load: LoadController
-    memory_limit: int
-
-
-@dataclass(frozen=True)
-class Ready:
-    """The candidate is loaded."""
 
 
 @dataclass(frozen=True)
@@ -113,4 +82,5 @@ class Broken:
     traceback: str
 
 
-Reply: TypeAlias = Ready | Finished | Faulted | Refused | Broken
+Outcome: TypeAlias = Finished | Faulted | Refused | Broken
+"""How a job ended, as a judge's process tells it."""

@@ -8,29 +8,25 @@ from typing import Any, Generic, Self
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
-from drivegate.containment.messages import Faulted, Finished, Job, LoadController, ResultT
+from drivegate.containment.judge import is_hang
+from drivegate.containment.judge_process import JudgeProcess
+from drivegate.containment.messages import Faulted, Finished, Job, ResultT
 from drivegate.containment.stall_watch import WorkerLimits
-from drivegate.containment.worker import LOOK_EVERY, CandidateWorker, is_hang, unwrapped
+
+_LOOK_EVERY = 0.25
 
 
 class WorkerPool:
-    """Several workers for one candidate, watched by a single thread."""
+    """Several judges of one candidate, each with a process of the candidate's, watched by a single thread."""
 
-    def __init__(
-        self,
-        candidate: Candidate,
-        load: LoadController,
-        *,
-        workers: int,
-        limits: WorkerLimits | None = None,
-    ) -> None:
-        self._workers = [CandidateWorker(candidate, load, limits=limits) for _ in range(max(workers, 1))]
+    def __init__(self, candidate: Candidate, *, workers: int, limits: WorkerLimits | None = None) -> None:
+        self._workers = [JudgeProcess(candidate, limits) for _ in range(max(workers, 1))]
 
     def map(self, jobs: Iterable[Job[ResultT]]) -> Iterator[ResultT | Fault]:
         """Do jobs side by side; one that hangs is tried once more with no other beside it.
 
-        Leaving the iteration ends the jobs that are still under way. A fault while loading holds for every
-        job that has not been started by then.
+        Leaving the iteration ends the jobs that are still under way. A fault while loading, and a hang in the second
+        try, hold for every job that has not been started by then.
         """
         schedule = _Schedule(self._workers, jobs)
         try:
@@ -60,20 +56,20 @@ class WorkerPool:
 class _Schedule(Generic[ResultT]):
     """Who does which job, and what has come of it."""
 
-    def __init__(self, workers: list[CandidateWorker], jobs: Iterable[Job[ResultT]]) -> None:
+    def __init__(self, workers: list[JudgeProcess], jobs: Iterable[Job[ResultT]]) -> None:
         self._workers = workers
         self._jobs = list(jobs)
         self.total = len(self._jobs)
         self._waiting = deque(range(self.total))
         self._suspects: deque[int] = deque()
         self._tried_alone: set[int] = set()
-        self._running: dict[CandidateWorker, int] = {}
+        self._running: dict[JudgeProcess, int] = {}
         self._outcomes: dict[int, ResultT | Fault] = {}
 
     def outcome(self, index: int) -> ResultT | Fault:
         while index not in self._outcomes:
             self._dispatch()
-            wait(self._waitables(), LOOK_EVERY)
+            wait(self._waitables(), _LOOK_EVERY)
             self._collect()
         return self._outcomes.pop(index)
 
@@ -95,7 +91,7 @@ class _Schedule(Generic[ResultT]):
             if worker not in self._running and self._waiting:
                 self._start(worker, self._waiting.popleft())
 
-    def _start(self, worker: CandidateWorker, index: int) -> None:
+    def _start(self, worker: JudgeProcess, index: int) -> None:
         self._running[worker] = index
         worker.start(self._jobs[index])
 
@@ -110,10 +106,16 @@ class _Schedule(Generic[ResultT]):
                 self._settle(index, ending)
 
     def _settle(self, index: int, ending: Finished | Faulted) -> None:
-        if is_hang(ending) and index not in self._tried_alone:
+        if isinstance(ending, Finished):
+            self._outcomes[index] = ending.result
+            return
+        fault, confirmed = ending.fault, index in self._tried_alone
+        if is_hang(fault) and not confirmed:
             self._suspects.append(index)
             return
-        self._outcomes[index] = unwrapped(ending)
-        if isinstance(ending, Faulted) and ending.fault.phase == "loading":
-            while self._waiting:
-                self._outcomes[self._waiting.popleft()] = ending.fault
+        self._outcomes[index] = fault
+        # One that cannot be loaded will not be next time; and to wait for the same hang again and again tells nothing.
+        if fault.phase == "loading" or is_hang(fault):
+            for left in (self._waiting, self._suspects):
+                while left:
+                    self._outcomes[left.popleft()] = fault

@@ -1,4 +1,4 @@
-"""Deciding from a worker's progress and the time it used whether it hangs."""
+"""Deciding from the progress of a candidate's process and the time it used whether it hangs."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from drivegate.containment.shared_progress import Activity
 
 @dataclass(frozen=True)
 class WorkerLimits:
-    """What a worker process may use.
+    """What a candidate's process may use.
 
     Attributes
     ----------
@@ -17,8 +17,10 @@ class WorkerLimits:
         Processor time without progress of all else: imports, compilation, the first step (s).
     idle_seconds : float
         Time without progress in which hardly any processor time is used (s).
-    job_seconds : float
-        Time of a whole job (s).
+    order_seconds : float
+        Time of a whole order, such as one run, beside what is allowed for each of its steps (s).
+    order_step_seconds : float
+        Time that a run is allowed for each step, in the mean (s).
     memory_bytes : int
         Memory that may be allocated beyond what the process has at its start.
     """
@@ -26,25 +28,27 @@ class WorkerLimits:
     step_processor_seconds: float = 5.0
     start_processor_seconds: float = 120.0
     idle_seconds: float = 60.0
-    job_seconds: float = 1800.0
+    order_seconds: float = 120.0
+    order_step_seconds: float = 1e-3
     memory_bytes: int = 4 * 2**30
 
 
 class StallWatch:
-    """Follows one activity of a worker from its start."""
+    """Follows one order from its start."""
 
-    def __init__(self, limits: WorkerLimits, processor: float, now: float) -> None:
+    def __init__(self, limits: WorkerLimits, processor: float, now: float, steps: int = 0) -> None:
         self._limits = limits
+        self._allowed = limits.order_seconds + steps * limits.order_step_seconds
         self._began = now
         self._state: tuple[int, int] | None = None
         self._processor = processor
         self._moved = now
 
     def stalled(self, state: tuple[int, int], activity: Activity, processor: float, now: float) -> str | None:
-        """Look at the worker once."""
+        """Look at the process once."""
         limits = self._limits
-        if now - self._began > limits.job_seconds:
-            return f"the job did not end within {limits.job_seconds:g} s"
+        if now - self._began > self._allowed:
+            return f"the run did not end within {self._allowed:g} s"
         if state != self._state:
             self._state, self._processor, self._moved = state, processor, now
             return None

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from drivegate.checks.check import Check
-    from drivegate.runs.scenario import RunClosedLoop
+    from drivegate.runs.scenario import PrepareLoop
     from drivegate.scenarios.speed_range import SpeedRange
     from drivegate_cases.motor.motor import Motor
     from drivegate_cases.scenario.scenario import Scenario
@@ -78,8 +78,8 @@ class DriveKind:
         Name of the packaged motor that candidates are judged on where nobody names another.
     motor : callable
         Gives the class of the documents that describe such a motor.
-    closed_loop : callable
-        Gives the function that runs a controller against the plant.
+    prepare_loop : callable
+        Gives the function that makes a run of a controller against the plant ready.
     oracle : callable
         Gives what such a drive can do at best.
     steady_state : callable
@@ -99,7 +99,7 @@ class DriveKind:
     name: str
     default_motor: str
     motor: Callable[[], type[Motor]]
-    closed_loop: Callable[[], RunClosedLoop]
+    prepare_loop: Callable[[], PrepareLoop]
     oracle: Callable[[], Oracle]
     steady_state: Callable[[], Callable[..., object]]
     steady_states: Callable[[], SteadyStates]

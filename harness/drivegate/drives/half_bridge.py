@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
 
     from drivegate.checks.check import Check
-    from drivegate.runs.scenario import RunClosedLoop
+    from drivegate.runs.scenario import PrepareLoop
     from drivegate.scenarios.speed_range import SpeedRange
     from drivegate_cases.motor.motor import Motor
     from drivegate_cases.scenario.scenario import Scenario
@@ -23,10 +23,10 @@ def _motor() -> type[Motor]:
     return Motor
 
 
-def _closed_loop() -> RunClosedLoop:
-    from drivegate_models.half_bridge.closed_loop import run_closed_loop
+def _prepare_loop() -> PrepareLoop:
+    from drivegate_models.half_bridge.closed_loop import prepared_loop
 
-    return run_closed_loop
+    return prepared_loop
 
 
 def _oracle() -> Oracle:
@@ -85,7 +85,7 @@ HALF_BRIDGE: Final = DriveKind(
     name="half_bridge",
     default_motor="paper-5-phase",
     motor=_motor,
-    closed_loop=_closed_loop,
+    prepare_loop=_prepare_loop,
     oracle=_oracle,
     steady_state=_steady_state,
     steady_states=_steady_states,

@@ -2,49 +2,37 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from drivegate.candidates.controller import Controller
-from drivegate.containment.messages import LoadedCandidate
+from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.drives.kinds import kind_of
 from drivegate.runs.record import RunRecord
-from drivegate.runs.scenario import run_in_closed_loop
+from drivegate.runs.scenario import Wrap, run_in_closed_loop
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
-
-if TYPE_CHECKING:
-    from drivegate.containment.shared_progress import SharedProgress
 
 
 def run_scenario(
     scenario: Scenario,
-    controller: Controller,
+    controller: AnyController,
     *,
-    progress: SharedProgress | None = None,
     power_window: float = 0.0,
     trace_every: int = 0,
+    wrap: Wrap | None = None,
 ) -> ClosedLoopRun:
     """Reset a controller and run it through a scenario."""
     return run_in_closed_loop(
-        kind_of(scenario.motor).closed_loop(),
+        kind_of(scenario.motor).prepare_loop(),
         scenario,
         controller,
-        progress=progress,
         power_window=power_window,
         trace_every=trace_every,
+        wrap=wrap,
     )
 
 
 def recorded(
-    loaded: LoadedCandidate, scenario: Scenario, controller: Controller, *, trace_every: int = 0
+    loaded: JudgedCandidate, scenario: Scenario, controller: AnyController, *, trace_every: int = 0
 ) -> RunRecord:
     """Run a candidate through a scenario for the checks, observed as its declaration requires."""
     declaration = loaded.candidate.declaration
-    run = run_scenario(
-        scenario,
-        controller,
-        progress=loaded.progress,
-        trace_every=trace_every,
-        power_window=declaration.power_window_s,
-    )
+    run = run_scenario(scenario, controller, trace_every=trace_every, power_window=declaration.power_window_s)
     return RunRecord(scenario, run, declaration)

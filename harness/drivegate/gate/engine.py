@@ -11,7 +11,6 @@ from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
-from drivegate.candidates.loading import load_controller
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
@@ -97,7 +96,7 @@ def check_candidate(
         compile_kernels(marker)
 
     progress = _Progress(None if max_time is None else began + max_time)
-    with WorkerPool(candidate, load_controller, workers=count) as pool:
+    with WorkerPool(candidate, workers=count) as pool:
         yield from _run_all(pool, work, progress)
         if not progress.time_is_up:
             _repeat(pool, progress)

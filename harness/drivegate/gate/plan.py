@@ -11,7 +11,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.checks.flowchart.run import ScriptRuns, run_scripts, script_margin
 from drivegate.checks.flowchart.scripts import fixed_scripts, usual_speed
 from drivegate.checks.judging import JudgedRun, ShardOutcome
-from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.drive_kind import DriveKind
 from drivegate.drives.kinds import DEFAULT_KIND
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
@@ -105,7 +105,7 @@ def _stored(stored: Counterexample) -> Work:
     return _as_they_are((stored.scenario,), Origin.CORPUS, repeat=stored.check == REPEATED)
 
 
-def run_stored_script(loaded: LoadedCandidate, script: Script) -> ShardOutcome:
+def run_stored_script(loaded: JudgedCandidate, script: Script) -> ShardOutcome:
     """Run a script of the corpus; this is what the worker process does."""
     margin = script_margin(loaded, script)
     return ShardOutcome(() if margin is None else (JudgedRun(script.to_mapping(), (margin,)),))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.fault import Fault
 from drivegate.checks.judged_window import judged_window
-from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.running import recorded
 from drivegate.results.result import CheckOutcome, Recording
 from drivegate_cases.documents.document import parse_document
@@ -93,7 +93,7 @@ def recording_job(plan: RecordPlan) -> Job[Recorded]:
     return Job(run_recorded, plan)
 
 
-def run_recorded(loaded: LoadedCandidate, plan: RecordPlan) -> Recorded:
+def run_recorded(loaded: JudgedCandidate, plan: RecordPlan) -> Recorded:
     """Run a scenario again and keep its signals; this is what the worker process does."""
     from drivegate.checks.catalogue import CHECKS
 

@@ -9,7 +9,7 @@ from typing import Final
 from drivegate.candidates.fault import Fault
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
-from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
@@ -25,7 +25,7 @@ def repetition_job(scenario: Scenario) -> Job[int]:
     return Job(run_repetition, scenario, afresh=True)
 
 
-def run_repetition(loaded: LoadedCandidate, scenario: Scenario) -> int:
+def run_repetition(loaded: JudgedCandidate, scenario: Scenario) -> int:
     """Run a scenario; this is what the worker process does."""
     return recorded(loaded, scenario, loaded.controller()).run.digest
 

@@ -12,12 +12,11 @@ from hypothesis import HealthCheck, Phase, assume, given, seed, settings, target
 from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
 
-from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome, judged
 from drivegate.checks.margin import Margin
-from drivegate.containment.messages import LoadedCandidate
+from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.scenarios.drawn.isolation import from_the_seed_alone
@@ -78,7 +77,7 @@ def content_key(scenario: Mapping[str, Any]) -> str:
     return json.dumps(content, sort_keys=True)
 
 
-def run_fixed(loaded: LoadedCandidate, plan: FixedRuns) -> ShardOutcome:
+def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
     """Run scenarios as they are."""
     controller = loaded.controller()
     records = [recorded(loaded, scenario, controller) for scenario in plan.scenarios]
@@ -97,9 +96,9 @@ class _Collector:
     first runs can be held to unrelated draws.
     """
 
-    def __init__(self, loaded: LoadedCandidate, motor: Motor, unrelated: int) -> None:
+    def __init__(self, loaded: JudgedCandidate, motor: Motor, unrelated: int) -> None:
         self._loaded = loaded
-        self._controller: Controller = loaded.controller()
+        self._controller = loaded.controller()
         self._unrelated = unrelated
         self.kind = kind_of(motor)
         fixed = self.kind.fixed_scenarios(motor, None)
@@ -139,7 +138,7 @@ class _Collector:
         return outcome.margins
 
 
-def run_drawn(loaded: LoadedCandidate, plan: DrawnRuns) -> ShardOutcome:
+def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
     """Draw scenarios, and climb toward the smallest margin."""
     motor = load_motor(plan.motor)
     collector = _Collector(loaded, motor, plan.examples // 2 if plan.search else plan.examples)

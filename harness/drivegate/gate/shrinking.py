@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from drivegate.candidates.fault import CandidateFault
+from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.margin import Margin
-from drivegate.containment.messages import LoadedCandidate
+from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.gate.shard import content_key
@@ -63,7 +63,7 @@ class Shrunk:
     size: int
 
 
-def run_shrink(loaded: LoadedCandidate, plan: ShrinkPlan) -> Shrunk | None:
+def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:
     """Make a scenario simpler for as long as it breaks the same check; the same plan gives the same answer."""
     if plan.scenario.get("kind") == "script":
         return None
@@ -82,7 +82,7 @@ def run_shrink(loaded: LoadedCandidate, plan: ShrinkPlan) -> Shrunk | None:
 class _Trials:
     """Runs of one check, each scenario at most once."""
 
-    def __init__(self, loaded: LoadedCandidate, plan: ShrinkPlan) -> None:
+    def __init__(self, loaded: JudgedCandidate, plan: ShrinkPlan) -> None:
         self._loaded = loaded
         self._controller = loaded.controller()
         self._check = next(check for check in CHECKS if check.id == plan.check)
@@ -101,7 +101,9 @@ class _Trials:
         self.runs += 1
         try:
             record = recorded(self._loaded, scenario, self._controller)
-        except CandidateFault:
+        except CandidateFault as ended:
+            if ended.fault.kind is FaultKind.HANG:
+                raise
             # Another failure than the one looked for.
             return None
         margin = self._check.evaluate(record)

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 from itertools import product
 from pathlib import Path
-from typing import cast
 
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
-from drivegate.candidates.candidate import Candidate
-from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
-from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
-from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
-from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.drives.running import recorded
 from drivegate.runs.record import rated_torque
@@ -27,8 +22,6 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 MARKER = "all-kernels"
 """Name of the file in the cache folder that tells that every kernel has been compiled."""
-
-_LIMITS = WorkerLimits(start_processor_seconds=3600.0, idle_seconds=600.0)
 
 
 def missing_marker() -> Path | None:
@@ -47,7 +40,7 @@ def compile_kernels(marker: Path) -> None:
     compiled by then: the phase in the oracle, the whole steady state in what is beside it.
     """
     candidate = resolve_candidate(next(iter(BUILTIN_CANDIDATES)))
-    with WorkerPool(candidate, _load_nothing, workers=2, limits=_LIMITS) as pool:
+    with WorkerPool(candidate, workers=2) as pool:
         rounds = ((_use_oracle, _use_closed_loop, _use_steady_state), (_judge_a_run,))
         for kind, targets in product(DRIVE_KINDS, rounds):
             for outcome in pool.map([Job(target, kind) for target in targets]):
@@ -56,7 +49,7 @@ def compile_kernels(marker: Path) -> None:
     marker.touch()
 
 
-def _use_oracle(_loaded: LoadedCandidate, kind: str) -> None:
+def _use_oracle(_loaded: JudgedCandidate, kind: str) -> None:
     drive_kind, scenario = DRIVE_KINDS[kind], _plain_scenario(kind)
     drive_kind.unfair_because(scenario)
     oracle, drive = drive_kind.oracle(), scenario.motor.drive()
@@ -66,24 +59,17 @@ def _use_oracle(_loaded: LoadedCandidate, kind: str) -> None:
     oracle.point_at_torque(drive, speed, optimum.advance, torque)
 
 
-def _load_nothing(_candidate: Candidate) -> Controller:
-    """Leave the controllers, which take long to compile, to the one job that needs them."""
-    return cast("Controller", None)
+def _use_closed_loop(loaded: JudgedCandidate, kind: str) -> None:
+    recorded(loaded, _plain_scenario(kind), loaded.controller())
 
 
-def _use_closed_loop(loaded: LoadedCandidate, kind: str) -> None:
-    recorded(loaded, _plain_scenario(kind), load_controller(loaded.candidate))
-
-
-def _use_steady_state(_loaded: LoadedCandidate, kind: str) -> None:
+def _use_steady_state(_loaded: JudgedCandidate, kind: str) -> None:
     drive = _plain_scenario(kind).motor.drive()
     DRIVE_KINDS[kind].steady_state()(drive, 100.0, 10.0, 0.5)
 
 
-def _judge_a_run(loaded: LoadedCandidate, kind: str) -> None:
-    judged(
-        recorded(loaded, _plain_scenario(kind), load_controller(loaded.candidate)), DRIVE_KINDS[kind].checks()
-    )
+def _judge_a_run(loaded: JudgedCandidate, kind: str) -> None:
+    judged(recorded(loaded, _plain_scenario(kind), loaded.controller()), DRIVE_KINDS[kind].checks())
 
 
 def _plain_scenario(kind: str) -> Scenario:

@@ -72,7 +72,9 @@ class CheckSection(Section):
 class FaultSection(Section):
     """A fault of the candidate, which no waiver covers."""
 
-    kind: Text = Field(description="exception, crash, hang, invalid output or non-deterministic")
+    kind: Text = Field(
+        description="exception, crash, hang, invalid output, foreign memory or non-deterministic"
+    )
     message: Text = Field(description="what happened, in one sentence")
     phase: Text = Field(description="when: loading, reset or step")
     error: Text = Field(default="", description="type of the exception, or name of the signal")
@@ -121,6 +123,11 @@ class ResultDocument(Document):
     exit_code: int = Field(ge=0, le=3, description="exit code of the check")
     seed: int = Field(ge=0, description="seed of the search")
     effort: Text = Field(description="quick, default or nightly")
+    judged_by: Literal["playback", "own code"] = Field(
+        default="own code",
+        description="'playback' where the candidate's commands were played back in a process that never loaded it, "
+        "'own code' where the candidate comes along with drivegate and ran beside what judges it",
+    )
     fail_on: Literal["required", "advisory"] = Field(
         default="required", description="'advisory' where advisory checks count like required ones"
     )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
+from drivegate.candidates.kinds import KINDS
 
 if TYPE_CHECKING:
     from drivegate.checks.judging import InfeasibleScenario
@@ -237,6 +238,7 @@ class CheckResult:
             "exit_code": self.exit_code,
             "seed": self.seed,
             "effort": self.effort,
+            "judged_by": "own code" if KINDS[candidate.kind].comes_along else "playback",
             "fail_on": self.fail_on,
             "checks": [asdict(outcome) for outcome in self.checks],
             "faults": [_fault_document(fault) for fault in self.faults],

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, refused_command
+from drivegate.containment.contained_controller import ContainedController, PlayedCommands
+from drivegate.containment.messages import AnyController
 from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.scenario.load import (
     GRAVITY,
@@ -27,17 +28,16 @@ from drivegate_cases.scenario.sensors import IdealSensors
 from drivegate_models.contract.outer_loop.signals import Sense
 from drivegate_models.errors import HarnessFault
 from drivegate_models.loop import sensors
-from drivegate_models.loop.closed_loop import ClosedLoopRun
+from drivegate_models.loop.closed_loop import ClosedLoopRun, PreparedLoop
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.schedule import Course, Schedule
 from drivegate_models.machine import load
 from drivegate_models.units import RADIANS_PER_RPM
 
-if TYPE_CHECKING:
-    from drivegate.containment.shared_progress import SharedProgress
-
-RunClosedLoop: TypeAlias = Callable[..., ClosedLoopRun]
-"""Runs a controller, already reset, against the plant of one kind of drive."""
+PrepareLoop: TypeAlias = Callable[..., PreparedLoop]
+"""Makes a run of a controller, already reset, against the plant of one kind of drive ready to begin."""
+Wrap: TypeAlias = Callable[[Controller], Controller]
+"""Puts something between the closed loop and a controller, which passes every step on."""
 
 _PERCENT = 0.01
 _SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
@@ -111,39 +111,48 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
 
 
 def run_in_closed_loop(
-    run_closed_loop: RunClosedLoop,
+    prepare: PrepareLoop,
     scenario: Scenario,
-    controller: Controller,
+    controller: AnyController,
     *,
-    progress: SharedProgress | None = None,
     power_window: float = 0.0,
     trace_every: int = 0,
+    wrap: Wrap | None = None,
 ) -> ClosedLoopRun:
-    """Reset a controller and run it through a scenario, against the plant of a closed loop."""
+    """Reset a controller and run it through a scenario, against the plant of a closed loop.
+
+    A candidate's instance runs in its own process, beside a plant that is there to close the loop; what is observed is
+    what the plant here comes to by the same commands.
+    """
     nameplate = scenario.nameplate()
-    drive = scenario.motor.drive(scenario.scales)
-    with progress.run() if progress is not None else nullcontext():
-        controller.reset(nameplate)
-        run = run_closed_loop(
-            drive,
-            plant_load(scenario),
-            plant_schedule(scenario),
-            step_address=controller.step_address,
-            state_address=controller.state_address,
-            initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
-            base_speed=nameplate.base_speed,
-            control_period=scenario.control_period_s,
-            duration=scenario.duration_s,
-            windows=observed_windows(scenario),
-            sensors=plant_sensors(scenario),
-            power_window=power_window,
-            sense=progress.sense if progress is not None else None,
-            sensed_currents=progress.phase_currents if progress is not None else None,
-            progress=progress.steps if progress is not None else None,
-            trace_every=trace_every,
-        )
+    plant = (scenario.motor.drive(scenario.scales), plant_load(scenario), plant_schedule(scenario))
+    options = {
+        "initial_speed": scenario.initial_speed_rpm * RADIANS_PER_RPM,
+        "base_speed": nameplate.base_speed,
+        "control_period": scenario.control_period_s,
+        "duration": scenario.duration_s,
+        "sensors": plant_sensors(scenario),
+    }
+    controller.reset(nameplate)
+    if isinstance(controller, ContainedController):
+        by_address: Controller = controller.run(prepare, plant, options, scenario.control_periods)
+    else:
+        by_address = controller
+    stepped = by_address if wrap is None else wrap(by_address)
+    prepared = prepare(
+        *plant,
+        **options,
+        step_address=stepped.step_address,
+        state_address=stepped.state_address,
+        windows=observed_windows(scenario),
+        power_window=power_window,
+        trace_every=trace_every,
+    )
+    run = prepared.run()
     if run.status != COMPLETED:
-        _raise_ending(run, controller)
+        _raise_ending(run, by_address)
+    if isinstance(by_address, PlayedCommands) and (fault := by_address.disturbed(prepared)) is not None:
+        raise CandidateFault(fault)
     return run
 
 
@@ -152,9 +161,10 @@ def _raise_ending(run: ClosedLoopRun, controller: Controller) -> None:
     step = int(run.steps)
     fault = controller.fault
     if run.status == STOPPED and fault is not None:
-        sensed = fault.sense is not None
+        # A step before the first one was no step.
+        placed = fault.phase == "step"
         raise CandidateFault(
-            fault if sensed else replace(fault, step=step, time=sense.time, sense=sense._asdict())
+            replace(fault, step=step, time=sense.time, sense=sense._asdict()) if placed else fault
         )
     if run.status in (STOPPED, NOT_FINITE):
         finite = run.status != NOT_FINITE

@@ -1,70 +1,87 @@
-"""One run of a controller through given signals: its advance angles, or its fault."""
+"""Steps of a controller through given Senses: its commands, or its fault."""
 
 from __future__ import annotations
 
-from contextlib import nullcontext
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.controller import Controller
-from drivegate.candidates.fault import CandidateFault, refused_command
+from drivegate.candidates.fault import CandidateFault, Fault, refused_command
+from drivegate.containment.candidate_process import Answered
+from drivegate.containment.contained_controller import ContainedController
+from drivegate.containment.messages import AnyController
+from drivegate_models.contract.outer_loop.records import COMMAND
 from drivegate_models.contract.outer_loop.signals import Nameplate, Sense
-from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
-from drivegate_models.loop.scripted_steps import ScriptedSteps
+from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, OUTPUTS, STOPPED, Exchange, make_exchange
+from drivegate_models.loop.given_steps import SCALARS, make_steps, senses_of
 
-if TYPE_CHECKING:
-    from drivegate.containment.shared_progress import SharedProgress
-
-
-def prepared_steps(
-    controller: Controller,
-    nameplate: Nameplate,
-    signals: NDArray[np.float64],
-    progress: SharedProgress | None = None,
-) -> ScriptedSteps:
-    """Reset a controller and make ready to step it."""
-    controller.reset(nameplate)
-    return ScriptedSteps(
-        signals,
-        step_address=controller.step_address,
-        state_address=controller.state_address,
-        phases=nameplate.phases,
-        control_period=nameplate.control_period,
-        sense=progress.sense if progress is not None else None,
-        sensed_currents=progress.phase_currents if progress is not None else None,
-        progress=progress.steps if progress is not None else None,
-    )
+_ANGLE = OUTPUTS.index("advance_angle")
 
 
-def advance(steps: ScriptedSteps, controller: Controller, begin: int = 0, end: int | None = None) -> None:
-    """Make steps, which have to follow on those made before."""
-    status, step = steps.advance(begin, end)
-    if status == COMPLETED:
-        return
-    if status == STOPPED and controller.fault is not None:
-        raise CandidateFault(controller.fault)
-    sense = _last_sense(steps)
-    finite = status != NOT_FINITE
-    raise CandidateFault(refused_command(steps.command[0], finite=finite, step=step, sense=sense))
+class GivenSteps:
+    """A controller that is reset, and then stepped through Senses that are given in pieces.
+
+    Attributes
+    ----------
+    last_answers : ndarray, shape (n, 3)
+        Commands of the last piece up to a fault, `exchange.OUTPUTS` in each row.
+    """
+
+    def __init__(self, controller: AnyController, nameplate: Nameplate) -> None:
+        self._controller = controller
+        self._steps = 0
+        self.last_answers: NDArray[np.float64] = np.empty((0, len(OUTPUTS)))
+        self._exchange: Exchange | None = None
+        controller.reset(nameplate)
+        if not isinstance(controller, ContainedController):
+            self._exchange = make_exchange(
+                nameplate.phases,
+                step_address=controller.step_address,
+                state_address=controller.state_address,
+            )
+
+    def answers(self, senses: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Make a step for each row of Senses, and give the commands, shape (n, 3); a fault is raised."""
+        answered = self._made(np.ascontiguousarray(senses, np.float64))
+        commands = answered.commands
+        if answered.status == COMPLETED:
+            self._steps += len(senses)
+            return commands
+        row = len(commands) - (answered.status == NOT_FINITE)
+        self.last_answers = commands[:row]
+        raise CandidateFault(_placed(answered, senses[row], self._steps + row))
+
+    def _made(self, senses: NDArray[np.float64]) -> Answered:
+        if isinstance(self._controller, ContainedController):
+            return self._controller.answers(senses)
+        assert self._exchange is not None, "a controller of this process has records here"
+        kept = np.zeros(len(senses), COMMAND)
+        status, count = make_steps(self._exchange._replace(kept=kept), senses)
+        commands = np.column_stack([kept[name][: count + (status == NOT_FINITE)] for name in OUTPUTS])
+        return Answered(commands, int(status), b"", self._controller.fault if status == STOPPED else None)
+
+
+def _placed(answered: Answered, row: NDArray[np.float64], step: int) -> Fault:
+    """Add to what ended the steps where it happened."""
+    numbers = row.tolist()
+    scalars = dict(zip(SCALARS, numbers, strict=False))
+    sense = Sense(phase_currents=tuple(numbers[len(SCALARS) :]), **scalars)
+    fault = answered.fault
+    if fault is None:
+        command = np.zeros(1, COMMAND)
+        if answered.status == NOT_FINITE:
+            command[list(OUTPUTS)] = tuple(answered.commands[-1])
+        finite = answered.status != NOT_FINITE
+        return refused_command(command[0], finite=finite, step=step, sense=sense)
+    if fault.phase != "step":
+        return fault
+    return replace(fault, step=step, time=sense.time, sense=sense._asdict())
 
 
 def scripted_angles(
-    controller: Controller,
-    nameplate: Nameplate,
-    signals: NDArray[np.float64],
-    progress: SharedProgress | None = None,
+    controller: AnyController, nameplate: Nameplate, signals: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Reset a controller, step it through given signals and collect its advance angles."""
-    with progress.run() if progress is not None else nullcontext():
-        steps = prepared_steps(controller, nameplate, signals, progress)
-        advance(steps, controller)
-    return steps.angles
-
-
-def _last_sense(steps: ScriptedSteps) -> Sense:
-    record = steps.sense[0]
-    scalars = {name: float(record[name]) for name in Sense._fields if name != "phase_currents"}
-    currents = steps.currents[: int(record["phase_count"])]
-    return Sense(phase_currents=tuple(currents.tolist()), **scalars)
+    senses = senses_of(signals, nameplate.phases, nameplate.control_period)
+    return GivenSteps(controller, nameplate).answers(senses)[:, _ANGLE]

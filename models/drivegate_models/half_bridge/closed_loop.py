@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from functools import partial
-from typing import Final
+from typing import Any, Final
 
-from drivegate_models.half_bridge.plant.drive import drifted
+from drivegate_models.half_bridge.plant.drive import Drive, drifted
 from drivegate_models.half_bridge.plant.phases import advance_phases, make_phases, stored_energy, torque_range
 from drivegate_models.loop import closed_loop
-from drivegate_models.loop.closed_loop import Plant, plant_of
+from drivegate_models.loop.closed_loop import Plant, PreparedLoop, plant_of
 from drivegate_models.loop.loop_kernel import PlantKernels
+from drivegate_models.loop.schedule import Schedule
+from drivegate_models.machine.load import Load
 
 PLANT: Final[Plant] = plant_of(
     PlantKernels(
@@ -22,5 +23,7 @@ PLANT: Final[Plant] = plant_of(
 )
 """Decoupled phases on half-bridge legs."""
 
-run_closed_loop = partial(closed_loop.run_closed_loop, PLANT)
-"""Run a controller, already reset, against this plant; see `drivegate_models.loop.closed_loop.run_closed_loop`."""
+
+def prepared_loop(drive: Drive, load: Load, schedule: Schedule, **options: Any) -> PreparedLoop:
+    """Make a run against this plant ready to begin; see `drivegate_models.loop.closed_loop.prepared_loop`."""
+    return closed_loop.prepared_loop(PLANT, drive, load, schedule, **options)

@@ -90,7 +90,53 @@ def plant_of(kernels: PlantKernels) -> Plant:
     return Plant(kernels, loop_of(kernels))
 
 
-def run_closed_loop(
+@dataclass(frozen=True)
+class PreparedLoop:
+    """A run that is ready to begin.
+
+    Attributes
+    ----------
+    loop : callable
+        The compiled loop.
+    arguments : tuple
+        What it is called with.
+    exchange : Exchange
+        The records between loop and controller.
+    records : Records
+        What the run fills in.
+    trace_every : int
+        Every n-th control period is kept in the trace; 0 keeps none.
+    """
+
+    loop: Any
+    arguments: tuple[Any, ...]
+    exchange: Exchange
+    records: Records
+    trace_every: int
+
+    def run(self) -> ClosedLoopRun:
+        """Run the controller, already reset, to the end or to where it stops."""
+        status, digest = self.loop(*self.arguments)
+        return self.finished(int(status), int(digest))
+
+    def finished(self, status: int, digest: int) -> ClosedLoopRun:
+        """Collect what a run has come to whose loop returned a status and a digest."""
+        observed = observation.observed_run(self.records.run)
+        trace, every = self.records.trace, self.trace_every
+        return ClosedLoopRun(
+            status=status,
+            digest=digest,
+            totals=self.records.totals,
+            observed=observed,
+            windows=observation.observed_windows(self.records.windows),
+            trace=trace[: -(-int(observed.steps) // every)] if every > 0 else trace,
+            last_sense=self.exchange.sense.copy(),
+            last_currents=self.exchange.sensed_currents.copy(),
+            last_command=self.exchange.command,
+        )
+
+
+def prepared_loop(
     plant: Plant,
     drive: Any,
     load: Load,
@@ -105,12 +151,11 @@ def run_closed_loop(
     windows: list[tuple[float, float]],
     sensors: Sensors | None = None,
     power_window: float = 0.0,
-    sense: NDArray[Any] | None = None,
-    sensed_currents: NDArray[np.float64] | None = None,
     progress: NDArray[np.int64] | None = None,
+    kept: NDArray[Any] | None = None,
     trace_every: int = 0,
-) -> ClosedLoopRun:
-    """Run a controller, already reset, against the plant.
+) -> PreparedLoop:
+    """Make a run of a controller against the plant ready to begin.
 
     Parameters
     ----------
@@ -138,39 +183,32 @@ def run_closed_loop(
         What the controller sees the plant through, made for this run; ideal by default.
     power_window : float
         Time over which the controller's estimate of its input power is a mean (s); 0 for the last period alone.
-    sense : ndarray of SENSE, shape (1,), optional
-        The record to hand to the controller, where another process is to see it.
-    sensed_currents : ndarray, shape (m,) or longer, optional
-        Where its phase currents belong (A).
     progress : ndarray of int64, shape (1,), optional
         Receives the number of steps begun.
+    kept : ndarray of COMMAND, shape (n,), optional
+        Receives the commands of the first n steps.
     trace_every : int
         Keep every n-th control period in the trace; 0 keeps none.
 
     Returns
     -------
-    ClosedLoopRun
-        Observations of the run.
+    PreparedLoop
+        The run.
     """
     exchange = make_exchange(
-        drive.phases,
-        step_address=step_address,
-        state_address=state_address,
-        sense=sense,
-        sensed_currents=sensed_currents,
-        progress=progress,
+        drive.phases, step_address=step_address, state_address=state_address, progress=progress, kept=kept
     )
     timing = _timing(initial_speed, base_speed, control_period, duration, windows, trace_every)
-    kept = -(-timing.steps // trace_every) if trace_every > 0 else 0
+    traced = -(-timing.steps // trace_every) if trace_every > 0 else 0
     records = Records(
         observation.empty_run(),
         observation.empty_windows(len(windows)),
-        np.zeros(kept, observation.TRACE_RECORD),
+        np.zeros(traced, observation.TRACE_RECORD),
         np.zeros(ledger.ENTRIES),
     )
     phases = plant.kernels.make_phases(drive)
     room = plant.kernels.make_phases(drive, control_period)
-    status, digest = plant.loop(
+    arguments = (
         drive,
         phases,
         phases._replace(rows=room.rows, row_counts=room.row_counts),
@@ -182,7 +220,7 @@ def run_closed_loop(
         records,
         _room(drive.phases, len(windows), round(power_window / control_period)),
     )
-    return _finished(int(status), int(digest), exchange, records, drive.phases, trace_every)
+    return PreparedLoop(plant.loop, arguments, exchange, records, trace_every)
 
 
 def _timing(
@@ -216,22 +254,4 @@ def _room(phases: int, windows: int, products: int) -> Room:
         np.zeros(max(products, 1)),
         np.zeros(ledger.ENTRIES),
         np.zeros(windows),
-    )
-
-
-def _finished(
-    status: int, digest: int, exchange: Exchange, records: Records, phases: int, trace_every: int
-) -> ClosedLoopRun:
-    observed = observation.observed_run(records.run)
-    trace = records.trace
-    return ClosedLoopRun(
-        status=status,
-        digest=digest,
-        totals=records.totals,
-        observed=observed,
-        windows=observation.observed_windows(records.windows),
-        trace=trace[: -(-int(observed.steps) // trace_every)] if trace_every > 0 else trace,
-        last_sense=exchange.sense.copy(),
-        last_currents=exchange.sensed_currents[:phases].copy(),
-        last_command=exchange.command,
     )

@@ -12,6 +12,8 @@ from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 
+OUTPUTS: Final = ("current_reference", "advance_angle", "input_power")
+"""The numbers of a Command, in the order of the columns wherever commands stand in rows."""
 COMPLETED: Final = 0
 """Status: the controller has answered; of a whole run, that it reached its end."""
 STOPPED: Final = 1
@@ -33,9 +35,11 @@ class Exchange(NamedTuple):
     command_bits: NDArray[np.int64]
     """The command's bits, shape (4,)."""
     sensed_currents: NDArray[np.float64]
-    """Shape (m,) or longer (A)."""
+    """Shape (m,) (A)."""
     progress: NDArray[np.int64]
     """Shape (1,): number of steps begun, watched by the parent process."""
+    kept: NDArray[Any]
+    """Receives the command of each step, shape (n,) of contract.COMMAND; those behind its end are not kept."""
     step_address: int
     """Address of the controller's step."""
     state_address: int
@@ -51,9 +55,8 @@ def make_exchange(
     *,
     step_address: int,
     state_address: int,
-    sense: NDArray[Any] | None = None,
-    sensed_currents: NDArray[np.float64] | None = None,
     progress: NDArray[np.int64] | None = None,
+    kept: NDArray[Any] | None = None,
 ) -> Exchange:
     """Set up the records of a controller that has been reset.
 
@@ -63,20 +66,18 @@ def make_exchange(
         Number of phases m.
     step_address, state_address : int
         Addresses of the controller's step function and of its state.
-    sense : ndarray of SENSE, shape (1,), optional
-        The record to hand to the controller, where another process is to see it.
-    sensed_currents : ndarray, shape (m,) or longer, optional
-        Where its phase currents belong (A).
     progress : ndarray of int64, shape (1,), optional
         Receives the number of steps begun.
+    kept : ndarray of COMMAND, shape (n,), optional
+        Receives the commands of the first n steps.
 
     Returns
     -------
     Exchange
         The records, sized and tied together.
     """
-    sense = np.zeros(1, SENSE) if sense is None else sense
-    currents = np.zeros(phases) if sensed_currents is None else sensed_currents
+    sense = np.zeros(1, SENSE)
+    currents = np.zeros(phases)
     command = np.zeros(1, COMMAND)
     sense[0]["struct_size"] = SENSE.itemsize
     sense[0]["phase_count"] = phases
@@ -88,6 +89,7 @@ def make_exchange(
         command_bits=command.view(np.int64),
         sensed_currents=currents,
         progress=np.zeros(1, np.int64) if progress is None else progress,
+        kept=np.zeros(0, COMMAND) if kept is None else kept,
         step_address=step_address,
         state_address=state_address,
         sense_address=sense.ctypes.data,
@@ -121,6 +123,11 @@ def step_controller(exchange: Exchange, step: int) -> int:
     call_step(exchange.step_address, exchange.state_address, exchange.sense_address, exchange.command_address)
     if command[0].struct_size < 0:
         return STOPPED
+    if step < exchange.kept.size:
+        kept = exchange.kept[step]
+        kept.current_reference = command[0].current_reference
+        kept.advance_angle = command[0].advance_angle
+        kept.input_power = command[0].input_power
     finite = isfinite(command[0].current_reference) and isfinite(command[0].advance_angle)
     # A power of NaN means that the controller estimates none.
     if not finite or abs(command[0].input_power) == inf:

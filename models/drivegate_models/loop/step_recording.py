@@ -1,4 +1,4 @@
-"""Keeping every step of a controller as sensed and answered, and giving another controller the same to sense.
+"""Keeping every step of a controller as sensed and answered, and finding where two records differ.
 
 A recorder stands between the closed loop and a controller: it passes each step on and writes a row of exact
 numbers. Its memory is one block of rows; a full one is handed to a function that empties it.
@@ -7,7 +7,6 @@ numbers. Its memory is one block of rows; a full one is handed to a function tha
 from __future__ import annotations
 
 from functools import cache
-from math import nan
 from typing import Any, Final
 
 import numpy as np
@@ -16,22 +15,14 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.calling import call_step, double_at
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined, unallocating
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
-from drivegate_models.loop.exchange import COMPLETED, STOPPED, Exchange, make_exchange, step_controller
-
-SCALARS: Final = ("time", "speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage")
-"""First columns of a row: the Sense but for its phase currents, in SI units."""
-
-OUTPUTS: Final = ("current_reference", "advance_angle", "input_power")
-"""The columns after them: the Command. The phase currents are the last columns."""
+from drivegate_models.loop.exchange import OUTPUTS
+from drivegate_models.loop.given_steps import SCALARS
 
 MOST_PHASES: Final = 64
 """Phase currents that a row has room for."""
 
 BLOCK_ROWS: Final = 1024
 """Rows that a recorder holds."""
-
-DIFFERS: Final = 3
-"""Status, besides those of `exchange`: an answer differs from the recorded one."""
 
 _FIRST_OUTPUT = len(SCALARS)
 _FIRST_CURRENT = len(SCALARS) + len(OUTPUTS)
@@ -138,129 +129,72 @@ def differs(one: float, other: float, one_bits: int, other_bits: int, tolerance:
 
 
 @unallocating
-def _shadow(
-    exchange: Exchange,
-    begun: int,
-    rows: NDArray[np.float64],
-    row_bits: NDArray[np.int64],
+def _first_difference(
+    outputs: NDArray[np.float64],
+    output_bits: NDArray[np.int64],
+    answers: NDArray[np.float64],
+    answer_bits: NDArray[np.int64],
     judged: NDArray[np.bool_],
     tolerance: float,
-    answers: NDArray[np.float64],
-) -> tuple[int, int]:
-    """Take an answer to each row; return the status and the number of rows that were answered alike."""
-    sense = exchange.sense
-    command = exchange.command
-    for k in range(rows.shape[0]):
-        row = rows[k]
-        sense[0].time = row[0]
-        sense[0].speed_reference = row[1]
-        sense[0].speed = row[2]
-        sense[0].current_magnitude_sum = row[3]
-        sense[0].half_supply_voltage = row[4]
-        for phase in range(rows.shape[1] - _FIRST_CURRENT):
-            exchange.sensed_currents[phase] = row[_FIRST_CURRENT + phase]
-        status = step_controller(exchange, begun + k)
-        if status == STOPPED:
-            return STOPPED, k
-        answers[k, 0] = command[0].current_reference
-        answers[k, 1] = command[0].advance_angle
-        answers[k, 2] = command[0].input_power
-        if status != COMPLETED:
-            return status, k
+) -> int:
+    for k in range(answers.shape[0]):
         for output in range(answers.shape[1]):
             if judged[output] and differs(
-                row[_FIRST_OUTPUT + output],
+                outputs[k, output],
                 answers[k, output],
-                row_bits[k, _FIRST_OUTPUT + output],
-                exchange.command_bits[1 + output],
+                output_bits[k, output],
+                answer_bits[k, output],
                 tolerance,
             ):
-                return DIFFERS, k
-    return COMPLETED, rows.shape[0]
+                return k
+    return int(answers.shape[0])
 
 
-class Shadow:
-    """A controller, already reset, that senses what another one sensed, row by row.
+def first_difference(
+    rows: NDArray[np.float64],
+    answers: NDArray[np.float64],
+    *,
+    judged: tuple[str, ...] = OUTPUTS,
+    tolerance: float = -1.0,
+) -> int | None:
+    """Find the first answer that differs from the recorded one.
 
     Parameters
     ----------
-    step_address, state_address : int
-        Addresses of the controller's step function and of its state.
-    phases : int
-        Number of phases.
-    sense : ndarray of SENSE, shape (1,), optional
-        The record to hand to the controller, where another process is to see it.
-    sensed_currents : ndarray, shape (m,) or longer, optional
-        Where its phase currents belong (A).
-    progress : ndarray of int64, shape (1,), optional
-        Receives the number of steps begun.
+    rows : ndarray, shape (n, row_length(phases))
+        What a recorder wrote.
+    answers : ndarray, shape (k, 3)
+        Another controller's `OUTPUTS` to the first k of them.
+    judged : tuple of str
+        The outputs that must not differ, of `OUTPUTS`.
+    tolerance : float
+        As `differs` has it.
 
-    Attributes
-    ----------
-    sense : ndarray of SENSE, shape (1,)
-        What the controller sensed last.
-    currents : ndarray
-        Its phase currents (A).
-    command : ndarray of COMMAND, shape (1,)
-        What it answered last.
+    Returns
+    -------
+    int or None
+        Number of the row; None where there is none.
     """
+    recorded = np.ascontiguousarray(rows[:, _FIRST_OUTPUT:_FIRST_CURRENT])
+    answers = np.ascontiguousarray(answers)
+    kept = np.array([output in judged for output in OUTPUTS])
+    found = _first_difference(
+        recorded, recorded.view(np.int64), answers, answers.view(np.int64), kept, tolerance
+    )
+    return None if found == len(answers) else int(found)
 
-    def __init__(
-        self,
-        *,
-        step_address: int,
-        state_address: int,
-        phases: int,
-        sense: NDArray[Any] | None = None,
-        sensed_currents: NDArray[np.float64] | None = None,
-        progress: NDArray[np.int64] | None = None,
-    ) -> None:
-        self._exchange = make_exchange(
-            phases,
-            step_address=step_address,
-            state_address=state_address,
-            sense=sense,
-            sensed_currents=sensed_currents,
-            progress=progress,
-        )
-        self.sense: NDArray[Any] = self._exchange.sense
-        self.currents: NDArray[np.float64] = self._exchange.sensed_currents
-        self.command: NDArray[Any] = self._exchange.command
-        self._begun = 0
 
-    def answer(
-        self, rows: NDArray[np.float64], *, judged: tuple[str, ...] = (), tolerance: float = -1.0
-    ) -> tuple[int, int, NDArray[np.float64]]:
-        """Take answers to rows, which have to follow on those before.
+def senses_in(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Take the Senses out of recorded rows.
 
-        Parameters
-        ----------
-        rows : ndarray, shape (n, row_length(phases))
-            What a recorder wrote.
-        judged : tuple of str
-            The outputs that must not differ from the recorded ones, of `OUTPUTS`.
-        tolerance : float
-            As `differs` has it.
+    Parameters
+    ----------
+    rows : ndarray, shape (n, row_length(phases))
+        What a recorder wrote.
 
-        Returns
-        -------
-        status : int
-            `COMPLETED`, `STOPPED`, `NOT_FINITE` or `DIFFERS`.
-        done : int
-            Number of rows that were answered alike; the next one is what the status is about.
-        answers : ndarray, shape (n, 3)
-            The answers, `OUTPUTS` in each row, up to that row.
-        """
-        answers = np.full((len(rows), len(OUTPUTS)), nan)
-        rows = np.ascontiguousarray(rows, np.float64)
-        status, done = _shadow(
-            self._exchange,
-            self._begun,
-            rows,
-            rows.view(np.int64),
-            np.array([output in judged for output in OUTPUTS]),
-            tolerance,
-            answers,
-        )
-        self._begun += len(rows)
-        return int(status), int(done), answers
+    Returns
+    -------
+    ndarray, shape (n, len(SCALARS) + phases)
+        Rows for `given_steps.make_given_steps`.
+    """
+    return np.delete(rows, np.s_[_FIRST_OUTPUT:_FIRST_CURRENT], axis=1)

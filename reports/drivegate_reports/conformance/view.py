@@ -174,6 +174,7 @@ def _meaning(verdict: str, failing: Sequence[str]) -> str:
         "crash": "The candidate's process died.",
         "hang": "The candidate did not answer in time.",
         "invalid output": "The candidate answered with what is no command.",
+        "foreign memory": "The candidate wrote into memory that is not its own.",
         "non-deterministic": "The candidate answered the same scenario in two ways.",
     }
     if verdict == "fail" and not failing:
@@ -199,6 +200,11 @@ def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[
         f"{document['set_aside']} drawn scenarios were set aside: no controller could have done what they demand, "
         "since no angle gives the torque there, or the shaft would have to be braked."
     )
+    if document.get("judged_by") == "playback":
+        sentences.append(
+            "Judged by playback: the candidate's process gave commands and nothing else, and every margin comes from "
+            "giving them to the plant again in a process that never loaded the candidate."
+        )
     if document["faults"]:
         sentences.append(f"{len(document['faults'])} faults of the candidate, which no waiver covers.")
     waived = [row.id for row in checks if row.waiver]

@@ -8,8 +8,8 @@ from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
-from drivegate.containment.worker import CandidateWorker
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 
 HERE = Path(__file__).parents[1]
@@ -24,7 +24,7 @@ def test_a_builtin_runs_in_a_worker_and_its_instances_share_nothing(name, monkey
     monkeypatch.syspath_prepend(HERE)
     import worker_jobs
 
-    with CandidateWorker(resolve_candidate(name), load_controller) as worker:
+    with Judge(resolve_candidate(name)) as worker:
         first, longer, again = (worker.run(Job(worker_jobs.drive, steps)) for steps in (50, 500, 50))
     assert first == again, "an earlier run shows in a later one"
     assert 0.0 < first < longer, (

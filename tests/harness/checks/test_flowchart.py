@@ -9,14 +9,13 @@ import pytest
 from drivegate import Command
 from drivegate.candidates.declaration import FlowchartProfile
 from drivegate.candidates.fault import CandidateFault, FaultKind
-from drivegate.candidates.loading import load_controller
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.flowchart.judging import judge_script
 from drivegate.checks.flowchart.run import ScriptRuns, run_scripts, script_margin, shortened
 from drivegate.checks.flowchart.scripts import Event, fixed_scripts, script_of, usual_speed
-from drivegate.containment.messages import LoadedCandidate
-from drivegate.containment.shared_progress import SharedProgress
+from drivegate.containment.judge import own_candidate
+from drivegate.containment.messages import JudgedCandidate
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.script import Script
@@ -295,8 +294,8 @@ def test_a_command_that_is_not_finite_is_the_candidates_fault():
     assert raised.value.fault.kind is FaultKind.INVALID_OUTPUT
 
 
-def loaded(name: str) -> LoadedCandidate:
-    return LoadedCandidate(resolve_candidate(name), load_controller, SharedProgress.create())
+def loaded(name: str) -> JudgedCandidate:
+    return own_candidate(resolve_candidate(name))
 
 
 @pytest.fixture(scope="module")
@@ -330,9 +329,7 @@ def test_the_shortest_failing_script_comes_last():
     flowchart = candidate.declaration.flowchart
     assert flowchart is not None
     declaration = replace(candidate.declaration, flowchart=replace(flowchart, step=math.radians(2.0)))
-    wrong = LoadedCandidate(
-        replace(candidate, declaration=declaration), load_controller, SharedProgress.create()
-    )
+    wrong = own_candidate(replace(candidate, declaration=declaration))
     runs = run_scripts(wrong, ScriptRuns("paper-5-phase", 0, 0)).runs
     assert not any(run.margins[0].met for run in runs)
     assert runs[-1].scenario["name"].endswith("-shortened")

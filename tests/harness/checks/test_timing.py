@@ -5,11 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from drivegate.candidates.loading import load_controller
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.containment.messages import LoadedCandidate
-from drivegate.containment.shared_progress import Activity, SharedProgress
+from drivegate.containment.judge import own_candidate
+from drivegate.containment.messages import JudgedCandidate
 from drivegate.gate.step_timing import TimedSteps, time_steps, timing_margin, way_of_running
 from drivegate_cases.scenario.scenario import load_scenario
 
@@ -43,8 +42,8 @@ class Rarely(Slow):
 """
 
 
-def loaded(specification: str) -> LoadedCandidate:
-    return LoadedCandidate(resolve_candidate(specification), load_controller, SharedProgress.create())
+def loaded(specification: str) -> JudgedCandidate:
+    return own_candidate(resolve_candidate(specification))
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +80,6 @@ def test_the_built_in_controllers_take_little_time(name, short_run):
     assert run.scenario == short_run.to_mapping()
     assert margin.check == "TIM-1"
     assert 0.9 < margin.value < 1.0, margin.measured
-    assert candidate.progress.activity is Activity.PREPARING
 
 
 def test_a_step_that_takes_a_fifth_of_the_period_fails(tmp_path, monkeypatch, short_run):

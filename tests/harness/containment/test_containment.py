@@ -11,15 +11,14 @@ from pathlib import Path
 import psutil
 import pytest
 
-from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.environment import PASS_VARIABLE, worker_environment
+from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
-from drivegate.containment.worker import CandidateWorker
 
 HERE = Path(__file__).parents[1]
 MINE = """
-import os, resource, subprocess, tempfile, time
+import os, resource, subprocess, sys, tempfile, time
 from pathlib import Path
 from drivegate import Command
 class Mine:
@@ -47,7 +46,7 @@ def answer(scratch, tmp_path):
     def evaluate(expression, reset="pass"):
         file = tmp_path / "mine.py"
         file.write_text(MINE.format(reset=reset, answer=expression), encoding="utf-8")
-        with CandidateWorker(resolve_candidate(f"{file}:Mine"), load_controller) as worker:
+        with Judge(resolve_candidate(f"{file}:Mine")) as worker:
             return worker.run(Job(worker_jobs.drive, 1))
 
     return evaluate
@@ -83,6 +82,13 @@ def test_a_candidate_reads_what_lies_beside_it_by_a_relative_path(answer, tmp_pa
     assert answer("float(Path('table.txt').read_text())") == 4.25
 
 
+def test_what_decides_how_numbers_are_computed_is_passed_on_but_no_input(answer, monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    monkeypatch.delenv("PYTHONHASHSEED", raising=False)
+    assert answer("float(os.environ['OMP_NUM_THREADS'])") == 7.0
+    assert answer("float(os.environ['PYTHONHASHSEED'] == '0' and sys.stdin.read() == '')") == 1.0
+
+
 def test_a_worker_leaves_no_memory_dump(answer):
     assert answer("float(resource.getrlimit(resource.RLIMIT_CORE)[0])") == 0.0
 
@@ -97,10 +103,9 @@ DAEMON = "subprocess.Popen(['setsid', 'sleep', '65432'], env={}, start_new_sessi
 HARNESS = """
 import worker_jobs
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.candidates.loading import load_controller
-from drivegate.containment.worker import CandidateWorker
+from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
-with CandidateWorker(resolve_candidate({specification!r}), load_controller) as worker:
+with Judge(resolve_candidate({specification!r})) as worker:
     worker.run(Job(worker_jobs.drive, 7))
 """
 

@@ -11,13 +11,12 @@ from xml.etree import ElementTree
 import pytest
 
 from drivegate.candidates.fault import LONGEST_MESSAGE, LONGEST_TRACEBACK, Fault, FaultKind
-from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.commands.command_line import main
+from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
 from drivegate.containment.stall_watch import WorkerLimits
-from drivegate.containment.worker import CandidateWorker
 from drivegate.gate import engine
 from drivegate.gate.plan import REPEATED, planned_work
 from drivegate.gate.repetition import repeated_elsewhere
@@ -418,7 +417,7 @@ def program(tmp_path):
 
 
 def outcome_of(candidate, jobs, limits=LIMITS):
-    with CandidateWorker(candidate, load_controller, limits=limits) as worker:
+    with Judge(candidate, limits=limits) as worker:
         return worker.run(Job(jobs.drive, STEPS))
 
 
@@ -547,7 +546,7 @@ def test_an_answer_that_depends_on_anything_else_is_non_deterministic(tmp_path, 
         encoding="utf-8",
     )
     scenario = fixed_scenarios(load_motor("paper-5-phase"))[0].model_copy(update={"duration_s": 0.5})
-    with WorkerPool(resolve_candidate(f"{file}:Mine"), load_controller, workers=1) as pool:
+    with WorkerPool(resolve_candidate(f"{file}:Mine"), workers=1) as pool:
         (outcome,) = pool.map([Job(run_fixed, FixedRuns((scenario,), repeat=True))])
         (run,) = repeated_elsewhere(pool, outcome.runs)
     (margin,) = [margin for margin in run.margins if margin.check == REPEATED]
@@ -556,7 +555,7 @@ def test_an_answer_that_depends_on_anything_else_is_non_deterministic(tmp_path, 
 
 def test_a_steady_answer_is_deterministic_in_another_process_too():
     scenario = fixed_scenarios(load_motor("paper-5-phase"))[0].model_copy(update={"duration_s": 0.5})
-    with WorkerPool(resolve_candidate("initial"), load_controller, workers=1) as pool:
+    with WorkerPool(resolve_candidate("initial"), workers=1) as pool:
         (outcome,) = pool.map([Job(run_fixed, FixedRuns((scenario,), repeat=True))])
         (run,) = repeated_elsewhere(pool, outcome.runs)
     assert [margin.value for margin in run.margins if margin.check == REPEATED] == [1.0]

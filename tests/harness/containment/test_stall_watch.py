@@ -6,7 +6,7 @@ from drivegate.containment.shared_progress import Activity
 from drivegate.containment.stall_watch import StallWatch, WorkerLimits
 
 LIMITS = WorkerLimits(
-    step_processor_seconds=5.0, start_processor_seconds=120.0, idle_seconds=60.0, job_seconds=1000.0
+    step_processor_seconds=5.0, start_processor_seconds=120.0, idle_seconds=60.0, order_seconds=1000.0
 )
 RESET, FIRST, LATER = (3, 0), (3, 1), (3, 7)
 
@@ -32,7 +32,7 @@ def after(state, activity, processor, now):
         (LATER, Activity.RUNNING, 0.1, 61.0, "no progress within 60 s of waiting"),
         (FIRST, Activity.LOADING, 0.1, 61.0, "no progress within 60 s of waiting"),
         (FIRST, Activity.LOADING, 4.0, 61.0, None),
-        (FIRST, Activity.LOADING, 4.0, 1001.0, "the job did not end within 1000 s"),
+        (FIRST, Activity.LOADING, 4.0, 1001.0, "the run did not end within 1000 s"),
     ],
 )
 def test_a_worker_that_does_not_move_is_given_its_allowance(state, activity, processor, now, reason):
@@ -45,6 +45,6 @@ def test_every_step_renews_the_allowance():
     assert reasons == {None}
 
 
-def test_a_job_that_moves_forever_still_ends():
+def test_a_run_that_moves_forever_still_ends():
     watch = StallWatch(LIMITS, processor=0.0, now=0.0)
-    assert watch.stalled((1, 5), Activity.RUNNING, 1.0, 1001.0) == "the job did not end within 1000 s"
+    assert watch.stalled((1, 5), Activity.RUNNING, 1.0, 1001.0) == "the run did not end within 1000 s"

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from drivegate.candidates.fault import Fault, FaultKind
-from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.containment.worker import CandidateWorker
+from drivegate.containment.judge import Judge
 from drivegate.gate.recording import (
     COLUMNS,
     MOST_POINTS,
@@ -83,7 +82,7 @@ def test_checks_that_look_at_one_scenario_share_a_recording() -> None:
 def test_a_run_is_recorded_with_the_stretch_that_was_judged() -> None:
     scenario = load_scenario("lock-up").to_mapping()
     plan = RecordPlan(scenario, ("CMD-1", "CNV-1"))
-    with CandidateWorker(resolve_candidate("published"), load_controller) as worker:
+    with Judge(resolve_candidate("published")) as worker:
         ended = worker.run(recording_job(plan))
     assert not isinstance(ended, Fault)
     assert ended.windows["CMD-1"] == (0.0, 20.0), "the whole run is judged"

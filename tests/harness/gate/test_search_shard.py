@@ -26,8 +26,6 @@ MOTOR = "paper-5-phase"
 class Loaded:
     """A built-in candidate in this very process."""
 
-    progress = None
-
     def __init__(self, name: str = "reference") -> None:
         self.candidate: Candidate = resolve_candidate(name)
 

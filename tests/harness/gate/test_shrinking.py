@@ -38,8 +38,6 @@ MOTOR = load_motor("paper-5-phase")
 class Loaded:
     """A built-in candidate in this very process."""
 
-    progress = None
-
     def __init__(self, name: str) -> None:
         self.candidate: Candidate = resolve_candidate(name)
 

@@ -10,8 +10,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.power import estimated_power
-from drivegate.containment.messages import LoadedCandidate
-from drivegate.containment.shared_progress import SharedProgress
+from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.running import recorded
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.motor.motor import load_motor
@@ -36,7 +35,7 @@ def test_an_estimate_is_judged_over_the_time_that_its_candidate_declares(steps: 
     scenario = fixed_scenarios(load_motor("paper-5-phase"))[1].replaced(duration_s=1.0)
     declaration = Declaration(estimates_power=True, power_window_s=steps * scenario.control_period_s)
     candidate = replace(resolve_candidate("reference"), declaration=declaration)
-    loaded = LoadedCandidate(candidate, lambda _: PythonController(Averaging()), SharedProgress.create())
+    loaded = JudgedCandidate(candidate, lambda: PythonController(Averaging()))
     margin = estimated_power(recorded(loaded, scenario, loaded.controller()))
     assert margin is not None
     assert margin.met is met, margin.measured

@@ -9,7 +9,7 @@ import pytest
 
 from drivegate_models.contract.outer_loop.records import nameplate_record
 from drivegate_models.contract.outer_loop.signals import Nameplate
-from drivegate_models.half_bridge.closed_loop import run_closed_loop
+from drivegate_models.half_bridge.closed_loop import prepared_loop
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function, step_function
 from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
 from drivegate_models.loop import exchange
@@ -66,7 +66,7 @@ def simulate(
         drive.inertia,
     )
     reset_function()(state, nameplate_record(nameplate), SEARCHES[name])
-    return run_closed_loop(
+    return prepared_loop(
         drive,
         load,
         schedule(speed, factor),
@@ -78,7 +78,7 @@ def simulate(
         duration=duration,
         windows=[(0.5 * duration, duration)],
         trace_every=trace_every,
-    )
+    ).run()
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.4])

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
-from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
+from drivegate_models.loop.exchange import COMPLETED, OUTPUTS, make_exchange
+from drivegate_models.loop.given_steps import make_steps
 from drivegate_models.loop.step_recording import (
     BLOCK_ROWS,
-    DIFFERS,
-    OUTPUTS,
     RECORDER,
-    Shadow,
     differs,
+    first_difference,
     recording_step,
     row_length,
+    senses_in,
 )
 
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
@@ -49,10 +49,6 @@ def rows_of(count):
     return rows
 
 
-def shadow_of(controller):
-    return Shadow(step_address=controller.address, state_address=0, phases=PHASES)
-
-
 def test_a_recorder_passes_steps_on_and_keeps_them_exactly():
     controller, kept = Answering(), []
     recorder = np.zeros(1, RECORDER)
@@ -65,45 +61,30 @@ def test_a_recorder_passes_steps_on_and_keeps_them_exactly():
     emptied = STEP(empty)
     recorder[0]["step_address"], recorder[0]["phases"] = controller.address, PHASES
     recorder[0]["empty_address"] = ctypes.cast(emptied, ctypes.c_void_p).value
-    shadow = Shadow(step_address=recording_step().address, state_address=recorder.ctypes.data, phases=PHASES)
     rows = rows_of(BLOCK_ROWS + 5)
-    status, done, answers = shadow.answer(rows, judged=OUTPUTS)
-    assert (status, done) == (COMPLETED, len(rows)), "the recorder must not change an answer"
-    assert np.array_equal(answers, rows[:, 5:8])
+    answers = np.zeros(len(rows), COMMAND)
+    exchange = make_exchange(
+        PHASES, step_address=recording_step().address, state_address=recorder.ctypes.data, kept=answers
+    )
+    assert make_steps(exchange, senses_in(rows)) == (COMPLETED, len(rows))
+    given = np.column_stack([answers[name] for name in OUTPUTS])
+    assert np.array_equal(given, rows[:, 5:8]), "the recorder must not change an answer"
     assert len(kept) == 1, "a full block is handed over once"
     left = recorder[0]["rows"][: recorder[0]["count"], : row_length(PHASES)]
     assert np.array_equal(np.concatenate([*kept, left]), rows)
 
 
-def test_a_shadow_stops_at_the_first_answer_that_differs_in_one_bit():
-    def alter(number, command):
-        if number == 7:
-            command["advance_angle"] = np.nextafter(command["advance_angle"], np.inf)
-
-    controller, rows = Answering(alter), rows_of(20)
-    status, done, answers = shadow_of(controller).answer(rows, judged=OUTPUTS)
-    assert (status, done, controller.steps) == (DIFFERS, 7, 8), "no step is made after the first difference"
-    assert answers[7, 1] != rows[7, 6]
+def test_the_first_answer_that_differs_in_one_bit_is_found():
+    rows = rows_of(20)
+    answers = rows[:, 5:8].copy()
+    assert first_difference(rows, answers) is None
+    answers[7, 1] = np.nextafter(answers[7, 1], np.inf)
+    answers[11, 0] = 0.0
+    assert first_difference(rows, answers) == 7
+    assert first_difference(rows, answers[:7]) is None, "fewer answers than rows are no difference"
     others = tuple(output for output in OUTPUTS if output != "advance_angle")
-    assert shadow_of(Answering(alter)).answer(rows, judged=others)[:2] == (COMPLETED, 20)
-    assert shadow_of(Answering(alter)).answer(rows, judged=OUTPUTS, tolerance=1e-12)[:2] == (COMPLETED, 20)
-
-
-@pytest.mark.parametrize(
-    ("field", "value", "status"),
-    [
-        ("struct_size", -1, STOPPED),
-        ("current_reference", math.nan, NOT_FINITE),
-        ("advance_angle", math.inf, NOT_FINITE),
-        ("input_power", -math.inf, NOT_FINITE),
-    ],
-)
-def test_what_is_no_answer_ends_the_steps(field, value, status):
-    def alter(number, command):
-        if number == 3:
-            command[field] = value
-
-    assert shadow_of(Answering(alter)).answer(rows_of(10))[:2] == (status, 3)
+    assert first_difference(rows, answers, judged=others) == 11
+    assert first_difference(rows, answers, tolerance=1e-12) == 11
 
 
 @pytest.mark.parametrize(

@@ -10,12 +10,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.controller import Controller
 from drivegate.candidates.declaration import FlowchartProfile
 from drivegate.checks.flowchart.chart import (
     LARGEST_ANGLE,
@@ -27,13 +26,11 @@ from drivegate.checks.flowchart.chart import (
 )
 from drivegate.checks.flowchart.scripts import probe
 from drivegate.checks.margin import Margin
+from drivegate.containment.messages import AnyController
 from drivegate.runs.scripted import scripted_angles
 from drivegate_cases.scenario.script import Script, ScriptRow
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
-
-if TYPE_CHECKING:
-    from drivegate.containment.shared_progress import SharedProgress
 
 CHECK: Final = "FLO-1"
 ANGLE_ROUNDING: Final = 1e-9
@@ -61,14 +58,13 @@ class ScriptVerdict:
 
 
 def judge_script(
-    controller: Controller,
+    controller: AnyController,
     profile: FlowchartProfile,
     script: Script,
-    progress: SharedProgress | None = None,
 ) -> ScriptVerdict:
     """Run a controller through a script and compare its angles with those that Fig. 4 allows."""
     interval = _interval(profile, script)
-    runner = _Runner(controller, profile, script, interval, progress)
+    runner = _Runner(controller, profile, script, interval)
     decision = runner.first_decision()
     if decision is None:
         measured = "the angle never changes, though W falls and rises by 3 k2 from decision to decision"
@@ -93,11 +89,10 @@ def _interval(profile: FlowchartProfile, script: Script) -> int:
 class _Runner:
     """Runs rows, each held from one decision to the next."""
 
-    controller: Controller
+    controller: AnyController
     profile: FlowchartProfile
     script: Script
     interval: int
-    progress: SharedProgress | None
 
     def first_decision(self) -> int | None:
         """Return the first step, within an interval, in which a decision shows; None where none ever does."""
@@ -120,7 +115,7 @@ class _Runner:
         lengths = np.full(len(rows), self.interval)
         lengths[0] += decision + 1
         signals = np.repeat(values, lengths, axis=0)
-        return scripted_angles(self.controller, self.script.nameplate(), signals, self.progress)
+        return scripted_angles(self.controller, self.script.nameplate(), signals)
 
 
 @dataclass(frozen=True)

@@ -9,15 +9,13 @@ from typing import Final
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis.strategies import SearchStrategy
 
-from drivegate.candidates.controller import Controller
 from drivegate.candidates.declaration import FlowchartProfile
 from drivegate.checks.flowchart.drawn import drawn_scripts
 from drivegate.checks.flowchart.judging import judge_script
 from drivegate.checks.flowchart.scripts import fixed_scripts, usual_speed
 from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
-from drivegate.containment.messages import LoadedCandidate
-from drivegate.containment.shared_progress import SharedProgress
+from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.scenarios.drawn.isolation import from_the_seed_alone
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.script import Script, ScriptRow
@@ -46,7 +44,7 @@ SHORTENING_RUNS: Final = 60
 """Runs that may be spent on making one failing script shorter."""
 
 
-def run_scripts(loaded: LoadedCandidate, plan: ScriptRuns) -> ShardOutcome:
+def run_scripts(loaded: JudgedCandidate, plan: ScriptRuns) -> ShardOutcome:
     """Run the fixed scripts, then drawn ones."""
     declaration = loaded.candidate.declaration
     profile = declaration.flowchart
@@ -60,7 +58,7 @@ def run_scripts(loaded: LoadedCandidate, plan: ScriptRuns) -> ShardOutcome:
 
     def judge(script: Script) -> None:
         if script.name not in runs:
-            margin = judge_script(controller, profile, script, loaded.progress).margin
+            margin = judge_script(controller, profile, script).margin
             runs[script.name] = JudgedRun(script.to_mapping(), (margin,))
             if not margin.met:
                 failures.append(script)
@@ -72,7 +70,7 @@ def run_scripts(loaded: LoadedCandidate, plan: ScriptRuns) -> ShardOutcome:
         judge(drawn)
     if failures:
         shortest = min(failures, key=lambda script: len(script.rows))
-        judge(shortened(controller, profile, shortest, progress=loaded.progress))
+        judge(shortened(controller, profile, shortest))
     return ShardOutcome(tuple(runs.values()))
 
 
@@ -100,24 +98,23 @@ def _drawn(scripts: SearchStrategy[Script], plan: ScriptRuns) -> list[Script]:
     return drawn
 
 
-def script_margin(loaded: LoadedCandidate, script: Script) -> Margin | None:
+def script_margin(loaded: JudgedCandidate, script: Script) -> Margin | None:
     """Judge a candidate on one script."""
     profile = loaded.candidate.declaration.flowchart
     if profile is None:
         return None
-    return judge_script(loaded.controller(), profile, script, loaded.progress).margin
+    return judge_script(loaded.controller(), profile, script).margin
 
 
 def shortened(
-    controller: Controller,
+    controller: AnyController,
     profile: FlowchartProfile,
     script: Script,
     *,
     budget: int = SHORTENING_RUNS,
-    progress: SharedProgress | None = None,
 ) -> Script:
     """Make a failing script shorter and rounder for as long as it fails."""
-    verdict = judge_script(controller, profile, script, progress)
+    verdict = judge_script(controller, profile, script)
     # What comes after the first departure has no part in it.
     simplest = script.replaced(rows=script.rows[: verdict.rows])
     waiting = _simpler(simplest)
@@ -125,7 +122,7 @@ def shortened(
         simpler = next(waiting, None)
         if simpler is None:
             break
-        if not judge_script(controller, profile, simpler, progress).margin.met:
+        if not judge_script(controller, profile, simpler).margin.met:
             simplest, waiting = simpler, _simpler(simpler)
     if simplest == script:
         return script

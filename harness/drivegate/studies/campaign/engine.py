@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from typing import Final, TypeAlias
 
 from drivegate.candidates.kinds import KINDS
-from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.backend import Backend, done_by
-from drivegate.containment.messages import Job, LoadedCandidate
-from drivegate.containment.worker import CandidateWorker
+from drivegate.containment.judge import Judge
+from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.containment.pool import WorkerPool
 from drivegate.gate.warm_up import compile_kernels, missing_marker
 from drivegate.studies.campaign.folder import CampaignFolder
 from drivegate.studies.campaign.plan import CampaignPlan
@@ -57,8 +58,8 @@ def require_loadable(plan: CampaignPlan) -> None:
     """Refuse candidates that cannot be used as they are before anything is run."""
     for candidate in plan.candidates:
         if not KINDS[candidate.kind].comes_along:
-            with CandidateWorker(candidate, load_controller) as worker:
-                worker.run(Job(_nothing, None))
+            with Judge(candidate) as judge:
+                judge.run(Job(_load, None))
 
 
 def rehearse(plan: CampaignPlan) -> None:
@@ -68,14 +69,14 @@ def rehearse(plan: CampaignPlan) -> None:
     """
     step = plan.campaign.runs_per_candidate // len(plan.cases)
     requests = [RowRequest(plan.run(place * step).scenario, plan.checks) for place in range(len(plan.cases))]
-    with CandidateWorker(resolve_candidate(_REHEARSED), load_controller) as worker:
-        worker.run(Job(_rehearsed, requests))
+    with WorkerPool(resolve_candidate(_REHEARSED), workers=1) as pool:
+        deque(pool.map([Job(_rehearsed, requests)]), maxlen=0)
 
 
-def _rehearsed(loaded: LoadedCandidate, requests: list[RowRequest]) -> None:
+def _rehearsed(loaded: JudgedCandidate, requests: list[RowRequest]) -> None:
     for request in requests:
         run_row(loaded, request)
 
 
-def _nothing(_loaded: LoadedCandidate, _payload: None) -> None:
-    return None
+def _load(loaded: JudgedCandidate, _payload: None) -> None:
+    loaded.controller()

@@ -1,4 +1,4 @@
-"""What is kept of one run of a campaign: a row of numbers and words, made inside a worker process."""
+"""What is kept of one run of a campaign: a row of numbers and words, made where the run is judged."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import judged_elsewhere
 from drivegate.checks.determinism import DET_1
 from drivegate.checks.margin import Margin
-from drivegate.containment.messages import LoadedCandidate
+from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.runs.record import RunRecord
@@ -98,8 +98,8 @@ class CampaignRow:
     observed: dict[str, float] | None = None
 
 
-def run_row(loaded: LoadedCandidate, request: RowRequest) -> CampaignRow:
-    """Make a run and judge it; this is what the candidate's process does."""
+def run_row(loaded: JudgedCandidate, request: RowRequest) -> CampaignRow:
+    """Make a run and judge it."""
     if not kind_of(request.scenario.motor).is_fair(request.scenario):
         return CampaignRow(SET_ASIDE)
     try:

@@ -9,7 +9,6 @@ from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
-from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import JudgedRun
 from drivegate.containment.messages import Job
@@ -91,7 +90,7 @@ def solve_plan(plan: Sequence[PlannedRun], workers: int | None, found: dict[str,
     jobs += [Job(greatest_torque, point) for point in by_speed.values()]
     yield CheckStarted("the best possible", len(jobs))
     outcomes: list[Any] = []
-    with WorkerPool(resolve_candidate(_SOLVER), load_controller, workers=_count(workers)) as pool:
+    with WorkerPool(resolve_candidate(_SOLVER), workers=_count(workers)) as pool:
         for outcome in pool.map(jobs):
             if isinstance(outcome, Fault):
                 raise HarnessFault(f"an operating point cannot be solved: {outcome.message}")
@@ -119,7 +118,7 @@ def run_plan(
     total = len(plan) + 1 + sum(item.runs for item in work)
     yield CheckStarted(compared.label, total)
     done = 0
-    with WorkerPool(candidate, load_controller, workers=_count(workers)) as pool:
+    with WorkerPool(candidate, workers=_count(workers)) as pool:
         for index, outcome in enumerate(pool.map([Job(measured, planned) for planned in plan])):
             done += 1
             yield RunDone(done, total, plan[index].label, "")

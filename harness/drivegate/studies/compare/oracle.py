@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from drivegate.containment.messages import LoadedCandidate
+from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.drive_kind import Drive, Oracle
 from drivegate.drives.kinds import kind_of
 from drivegate.studies.compare.plan import PlannedRun
@@ -54,7 +54,7 @@ def oracle_point(planned: PlannedRun) -> OraclePoint:
     return OraclePoint(motor, planned.speed_rpm, (load + own, load + own + core))
 
 
-def solved(_loaded: LoadedCandidate, point: OraclePoint) -> dict[str, Any]:
+def solved(_loaded: JudgedCandidate, point: OraclePoint) -> dict[str, Any]:
     """Solve an operating point; this is what a worker process does."""
     oracle, drive = kind_of(point.motor).oracle(), point.motor.drive()
     speed = point.speed_rpm * RADIANS_PER_RPM
@@ -81,7 +81,7 @@ def least_at(oracle: dict[str, Any], key: str, torque_nm: float) -> float | None
     return float(values[0] + share * (values[1] - values[0]))
 
 
-def greatest_torque(_loaded: LoadedCandidate, point: OraclePoint) -> float:
+def greatest_torque(_loaded: JudgedCandidate, point: OraclePoint) -> float:
     """Find the greatest torque that some advance angle gives at a speed; this is what a worker process does."""
     oracle, drive = kind_of(point.motor).oracle(), point.motor.drive()
     speed = point.speed_rpm * RADIANS_PER_RPM

@@ -1,19 +1,16 @@
-"""One run of a comparison: what the worker process measures of a candidate."""
+"""One run of a comparison: what is measured of a candidate."""
 
 from __future__ import annotations
 
 from math import degrees
-from statistics import median
-from time import perf_counter
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.controller import Controller
-from drivegate.containment.messages import LoadedCandidate
+from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.drives.running import run_scenario
-from drivegate.runs.scripted import advance, prepared_steps
+from drivegate.runs.timed_steps import senses_of_run, step_seconds
 from drivegate.scenarios.changes import CHANGE_S
 from drivegate.studies.compare.drive_cycle_run import cycle_figures
 from drivegate.studies.compare.plan import PlannedRun
@@ -30,18 +27,15 @@ TRACE_EVERY: Final = 20
 """Control periods from one kept row of a trace to the next: 10 ms."""
 SHOWN_EVERY_S: Final = 0.05
 """Time between two rows of a trajectory that the report draws (s)."""
-TIMED_STEPS: Final = 4000
-"""Steps of the controller that are timed."""
-_TIMED_BLOCK: Final = 100
 
 Figures = dict[str, Any]
 """What was measured: plain data."""
 
 
-def measured(loaded: LoadedCandidate, planned: PlannedRun) -> Figures:
-    """Run a candidate through a planned run; this is what the worker process does."""
+def measured(loaded: JudgedCandidate, planned: PlannedRun) -> Figures:
+    """Run a candidate through a planned run."""
     every = 1 if planned.group == "cycle" else TRACE_EVERY
-    run = run_scenario(planned.scenario, loaded.controller(), progress=loaded.progress, trace_every=every)
+    run = run_scenario(planned.scenario, loaded.controller(), trace_every=every)
     if planned.group == "cycle":
         return cycle_figures(planned.scenario, run)
     figures = steady_figures(run)
@@ -122,30 +116,12 @@ def _trajectory(columns: dict[str, NDArray[np.float64]]) -> dict[str, list[float
     }
 
 
-def timed(loaded: LoadedCandidate, scenario: Scenario) -> Figures:
+def timed(loaded: JudgedCandidate, scenario: Scenario) -> Figures:
     """Time a candidate's steps on what it sensed in a run."""
     controller = loaded.controller()
-    run = run_scenario(scenario, controller, progress=loaded.progress, trace_every=1)
-    columns = _columns(run)
-    signals = np.column_stack(
-        [
-            columns["speed_reference_rpm"] * RADIANS_PER_RPM,
-            columns["measured_speed_rpm"] * RADIANS_PER_RPM,
-            np.concatenate(([0.0], columns["current_sum_a"][:-1])),
-            columns["half_supply_v"],
-        ]
-    )[: min(TIMED_STEPS, scenario.control_periods)]
-    times = []
-    with loaded.progress.run():
-        steps = prepared_steps(
-            controller, scenario.nameplate(), np.ascontiguousarray(signals), loaded.progress
-        )
-        for begin in range(0, len(signals), _TIMED_BLOCK):
-            end = min(begin + _TIMED_BLOCK, len(signals))
-            started = perf_counter()
-            advance(steps, controller, begin, end)
-            times.append((perf_counter() - started) / (end - begin))
-    step = median(times)
+    run = run_scenario(scenario, controller, trace_every=1)
+    nameplate = scenario.nameplate()
+    step = step_seconds(controller, nameplate, senses_of_run(run, nameplate))
     return {
         "step_us": 1e6 * step,
         "share_of_period_percent": 100.0 * step / scenario.control_period_s,
@@ -153,6 +129,6 @@ def timed(loaded: LoadedCandidate, scenario: Scenario) -> Figures:
     }
 
 
-def _state_size(controller: Controller) -> int | None:
+def _state_size(controller: AnyController) -> int | None:
     size = getattr(controller, "state_size", None)
     return int(size) if isinstance(size, int) and size > 0 else None

@@ -12,20 +12,18 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
-from drivegate.candidates.loading import load_controller
-from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
-from drivegate.containment.worker import CandidateWorker
+from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.studies.diff.jobs import (
     RecordRequest,
     Rule,
     Shadowing,
     load_only,
-    play_back,
     record_run,
     shadow_run,
 )
-from drivegate.studies.diff.plant_playback import PlantState
+from drivegate.studies.diff.plant_playback import PlantState, plant_at
 from drivegate.studies.diff.record import (
     refuse_without_room,
     row_count,
@@ -33,13 +31,10 @@ from drivegate.studies.diff.record import (
 )
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.signals import Sense
-from drivegate_models.errors import HarnessFault
-from drivegate_models.loop.step_recording import OUTPUTS
+from drivegate_models.loop.exchange import OUTPUTS
 
 FIRST: Final = "first"
 SECOND: Final = "second"
-
-_OWN = "initial"
 
 
 @dataclass(frozen=True)
@@ -97,19 +92,19 @@ def compared(
 ) -> StepComparison:
     """Compare two candidates step by step.
 
-    The first one drives the plant, in a process of its own, which writes a record of every step. The second one is
-    then given the same, in another process, until it answers otherwise. Both are alike up to there, so nothing is
-    lost by asking one after the other.
+    The first one drives the plant, and every step is recorded. The second one is then given the same, until it answers
+    otherwise. Both are alike up to there, so nothing is lost by asking one after the other.
     """
+    with_compiled_kernels()
     with tempfile.TemporaryDirectory(prefix="drivegate") as name:
         refuse_without_room(scenario, Path(name))
         path = Path(name) / "steps"
-        with CandidateWorker(second, load_controller) as following:
+        with Judge(second) as following:
             # It is loaded before the long run, so that a second candidate that is refused is reported at once.
             loading = following.run(Job(load_only, None))
             if isinstance(loading, Fault):
                 return StepComparison(0, fault=loading, faulted=SECOND)
-            with CandidateWorker(first, load_controller) as leading:
+            with Judge(first) as leading:
                 led = leading.run(Job(record_run, RecordRequest(path, scenario)))
             if isinstance(led, Fault):
                 return StepComparison(led.step or 0, fault=led, faulted=FIRST)
@@ -124,9 +119,7 @@ def compared(
             return StepComparison(ended.differs, difference)
 
 
-def _difference(
-    following: CandidateWorker, plan: Shadowing, step: int, before: int, after: int
-) -> Difference:
+def _difference(following: Judge, plan: Shadowing, step: int, before: int, after: int) -> Difference:
     scenario, phases = plan.scenario, plan.scenario.motor.phases
     begin, end = max(step - before, 0), min(step + 1 + after, plan.end)
     around = following.run(Job(shadow_run, Shadowing(plan.path, scenario, None, begin, end)))
@@ -135,16 +128,9 @@ def _difference(
         around = following.run(Job(shadow_run, Shadowing(plan.path, scenario, None, begin, step + 1)))
     answers = np.empty((0, len(OUTPUTS))) if isinstance(around, Fault) else around.answers
     rows = some_rows(plan.path, phases, begin, end)
-    return Difference(step, _sense_of(rows[step - begin]), _plant_at(plan, step), begin, rows, answers)
-
-
-def _plant_at(plan: Shadowing, step: int) -> PlantState:
-    """Play the record back in a process like those in which it was written, so that the plant is the same code."""
-    with CandidateWorker(resolve_candidate(_OWN), load_controller) as worker:
-        state = worker.run(Job(play_back, (plan, step)))
-    if isinstance(state, Fault):
-        raise HarnessFault(f"the recorded commands cannot be played back: {state.message}")
-    return state
+    return Difference(
+        step, _sense_of(rows[step - begin]), plant_at(plan.path, scenario, step), begin, rows, answers
+    )
 
 
 def _sense_of(row: NDArray[np.float64]) -> Sense:

@@ -12,7 +12,9 @@ from drivegate.studies.diff.diff import FIRST, Difference, StepComparison
 from drivegate.studies.diff.jobs import BITWISE, Rule
 from drivegate.studies.diff.record import commands_of
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.loop.step_recording import OUTPUTS, SCALARS, differs
+from drivegate_models.loop.exchange import OUTPUTS
+from drivegate_models.loop.given_steps import SCALARS
+from drivegate_models.loop.step_recording import differs
 from drivegate_models.units import RPM
 
 SCHEMA: Final = 1

@@ -12,7 +12,7 @@ from drivegate.studies.diff.diff import Difference
 from drivegate.studies.diff.record import commands_of
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line
-from drivegate_models.loop.step_recording import SCALARS
+from drivegate_models.loop.given_steps import SCALARS
 
 _PANELS: Final = (("current reference (A)", 0, 1.0), ("advance angle (°)", 1, 180.0 / np.pi))
 

@@ -1,4 +1,4 @@
-"""What the worker processes do in a comparison step by step: write the record, answer to it, play it back."""
+"""The parts of a comparison step by step: write the record of one candidate, have the other one answer to it."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
-from drivegate.containment.messages import LoadedCandidate
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.fault import CandidateFault
+from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.running import run_scenario
-from drivegate.studies.diff.plant_playback import PlantState, plant_at
+from drivegate.runs.scripted import GivenSteps
 from drivegate.studies.diff.record import RecordingController, recorded_rows
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.contract.outer_loop.signals import Sense
-from drivegate_models.loop.exchange import NOT_FINITE, STOPPED
-from drivegate_models.loop.step_recording import DIFFERS, OUTPUTS, Shadow
+from drivegate_models.loop.exchange import OUTPUTS
+from drivegate_models.loop.step_recording import first_difference, senses_in
 
 BITWISE: Final = -1.0
 """The tolerance that leaves no bit free."""
@@ -42,7 +42,7 @@ class Rule:
 
 @dataclass(frozen=True)
 class RecordRequest:
-    """What the first candidate's process is to record.
+    """What is to be recorded of the first candidate.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class RecordRequest:
 
 @dataclass(frozen=True)
 class Shadowing:
-    """What the second candidate's process is to answer.
+    """What the second candidate is to answer.
 
     Attributes
     ----------
@@ -95,64 +95,49 @@ class Shadowed:
     answers: NDArray[np.float64]
 
 
-def load_only(loaded: LoadedCandidate, _payload: None) -> None:
+def load_only(loaded: JudgedCandidate, _payload: None) -> None:
     """Make an instance, and see whether it can be made."""
     loaded.controller()
 
 
-def record_run(loaded: LoadedCandidate, plan: RecordRequest) -> None:
-    """Run a scenario and write the record of every step; this is what the first worker process does."""
+def record_run(loaded: JudgedCandidate, plan: RecordRequest) -> None:
+    """Run a scenario and write the record of every step."""
+    recorders: list[RecordingController] = []
     with plan.path.open("wb") as file:
-        controller = RecordingController(loaded.controller(), file, plan.scenario.motor.phases)
-        run_scenario(plan.scenario, controller, progress=loaded.progress)
-        controller.finish()
+
+        def recording(inner: Controller) -> Controller:
+            recorders.append(RecordingController(inner, file, plan.scenario.motor.phases))
+            return recorders[-1]
+
+        run_scenario(plan.scenario, loaded.controller(), wrap=recording)
+        recorders[-1].finish()
 
 
-def shadow_run(loaded: LoadedCandidate, plan: Shadowing) -> Shadowed:
-    """Give a candidate what is on record, until it answers otherwise; this is what the second worker process does."""
+def shadow_run(loaded: JudgedCandidate, plan: Shadowing) -> Shadowed:
+    """Give a candidate what the record has sensed, until it answers otherwise."""
     nameplate = plan.scenario.nameplate()
-    controller, progress = loaded.controller(), loaded.progress
-    judged, tolerance = (plan.rule.judged, plan.rule.tolerance) if plan.rule else ((), BITWISE)
+    steps = GivenSteps(loaded.controller(), nameplate)
     kept: list[NDArray[np.float64]] = [np.empty((0, len(OUTPUTS)))]
-    with progress.run():
-        controller.reset(nameplate)
-        shadow = Shadow(
-            step_address=controller.step_address,
-            state_address=controller.state_address,
-            phases=nameplate.phases,
-            sense=progress.sense,
-            sensed_currents=progress.phase_currents,
-            progress=progress.steps,
-        )
-        done = 0
-        for rows in recorded_rows(plan.path, nameplate.phases, plan.end):
-            status, alike, answers = shadow.answer(rows, judged=judged, tolerance=tolerance)
-            if status in (STOPPED, NOT_FINITE):
-                raise CandidateFault(controller.fault or _not_finite(shadow, done + alike))
-            if status == DIFFERS:
-                return Shadowed(done + alike, np.concatenate(kept))
-            kept.append(answers[max(plan.begin - done, 0) :])
-            done += len(rows)
+    done = 0
+    for rows in recorded_rows(plan.path, nameplate.phases, plan.end):
+        answers, fault = _answers(steps, senses_in(rows))
+        if plan.rule is not None:
+            rule = plan.rule
+            differs = first_difference(rows, answers, judged=rule.judged, tolerance=rule.tolerance)
+            if differs is not None:
+                return Shadowed(done + differs, np.concatenate(kept))
+        if fault is not None:
+            raise fault
+        kept.append(answers[max(plan.begin - done, 0) :])
+        done += len(rows)
     return Shadowed(None, np.concatenate(kept))
 
 
-def _not_finite(shadow: Shadow, step: int) -> Fault:
-    record, command = shadow.sense[0], shadow.command[0]
-    values = ", ".join(f"{name} = {command[name]}" for name in OUTPUTS)
-    scalars = {name: float(record[name]) for name in Sense._fields if name != "phase_currents"}
-    currents = tuple(shadow.currents[: int(record["phase_count"])].tolist())
-    sense = Sense(phase_currents=currents, **scalars)
-    return Fault(
-        FaultKind.INVALID_OUTPUT,
-        f"the command is not finite: {values}",
-        "step",
-        step=step,
-        time=sense.time,
-        sense=sense._asdict(),
-    )
-
-
-def play_back(loaded: LoadedCandidate, request: tuple[Shadowing, int]) -> PlantState:
-    """Find the plant's state at one step; this is what a worker process without a user's candidate does."""
-    plan, step = request
-    return plant_at(plan.path, plan.scenario, step, loaded.progress)
+def _answers(
+    steps: GivenSteps, senses: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], CandidateFault | None]:
+    """Give the answers up to a fault, and the fault."""
+    try:
+        return steps.answers(senses), None
+    except CandidateFault as fault:
+        return steps.last_answers, fault

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import floor, pi
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from drivegate.candidates.fault import CandidateFault
 from drivegate.candidates.python.bridge import PythonController
@@ -14,9 +13,6 @@ from drivegate.studies.diff.record import commands_of, recorded_rows
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
 from drivegate_models.errors import HarnessFault
-
-if TYPE_CHECKING:
-    from drivegate.containment.shared_progress import SharedProgress
 
 
 @dataclass(frozen=True)
@@ -71,12 +67,12 @@ class _Playback:
         return Command(*next(self._commands))
 
 
-def plant_at(path: Path, scenario: Scenario, step: int, progress: SharedProgress | None = None) -> PlantState:
+def plant_at(path: Path, scenario: Scenario, step: int) -> PlantState:
     """Find the plant's state at one step by giving it the recorded commands again."""
     playback = _Playback(path, scenario.motor.phases, step)
     plain = scenario.replaced(sensors="ideal", dropouts=(), glitches=())
     try:
-        run_scenario(plain, PythonController(playback), progress=progress)
+        run_scenario(plain, PythonController(playback))
     except CandidateFault as ended:
         sense = playback.sense
         if sense is not None:

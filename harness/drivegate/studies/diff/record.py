@@ -17,11 +17,11 @@ from drivegate_cases.documents.wording import shown_path
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import InputError
+from drivegate_models.loop.exchange import OUTPUTS
+from drivegate_models.loop.given_steps import SCALARS
 from drivegate_models.loop.step_recording import (
     BLOCK_ROWS,
-    OUTPUTS,
     RECORDER,
-    SCALARS,
     recording_step,
     row_length,
 )
@@ -42,7 +42,7 @@ def refuse_without_room(scenario: Scenario, folder: Path) -> None:
 
 
 class RecordingController:
-    """A controller that keeps a record of every step of another one.
+    """A controller that keeps a record of every step of another one, which has been reset.
 
     Attributes
     ----------
@@ -59,6 +59,8 @@ class RecordingController:
         self._emptied = _EMPTY(self._empty)
         self._problem: OSError | None = None
         self._recorder[0]["phases"] = phases
+        self._recorder[0]["step_address"] = inner.step_address
+        self._recorder[0]["state_address"] = inner.state_address
         self._recorder[0]["empty_address"] = ctypes.cast(self._emptied, ctypes.c_void_p).value
         self.step_address: int = self._step.address
         self.state_address: int = self._recorder.ctypes.data
@@ -71,10 +73,6 @@ class RecordingController:
     def reset(self, nameplate: Nameplate) -> None:
         """Reset the inner controller."""
         self._inner.reset(nameplate)
-        # A reset may make a controller anew.
-        self._recorder[0]["step_address"] = self._inner.step_address
-        self._recorder[0]["state_address"] = self._inner.state_address
-        self._recorder[0]["count"] = 0
 
     def finish(self) -> None:
         """Write what is left."""

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.fault import Fault
-from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.convergence import window_convergence
 from drivegate.containment.contained_runs import contained_runs
-from drivegate.containment.messages import Job, LoadedCandidate
-from drivegate.containment.worker import CandidateWorker
+from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.containment.pool import WorkerPool
 from drivegate.drives.drive_kind import Drive
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
@@ -82,14 +81,14 @@ def compile_solver(package: bytes) -> None:
     marker = folder / SOLVER_MARKER
     if marker.exists():
         return
-    with CandidateWorker(resolve_candidate("initial"), load_controller) as worker:
-        ended = worker.run(Job(_first_point, package))
+    with WorkerPool(resolve_candidate("initial"), workers=1) as pool:
+        ended = next(pool.map([Job(_first_point, package)]))
     if isinstance(ended, Fault):
         raise HarnessFault(f"the solver of steady states cannot be compiled: {ended.message}")
     marker.touch()
 
 
-def _first_point(_loaded: LoadedCandidate, package: bytes) -> None:
+def _first_point(_loaded: JudgedCandidate, package: bytes) -> None:
     compute_piece(package, (0, 1))
 
 
@@ -173,7 +172,7 @@ def _steady(motor: Motor, scales: Scales, speed_rpm: float, torque: float) -> Sc
     )
 
 
-def _run_point(loaded: LoadedCandidate, point: _LoopPoint) -> tuple[str, tuple[float, ...]]:
+def _run_point(loaded: JudgedCandidate, point: _LoopPoint) -> tuple[str, tuple[float, ...]]:
     scenario = point.scenario
     drive = scenario.motor.drive(scenario.scales)
     if not _is_feasible(scenario, drive):

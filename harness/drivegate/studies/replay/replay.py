@@ -12,18 +12,18 @@ from drivegate.candidates.builtin.candidates import is_builtin_name
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
-from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
 from drivegate.checks.flowchart.judging import judge_script
 from drivegate.checks.judged_window import judged_window
 from drivegate.checks.margin import Margin
-from drivegate.containment.messages import Job, LoadedCandidate
-from drivegate.containment.worker import CandidateWorker
+from drivegate.containment.judge import Judge
+from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import DIFFERENT, repetition_job
+from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.results.counterexample import Counterexample
 from drivegate.studies.simulate.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
@@ -88,12 +88,13 @@ def _comes_along(candidate: Candidate) -> bool:
 
 
 def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
-    """Run a counterexample again in a process of its own."""
-    with CandidateWorker(candidate, load_controller) as worker:
-        replay = worker.run(Job(run_replay, stored))
+    """Run a counterexample again."""
+    with_compiled_kernels()
+    with Judge(candidate) as judge:
+        replay = judge.run(Job(run_replay, stored))
         if isinstance(replay, Fault) or isinstance(stored.scenario, Script) or stored.check != REPEATED:
             return replay
-        elsewhere = worker.run(repetition_job(stored.scenario))
+        elsewhere = judge.run(repetition_job(stored.scenario))
     return elsewhere if isinstance(elsewhere, Fault) else _compared(replay, elsewhere)
 
 
@@ -103,14 +104,14 @@ def _compared(replay: Replay, elsewhere: int) -> Replay:
     return replay if replay.run.digest == elsewhere else replace(replay, margin=DIFFERENT)
 
 
-def run_replay(loaded: LoadedCandidate, stored: Counterexample) -> Replay:
-    """Run a counterexample and judge it; this is what the worker process does."""
+def run_replay(loaded: JudgedCandidate, stored: Counterexample) -> Replay:
+    """Run a counterexample and judge it."""
     if isinstance(stored.scenario, Script):
         return _script_again(loaded, stored.scenario)
     return _scenario_again(loaded, stored.scenario, check_of(stored))
 
 
-def _scenario_again(loaded: LoadedCandidate, scenario: Scenario, check: Check) -> Replay:
+def _scenario_again(loaded: JudgedCandidate, scenario: Scenario, check: Check) -> Replay:
     controller = loaded.controller()
     every = -(-scenario.control_periods // MOST_ROWS)
     record = recorded(loaded, scenario, controller, trace_every=every)
@@ -123,11 +124,11 @@ def _scenario_again(loaded: LoadedCandidate, scenario: Scenario, check: Check) -
     return Replay(margin, record.run, judged_window(check, record, margin))
 
 
-def _script_again(loaded: LoadedCandidate, script: Script) -> Replay:
+def _script_again(loaded: JudgedCandidate, script: Script) -> Replay:
     profile = loaded.candidate.declaration.flowchart
     if profile is None:
         return Replay(None, rows=(1, len(script.rows)))
-    verdict = judge_script(loaded.controller(), profile, script, loaded.progress)
+    verdict = judge_script(loaded.controller(), profile, script)
     # A script is followed up to the first departure, which is in the last row that was looked at.
     first = 1 if verdict.margin.met else verdict.rows
     return Replay(verdict.margin, rows=(first, verdict.rows))

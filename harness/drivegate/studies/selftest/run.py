@@ -10,7 +10,6 @@ from typing import Final
 from drivegate.candidates.builtin.faults import Mutation
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import FAULTY_PREFIX
-from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import ShardOutcome
 from drivegate.containment.messages import Job
@@ -68,7 +67,7 @@ def try_faults(mutations: Sequence[Mutation], effort: SelftestEffort) -> Iterato
         compile_kernels(marker)
     jobs = [Job(run_trial, planned_trial(mutation, effort)) for mutation in mutations]
     count = effort.workers or os.cpu_count() or 1
-    with WorkerPool(resolve_candidate(HOST), load_controller, workers=min(count, len(jobs))) as pool:
+    with WorkerPool(resolve_candidate(HOST), workers=min(count, len(jobs))) as pool:
         outcomes = pool.map(jobs)
         for mutation, outcome in zip(mutations, outcomes, strict=True):
             yield _row(mutation, outcome, effort)

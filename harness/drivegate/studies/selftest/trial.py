@@ -1,9 +1,9 @@
-"""One faulty controller before the check that must catch it; this runs inside a worker process."""
+"""One faulty controller before the check that must catch it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 from drivegate.candidates.candidate import Candidate
@@ -11,7 +11,8 @@ from drivegate.candidates.fault import CandidateFault
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
-from drivegate.containment.messages import Job, LoadedCandidate
+from drivegate.containment.judge import own_candidate
+from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.shard import DrawnRuns, FixedRuns, content_key, run_fixed
 from drivegate.gate.shrinking import ShrinkPlan, run_shrink, size_of
@@ -97,15 +98,13 @@ class TrialOutcome:
     unconvincing: int
 
 
-def run_trial(loaded: LoadedCandidate, trial: Trial) -> TrialOutcome:
+def run_trial(_host: JudgedCandidate, trial: Trial) -> TrialOutcome:
     """Run a faulty controller until the named check catches it, with every seed.
 
     A failure counts where the controller without the fault passes. What the fixed scenarios show holds for every
     seed.
     """
-    attempt = _Attempt(
-        replace(loaded, candidate=trial.candidate), replace(loaded, candidate=trial.base), trial
-    )
+    attempt = _Attempt(own_candidate(trial.candidate), own_candidate(trial.base), trial)
     caught = attempt.first(trial.fixed)
     catches: dict[int, Catch | None] = dict.fromkeys(trial.seeded, caught)
     if caught is None:
@@ -121,8 +120,8 @@ def run_trial(loaded: LoadedCandidate, trial: Trial) -> TrialOutcome:
 class _Attempt:
     """The runs of one trial."""
 
-    faulty: LoadedCandidate
-    base: LoadedCandidate
+    faulty: JudgedCandidate
+    base: JudgedCandidate
     trial: Trial
     runs: int = 0
     total: int = 0
@@ -175,7 +174,7 @@ _known: dict[tuple[str, str, str], frozenset[str]] = {}
 """What controllers without a fault fail, by their name, kind of job and scenario; many faults share a base."""
 
 
-def _failing_without_fault(base: LoadedCandidate, run: JudgedRun, job: Job[ShardOutcome]) -> frozenset[str]:
+def _failing_without_fault(base: JudgedCandidate, run: JudgedRun, job: Job[ShardOutcome]) -> frozenset[str]:
     """Tell which checks the controller without the fault fails in a run of the same scenario."""
     key = (base.candidate.name, type(job.payload).__name__, content_key(run.scenario))
     if key not in _known:

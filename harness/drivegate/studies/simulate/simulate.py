@@ -1,17 +1,17 @@
-"""One run of a candidate in a worker process, and its summary in people's units."""
+"""One run of a candidate, and its summary in people's units."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from math import degrees
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
-from drivegate.candidates.loading import load_controller
-from drivegate.containment.messages import Job, LoadedCandidate
-from drivegate.containment.worker import CandidateWorker
+from drivegate.containment.judge import Judge
+from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.running import run_scenario
+from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
@@ -26,34 +26,17 @@ MOST_ROWS: Final = 1_000_000
 """Rows of a trace at most; of a longer run every n-th control period is kept."""
 
 
-@dataclass(frozen=True)
-class Plan:
-    """What a worker is to run.
-
-    Attributes
-    ----------
-    scenario : Scenario
-        The scenario.
-    trace_every : int
-        Every n-th control period is kept in the trace.
-    """
-
-    scenario: Scenario
-    trace_every: int
-
-
 def simulated(candidate: Candidate, scenario: Scenario) -> ClosedLoopRun | Fault:
-    """Run a candidate through a scenario in a process of its own."""
-    plan = Plan(scenario, trace_every=-(-scenario.control_periods // MOST_ROWS))
-    with CandidateWorker(candidate, load_controller) as worker:
-        return worker.run(Job(run_plan, plan))
+    """Run a candidate through a scenario."""
+    with_compiled_kernels()
+    with Judge(candidate) as judge:
+        return judge.run(Job(run_once, scenario))
 
 
-def run_plan(loaded: LoadedCandidate, plan: Plan) -> ClosedLoopRun:
-    """Run a scenario; this is what the worker process does."""
-    return run_scenario(
-        plan.scenario, loaded.controller(), progress=loaded.progress, trace_every=plan.trace_every
-    )
+def run_once(loaded: JudgedCandidate, scenario: Scenario) -> ClosedLoopRun:
+    """Run a scenario with a trace."""
+    every = -(-scenario.control_periods // MOST_ROWS)
+    return run_scenario(scenario, loaded.controller(), trace_every=every)
 
 
 def trace_frame(run: ClosedLoopRun) -> pandas.DataFrame:

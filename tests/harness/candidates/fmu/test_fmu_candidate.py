@@ -26,9 +26,9 @@ from drivegate.candidates.fmu.variables import (
 )
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.stall_watch import WorkerLimits
-from drivegate.containment.worker import CandidateWorker
 from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.outer_loop.records import Nameplate, Sense
@@ -231,7 +231,7 @@ def test_of_an_fmu_that_keeps_its_state_in_globals_the_last_one_reset_works(vers
 def test_an_fmu_runs_in_a_worker_and_is_unpacked_once(version, workshop):
     import worker_jobs
 
-    with CandidateWorker(resolve_candidate(str(workshop(version))), load_controller) as worker:
+    with Judge(resolve_candidate(str(workshop(version)))) as worker:
         first, longer, again = (worker.run(Job(worker_jobs.drive, steps)) for steps in (4, 30, 4))
         folders = list(Path(tempfile.gettempdir()).rglob("drivegate-fmu-*"))
     assert first == again == 1.0 + 2.0 + 3.0 + 4.0
@@ -341,7 +341,7 @@ def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(fault, versio
 
     statement, kind, message = FAULTS[fault]
     candidate = resolve_candidate(str(workshop(version, fifth=statement)))
-    with CandidateWorker(candidate, load_controller, limits=QUICK) as worker:
+    with Judge(candidate, limits=QUICK) as worker:
         fault = worker.run(Job(worker_jobs.drive, 7))
         assert (fault.kind, fault.phase, fault.step) == (kind, "step", 4)
         assert message in fault.message
@@ -353,7 +353,7 @@ def test_a_status_of_failure_is_reported_with_what_the_fmu_logged(version, works
     import worker_jobs
 
     fmu = altered(workshop(version), ('name="control_period"', 'name="sample_time"'))
-    with CandidateWorker(resolve_candidate(str(fmu)), load_controller) as worker:
+    with Judge(resolve_candidate(str(fmu))) as worker:
         fault = worker.run(Job(worker_jobs.drive, 7))
     assert (fault.kind, fault.phase, fault.step, fault.error) == (FaultKind.EXCEPTION, "step", 0, "FmuError")
     assert fault.message == (
@@ -368,9 +368,7 @@ def test_a_status_of_failure_is_reported_with_what_the_fmu_logged(version, works
 def test_a_controller_that_refuses_its_reset_is_reported_in_the_first_step(version, workshop):
     import worker_jobs
 
-    with CandidateWorker(
-        resolve_candidate(str(workshop(version, reset="return 7;"))), load_controller
-    ) as worker:
+    with Judge(resolve_candidate(str(workshop(version, reset="return 7;")))) as worker:
         fault = worker.run(Job(worker_jobs.drive, 7))
     assert fault.message == (
         f"FmuError: fmi{version}ExitInitializationMode returned fmi{version}Error: drivegate_reset returned 7"
@@ -665,7 +663,7 @@ def test_a_worker_refuses_too_and_leaves_nothing(workshop, altered):
 
     fmu = altered(workshop(2), ('name="speed"', 'name="velocity"'))
     with (
-        CandidateWorker(resolve_candidate(str(fmu)), load_controller) as worker,
+        Judge(resolve_candidate(str(fmu))) as worker,
         pytest.raises(InputError, match="there is no input 'speed'"),
     ):
         worker.run(Job(worker_jobs.drive, 3))

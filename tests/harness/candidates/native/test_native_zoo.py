@@ -9,9 +9,9 @@ from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
+from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.stall_watch import WorkerLimits
-from drivegate.containment.worker import CandidateWorker
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.studies.simulate.simulate import Plan, run_plan
@@ -43,7 +43,7 @@ def ended(tmp_path, written, controller_source, scenario):
     def run(**parts: str) -> ClosedLoopRun | Fault:
         candidate = resolve_candidate(str(written(tmp_path, controller_source(**parts))))
         limits = IMPATIENT if SPIN in str(parts) else LIMITS
-        with CandidateWorker(candidate, load_controller, limits=limits) as worker:
+        with Judge(candidate, limits=limits) as worker:
             return worker.run(Job(run_plan, Plan(scenario, 1)))
 
     return run

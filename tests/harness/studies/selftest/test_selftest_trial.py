@@ -6,13 +6,11 @@ from typing import Any
 import pytest
 
 from drivegate.candidates.builtin.faults import find_mutation
-from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
-from drivegate.containment.messages import Job, LoadedCandidate
-from drivegate.containment.shared_progress import SharedProgress
+from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest import trial as trial_module
 from drivegate.studies.selftest.run import SelftestEffort, planned_trial
@@ -31,17 +29,17 @@ def nothing_known(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trial_module, "_known", {})
 
 
-def loaded() -> LoadedCandidate:
-    def load(candidate: Candidate) -> Any:
-        raise AssertionError(f"{candidate.name} is not to be loaded")
+def loaded() -> JudgedCandidate:
+    def load() -> Any:
+        raise AssertionError("the host is not to be loaded")
 
-    return LoadedCandidate(BASE, load, SharedProgress.create())
+    return JudgedCandidate(BASE, load)
 
 
 def job(faulty: tuple[float, ...], base: tuple[float, ...] = (1.0,), check: str = CHECK) -> Job[ShardOutcome]:
     """Make a job with one run for each margin."""
 
-    def target(candidate: LoadedCandidate, payload: Any) -> ShardOutcome:
+    def target(candidate: JudgedCandidate, payload: Any) -> ShardOutcome:
         values = faulty if candidate.candidate.name == FAULTY.name else base
         return ShardOutcome(
             tuple(
@@ -90,7 +88,7 @@ def test_another_check_that_fails_is_no_catch() -> None:
 
 
 def test_a_fault_beside_the_contract_is_kept_and_the_trial_goes_on() -> None:
-    def raising(candidate: LoadedCandidate, payload: Any) -> ShardOutcome:
+    def raising(candidate: JudgedCandidate, payload: Any) -> ShardOutcome:
         raise CandidateFault(Fault(FaultKind.INVALID_OUTPUT, "the command is not finite", "step"))
 
     outcome = tried(Job(raising, None), job((-1.0,)))

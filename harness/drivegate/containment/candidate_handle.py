@@ -1,90 +1,102 @@
-"""A worker process as its parent holds it: started, heard, measured and ended for certain."""
+"""A candidate's process as its judge holds it: started, heard, measured and ended for certain."""
 
 import os
 import pickle
+import socket
+import sys
 import time
 import weakref
 from contextlib import suppress
 from io import FileIO
-from multiprocessing import Pipe
-from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import psutil
+from numpy.typing import NDArray
 
 from drivegate.candidates.fault import LONGEST_TRACEBACK
-from drivegate.containment.kept_process import KeptProcess
-from drivegate.containment.messages import Job, Reply, Setup
-from drivegate.containment.process import STACK_SIGNAL
+from drivegate.containment.kept_process import KeptProcess, Role
+from drivegate.containment.orders import PACKET, WORD, Order
+from drivegate.containment.reply import LONGEST_REPLY, Reply, UnreadableReply, unpacked
+from drivegate.containment.serving import STACK_SIGNAL
+from drivegate.containment.shared_memory import SharedMemory
 from drivegate.containment.shared_progress import SharedProgress
 
-_LONGEST_REPLY = 2**28
 _MOST_READS = 16
 _PATIENCE = 2.0
 _STACK_PATIENCE = 0.5
+# Packets arrive whole or not at all, so that half of a reply keeps nobody waiting.
+_PACKETS = socket.SOCK_SEQPACKET if sys.platform.startswith("linux") else socket.SOCK_DGRAM
 
 
-class UnreadableReply(Exception):
-    """What came from a worker process is no message of the harness."""
-
-
-class WorkerHandle:
-    """One running worker process, with a keeper that lets nothing outlive it.
+class CandidateHandle:
+    """One running process with a candidate, and a keeper that lets nothing outlive it.
 
     Attributes
     ----------
     progress : SharedProgress
-        Memory shared with the process.
+        Memory that tells what the process is doing.
     """
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, folder: Path) -> None:
         self.progress = SharedProgress.create()
-        ours, theirs = Pipe()
+        self._memory: SharedMemory | None = None
+        ours, theirs = socket.socketpair(socket.AF_UNIX, _PACKETS)
+        ours.setblocking(False)
         reader, writer = os.pipe()
-        self._connection: Connection[Any, Any] = ours
+        self._channel = ours
         self._output = FileIO(reader)
         self._output_ended = False
         self._tail = b""
         os.set_blocking(reader, False)
         try:
-            self._kept = KeptProcess(
-                setup.candidate.folder, theirs.fileno(), self.progress.descriptor, writer
-            )
+            descriptors = (theirs.fileno(), self.progress.descriptor)
+            self._kept = KeptProcess(Role.CANDIDATE, folder, descriptors, output=writer)
         finally:
             theirs.close()
             os.close(writer)
             self.progress.close()
         self._measured: psutil.Process | None = None
         self.end = weakref.finalize(self, _end, self._kept, ours, self._output)
-        self.send(setup)
 
     @property
     def waitables(self) -> list[Any]:
         """What becomes readable when the process has something to tell."""
-        return [self._connection] if self._output_ended else [self._connection, self._output]
+        return [self._channel] if self._output_ended else [self._channel, self._output]
 
-    def send(self, message: Setup | Job[Any]) -> None:
-        """Send a message; a process that has died meanwhile is noticed later."""
-        with suppress(BrokenPipeError, ConnectionResetError):
-            self._connection.send(message)
+    def send(self, order: Order, room: int = 0) -> None:
+        """Send an order, with room in bytes for its commands; a process that has died is noticed later."""
+        written = pickle.dumps(order, pickle.HIGHEST_PROTOCOL)
+        needed = max(len(written), room)
+        descriptors = []
+        if self._memory is None or self._memory.size < needed:
+            self._memory = SharedMemory.create(needed)
+            descriptors.append(self._memory.descriptor)
+        self._memory.write(written)
+        packet = PACKET.pack(WORD, len(written), self._memory.size)
+        try:
+            # Only a process that does not read has a full buffer, and that is noticed as a hang.
+            with suppress(OSError):
+                socket.send_fds(self._channel, [packet], descriptors)
+        finally:
+            if descriptors:
+                self._memory.close()
 
     def receive(self) -> Reply | None:
-        """Take the next message, without waiting for one."""
+        """Take the next reply, without waiting for one."""
         try:
-            if not self._connection.poll():
-                return None
-            message = self._connection.recv_bytes(_LONGEST_REPLY)
-        except (EOFError, ConnectionResetError):
+            message = self._channel.recv(LONGEST_REPLY + 1)
+        except (BlockingIOError, ConnectionResetError):
             return None
         except OSError as error:
             raise UnreadableReply from error
-        try:
-            reply = pickle.loads(message)
-        except Exception as error:
-            raise UnreadableReply from error
-        if not isinstance(reply, Reply):
-            raise UnreadableReply
-        return reply
+        return unpacked(message) if message else None
+
+    def copied_commands(self, count: int) -> NDArray[np.float64]:
+        """Copy the first commands of the last run, as far as there is room for them; shape (n, 3)."""
+        assert self._memory is not None, "commands follow on an order"
+        return self._memory.copied_commands(count)
 
     def has_ended(self) -> bool:
         """Tell whether the process has died by itself; it is not reaped yet, so its id is still its own."""
@@ -154,13 +166,9 @@ class WorkerHandle:
         self.end()
         return self._kept.exit_status()
 
-    def hang_up(self) -> None:
-        """Tell the process that no more messages come, on which it ends by itself."""
-        self._connection.close()
-
     def end_in_peace(self) -> None:
         """Give the process a moment to end by itself, then end it."""
-        self.hang_up()
+        self._channel.close()
         deadline = time.monotonic() + _PATIENCE
         while not self.has_ended() and time.monotonic() < deadline:
             self.drain_output()
@@ -168,7 +176,7 @@ class WorkerHandle:
         self.end()
 
 
-def _end(kept: KeptProcess, connection: "Connection[Any, Any]", output: FileIO) -> None:
+def _end(kept: KeptProcess, channel: socket.socket, output: FileIO) -> None:
     kept.end()
-    connection.close()
+    channel.close()
     output.close()

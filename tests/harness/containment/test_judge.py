@@ -12,12 +12,11 @@ import psutil
 import pytest
 
 from drivegate.candidates.fault import FaultKind
-from drivegate.candidates.python.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
 from drivegate.containment.stall_watch import WorkerLimits
-from drivegate.containment.worker import CandidateWorker
 from drivegate_models.errors import HarnessFault, InputError
 
 HERE = Path(__file__).parents[1]
@@ -54,7 +53,7 @@ def jobs():
 def candidate(tmp_path):
     """Make a candidate that counts its steps and does something particular in the fifth."""
 
-    def make(fault="pass", *, reset="pass", top="pass", init="pass"):
+    def make(fault="pass", *, reset="pass", top="pass", init="pass", answer="1.0"):
         file = tmp_path / "mine.py"
         file.write_text(
             f"""
@@ -71,7 +70,7 @@ class Mine:
         self.count += 1
         if self.count == 5:
             {fault}
-        return Command(1.0, 0.5)
+        return Command({answer}, 0.5)
 """,
             encoding="utf-8",
         )
@@ -81,7 +80,7 @@ class Mine:
 
 
 def worker_of(candidate, limits=QUICK):
-    return CandidateWorker(candidate, load_controller, limits=limits)
+    return Judge(candidate, limits=limits)
 
 
 FAULTS_IN_STEP = {
@@ -178,9 +177,11 @@ def test_a_step_that_sleeps_forever_is_a_hang(candidate, jobs):
 
 
 def test_a_run_that_never_ends_is_a_hang(candidate, jobs):
-    with worker_of(candidate(), WorkerLimits(job_seconds=2.0)) as worker:
-        outcome = worker.run(Job(jobs.drive, 10**9))
-    assert outcome.message.startswith("the job did not end within 2 s after")
+    with worker_of(
+        candidate(answer="time.sleep(1e-3) or 1.0"), WorkerLimits(order_seconds=6.0, order_step_seconds=0.0)
+    ) as worker:
+        outcome = worker.run(Job(jobs.drive, 10**5))
+    assert outcome.message.startswith("the run did not end within 6 s after")
 
 
 def test_a_hang_is_tried_once_more(candidate, jobs, tmp_path):
@@ -198,10 +199,11 @@ def test_a_candidate_that_cannot_be_used_is_refused(candidate, jobs):
 
 
 def test_the_same_process_does_many_jobs_each_with_a_new_instance(candidate, jobs):
-    with worker_of(candidate(reset="assert not hasattr(self, 'used'); self.used = True")) as worker:
-        outcomes = [worker.run(Job(jobs.drive_then_tell_process, NORMAL)) for _ in range(5)]
-    assert {total for total, _ in outcomes} == {3.0}
-    assert len({process for _, process in outcomes}) == 1
+    once = "assert not hasattr(self, 'used'); self.used = True"
+    with worker_of(candidate(reset=once, answer="float(os.getpid())")) as worker:
+        processes = {worker.run(Job(jobs.drive, 1)) for _ in range(5)}
+    assert len(processes) == 1
+    assert processes != {float(os.getpid())}, "the candidate's code ran beside what judges it"
 
 
 def test_what_a_candidate_prints_stays_out_of_the_output(candidate, jobs, capfd):
@@ -225,28 +227,14 @@ def test_processes_that_a_candidate_starts_end_with_it(candidate, jobs):
     assert sleep not in commands
 
 
-def test_the_process_inherits_the_environment_but_not_the_input(candidate, jobs, monkeypatch):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", "/somewhere")
-    monkeypatch.delenv("PYTHONHASHSEED", raising=False)
-    with worker_of(candidate()) as worker:
-        assert worker.run(Job(jobs.surroundings, "NUMBA_CACHE_DIR")) == ("/somewhere", "")
-        assert worker.run(Job(jobs.surroundings, "PYTHONHASHSEED"))[0] == "0"
-
-
 @pytest.mark.parametrize(
     ("target", "reason"), [("harness_error", "LookupError: a mistake"), ("unpicklable", "lambda")]
 )
 def test_an_error_of_the_harness_is_no_verdict_on_the_candidate(candidate, jobs, target, reason):
-    with worker_of(candidate()) as worker:
+    with WorkerPool(candidate(), workers=1, limits=QUICK) as pool:
         with pytest.raises(HarnessFault, match=reason):
-            worker.run(Job(getattr(jobs, target), None))
-        assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
-
-
-def test_a_stall_of_the_harness_is_no_verdict_on_the_candidate(candidate, jobs):
-    limits = WorkerLimits(start_processor_seconds=2.0)
-    with worker_of(candidate(), limits) as worker, pytest.raises(HarnessFault, match="outside the candidate"):
-        worker.run(Job(jobs.stuck, None))
+            list(pool.map([Job(getattr(jobs, target), None)]))
+        assert list(pool.map([Job(jobs.drive, NORMAL)])) == [3.0]
 
 
 def test_an_input_error_of_a_job_reaches_the_user(candidate, jobs):
@@ -254,28 +242,27 @@ def test_an_input_error_of_a_job_reaches_the_user(candidate, jobs):
         worker.run(Job(jobs.user_error, None))
 
 
-def test_a_worker_that_is_forgotten_ends(candidate, jobs):
+def test_a_judge_that_is_forgotten_ends(candidate, jobs):
     worker = worker_of(candidate())
     assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
     del worker
 
 
-def test_a_worker_whose_idle_process_died_starts_another(candidate, jobs):
-    with worker_of(candidate()) as worker:
-        _, process = worker.run(Job(jobs.drive_then_tell_process, NORMAL))
+def test_a_judge_whose_idle_process_died_starts_another(candidate, jobs):
+    with worker_of(candidate(answer="float(os.getpid())")) as worker:
+        process = int(worker.run(Job(jobs.drive, 1)))
         os.kill(process, signal.SIGKILL)
         while psutil.Process(process).status() != psutil.STATUS_ZOMBIE:
             time.sleep(0.01)
-        assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
+        assert worker.run(Job(jobs.drive, 1)) != process
 
 
-def test_a_worker_in_an_endless_loop_dies_with_its_parent(candidate):
+def test_a_judge_in_an_endless_loop_dies_with_its_parent(candidate):
     script = (
         "import worker_jobs; from drivegate.candidates.resolution import resolve_candidate; "
-        "from drivegate.candidates.python.loading import load_controller; "
-        "from drivegate.containment.worker import CandidateWorker; from drivegate.containment.messages import Job; "
+        "from drivegate.containment.judge import Judge; from drivegate.containment.messages import Job; "
         f"candidate = resolve_candidate({candidate('while True: pass').specification!r}); "
-        "CandidateWorker(candidate, load_controller).run(Job(worker_jobs.drive, 7))"
+        "Judge(candidate).run(Job(worker_jobs.drive, 7))"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     parent = subprocess.Popen([sys.executable, "-c", script], env=environment)
@@ -294,25 +281,26 @@ def test_a_worker_in_an_endless_loop_dies_with_its_parent(candidate):
 
 @pytest.mark.parametrize("workers", [1, 2, 3])
 def test_a_pool_gives_results_in_the_order_of_its_jobs(candidate, jobs, workers):
-    with WorkerPool(candidate(), load_controller, workers=workers, limits=QUICK) as pool:
+    with WorkerPool(candidate(), workers=workers, limits=QUICK) as pool:
         assert list(pool.map(Job(jobs.sleep_by_turns, index) for index in range(9))) == list(range(9))
 
 
 def test_a_pool_goes_on_after_crashes_and_hangs(candidate, jobs):
     fault = "os._exit(1)"
     steps = [NORMAL, WITH_FAULT, NORMAL, WITH_FAULT, NORMAL]
-    with WorkerPool(candidate(fault), load_controller, workers=2, limits=QUICK) as pool:
+    with WorkerPool(candidate(fault), workers=2, limits=QUICK) as pool:
         outcomes = list(pool.map([Job(jobs.drive, number) for number in steps]))
     assert outcomes[::2] == [3.0] * 3
     assert [outcome.kind for outcome in outcomes[1::2]] == [FaultKind.CRASH] * 2
 
 
-def test_a_pool_tells_a_hang_after_a_second_try(candidate, jobs):
-    steps = [WITH_FAULT, NORMAL, NORMAL, NORMAL]
-    with WorkerPool(candidate("while True: pass"), load_controller, workers=2, limits=QUICK) as pool:
+def test_a_pool_gives_a_hang_in_the_second_try_to_all_jobs_that_wait(candidate, jobs):
+    steps = [NORMAL, WITH_FAULT, NORMAL, NORMAL]
+    with WorkerPool(candidate("while True: pass"), workers=1, limits=QUICK) as pool:
         outcomes = list(pool.map([Job(jobs.drive, number) for number in steps]))
-    assert outcomes[0].kind is FaultKind.HANG
-    assert outcomes[1:] == [3.0] * 3
+    assert outcomes[0] == 3.0
+    assert outcomes[1].kind is FaultKind.HANG
+    assert outcomes[2:] == [outcomes[1]] * 2, "nobody waits for the same hang again"
 
 
 def test_a_pool_tries_a_hang_again_with_nothing_beside_it(candidate, jobs, tmp_path):
@@ -320,7 +308,7 @@ def test_a_pool_tries_a_hang_again_with_nothing_beside_it(candidate, jobs, tmp_p
     once = f"while not os.path.exists({str(mark)!r}) or self.looping: self.looping = open({str(mark)!r}, 'w')"
     steps = [WITH_FAULT, NORMAL, NORMAL, NORMAL]
     hanging = candidate(once, reset="self.looping = None")
-    with WorkerPool(hanging, load_controller, workers=2, limits=QUICK) as pool:
+    with WorkerPool(hanging, workers=2, limits=QUICK) as pool:
         (total, began, ended), *others = pool.map([Job(jobs.drive_slowly, number) for number in steps])
     assert total == 7.0
     assert [other[0] for other in others] == [3.0] * 3
@@ -330,7 +318,7 @@ def test_a_pool_tries_a_hang_again_with_nothing_beside_it(candidate, jobs, tmp_p
 
 def test_a_pool_gives_a_fault_while_loading_to_all_jobs_without_repeating_it(candidate, jobs, tmp_path):
     top = f"open({str(tmp_path / 'loads')!r}, 'a').write('x'); os._exit(1)"
-    with WorkerPool(candidate(top=top), load_controller, workers=2, limits=QUICK) as pool:
+    with WorkerPool(candidate(top=top), workers=2, limits=QUICK) as pool:
         outcomes = list(pool.map([Job(jobs.drive, NORMAL)] * 20))
     assert {(outcome.kind, outcome.phase) for outcome in outcomes} == {(FaultKind.CRASH, "loading")}
     assert len(outcomes) == 20
@@ -338,7 +326,7 @@ def test_a_pool_gives_a_fault_while_loading_to_all_jobs_without_repeating_it(can
 
 
 def test_a_pool_may_be_left_early_and_used_again(candidate, jobs):
-    with WorkerPool(candidate("time.sleep(1000)"), load_controller, workers=2) as pool:
+    with WorkerPool(candidate("time.sleep(1000)"), workers=2) as pool:
         results = pool.map([Job(jobs.drive, number) for number in (NORMAL, WITH_FAULT, WITH_FAULT)])
         assert next(results) == 3.0
         results.close()
@@ -346,5 +334,5 @@ def test_a_pool_may_be_left_early_and_used_again(candidate, jobs):
 
 
 def test_a_pool_without_jobs_starts_nothing(candidate):
-    with WorkerPool(candidate(), load_controller, workers=2) as pool:
+    with WorkerPool(candidate(), workers=2) as pool:
         assert list(pool.map([])) == []

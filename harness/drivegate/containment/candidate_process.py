@@ -1,0 +1,239 @@
+"""The process that runs a candidate's code: asked, watched, and replaced after a crash or a hang.
+
+What comes back from it is never believed: commands are played back by whoever judges them, and text is bounded.
+"""
+
+import time
+from dataclasses import dataclass, replace
+from multiprocessing.connection import wait
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.ending import ending_in_words
+from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, bounded_text
+from drivegate.candidates.kinds import KINDS
+from drivegate.containment.candidate_handle import CandidateHandle
+from drivegate.containment.orders import MakeInstance, Order, Setup
+from drivegate.containment.reply import CHECK_BYTES, Ending, Reply, UnreadableReply, fault_of
+from drivegate.containment.serving import LOST_CONNECTION
+from drivegate.containment.shared_progress import Activity
+from drivegate.containment.stall_watch import StallWatch, WorkerLimits
+from drivegate_cases.documents.wording import counted
+from drivegate_models.contract.outer_loop.records import COMMAND
+from drivegate_models.errors import HarnessFault, InputError
+from drivegate_models.loop.exchange import COMPLETED, STOPPED
+
+LOOK_EVERY: Final = 0.05
+"""Time between two looks at a process that tells nothing by itself (s)."""
+
+_NOT_ITS_OWN = "a candidate must leave alone what it has not opened"
+_CONNECTION_CLOSED = f"the process closed its connection to the harness; {_NOT_ITS_OWN}"
+_CONNECTION_GARBLED = f"the process wrote into its connection to the harness; {_NOT_ITS_OWN}"
+
+
+@dataclass(frozen=True)
+class Answered:
+    """What a candidate's process has answered in a run.
+
+    Attributes
+    ----------
+    commands : ndarray, shape (n, 3)
+        The commands, as they were given; the last one is what is wrong where the status says so.
+    status : int
+        Status of the loop there, of `drivegate_models.loop.exchange`.
+    check : bytes
+        Digest of what the plant there came to.
+    fault : Fault or None
+        What ended the run, where it is known there.
+    """
+
+    commands: NDArray[np.float64]
+    status: int
+    check: bytes
+    fault: Fault | None
+
+
+class CandidateProcess:
+    """Carries out orders with one candidate, in a process that is replaced after a crash or a hang."""
+
+    def __init__(self, candidate: Candidate, limits: WorkerLimits | None = None) -> None:
+        self.candidate = candidate
+        self._limits = limits or WorkerLimits()
+        self._handle: CandidateHandle | None = None
+        self.generation = 0
+        self._has_instance = False
+
+    def made_instance(self) -> Reply:
+        """Make a new instance of the candidate, and let go of the one before; start the process if there is none."""
+        self._has_instance = False
+        if not self.is_running:
+            self.kill()
+            self._start()
+        try:
+            reply = self._without_fault(MakeInstance())
+        except CandidateFault:
+            self.kill()
+            raise
+        self._has_instance = True
+        return reply
+
+    def carried_out(self, order: Order) -> None:
+        """Have an order carried out that answers nothing."""
+        self._without_fault(order)
+
+    def _without_fault(self, order: Order) -> Reply:
+        reply = self._replied(order, 0)
+        fault = self._fault_in(reply)
+        if fault is not None:
+            self._end_without_memory(fault)
+            raise CandidateFault(fault)
+        return reply
+
+    def answered(self, order: Order, steps: int) -> Answered:
+        """Have an order carried out that answers with commands, as many as there are steps."""
+        try:
+            reply = self._replied(order, steps)
+        except CandidateFault as died:
+            return self._left_behind(died.fault, steps)
+        fault = self._fault_in(reply)
+        if fault is None and reply.status == COMPLETED and reply.steps != steps:
+            fault = self._garbled(self._running)
+        status = reply.status if fault is None else STOPPED
+        count = reply.steps + (status not in (COMPLETED, STOPPED))
+        commands = self._running.copied_commands(min(count, steps))
+        if fault is not None:
+            self._end_without_memory(fault)
+        return Answered(commands, status, reply.check, fault)
+
+    def _end_without_memory(self, fault: Fault) -> None:
+        """End a process whose memory the candidate may still hold."""
+        if fault.error == MemoryError.__name__:
+            self.kill()
+
+    def _left_behind(self, fault: Fault, steps: int) -> Answered:
+        """Collect the commands that a process has given before it died."""
+        handle = self._running
+        commands = handle.copied_commands(min(fault.step or 0, steps))
+        self.kill()
+        return Answered(commands, STOPPED, bytes(CHECK_BYTES), fault)
+
+    @property
+    def _running(self) -> CandidateHandle:
+        assert self._handle is not None, "a process was asked before"
+        return self._handle
+
+    @property
+    def is_running(self) -> bool:
+        """Whether there is a process that has not ended."""
+        return self._handle is not None and not self._handle.has_ended()
+
+    def _start(self) -> None:
+        self._handle = CandidateHandle(self.candidate.folder)
+        self.generation += 1
+        self._replied(Setup(self.candidate, self._limits.memory_bytes), 0)
+
+    def _replied(self, order: Order, steps: int) -> Reply:
+        handle = self._running
+        handle.forget_output()
+        watch = StallWatch(self._limits, handle.processor_seconds(), time.monotonic(), steps)
+        handle.send(order, steps * COMMAND.itemsize)
+        while True:
+            wait(handle.waitables, LOOK_EVERY)
+            handle.drain_output()
+            # A process that has ended may have answered before.
+            ended = handle.has_ended()
+            try:
+                reply = handle.receive()
+            except UnreadableReply:
+                raise CandidateFault(self._garbled(handle)) from None
+            if reply is not None:
+                return self._settled(reply)
+            fault = self._crash(handle) if ended else self._hang(handle, watch)
+            if fault is not None:
+                raise CandidateFault(fault)
+
+    def _settled(self, reply: Reply) -> Reply:
+        if reply.ending is Ending.REFUSED:
+            self.kill()
+            raise InputError(bounded_text(reply.text))
+        if reply.ending is Ending.BROKEN:
+            self.kill()
+            raise HarnessFault(f"the harness failed in a candidate's process: {reply.text}")
+        return reply
+
+    def _fault_in(self, reply: Reply) -> Fault | None:
+        """Read the fault of a reply, and add what is known of it here."""
+        if reply.ending is not Ending.FAULT:
+            return None
+        handle = self._running
+        try:
+            fault = fault_of(reply.text)
+        except UnreadableReply:
+            return self._garbled(handle)
+        if not fault.traceback and KINDS[self.candidate.kind].reports_output:
+            fault = replace(fault, traceback=bounded_text(handle.last_output()))
+        if fault.error == MemoryError.__name__:
+            limit = f"{self._limits.memory_bytes / 2**30:g} GiB"
+            fault = replace(fault, message=f"{fault.message} (a candidate may allocate {limit})")
+        if fault.phase == "step" and fault.step is None:
+            fault = replace(fault, step=max(int(handle.progress.steps[0]) - 1, 0))
+        return fault
+
+    def _crash(self, handle: CandidateHandle) -> Fault:
+        output = bounded_text(handle.last_output())
+        status = handle.exit_status()
+        what, error = ending_in_words(status)
+        if handle.progress.activity is Activity.STARTING:
+            self.kill()
+            raise HarnessFault(f"the process {what} before it came to the candidate: {output}")
+        fault = self._located(handle, Fault(FaultKind.CRASH, f"the process {what}", "loading", error=error))
+        if status == LOST_CONNECTION:
+            fault = replace(fault, message=_CONNECTION_CLOSED)
+        return replace(fault, traceback=output)
+
+    def _garbled(self, handle: CandidateHandle) -> Fault:
+        fault = self._located(handle, Fault(FaultKind.CRASH, "", "loading"))
+        handle.end()
+        return replace(fault, message=_CONNECTION_GARBLED)
+
+    def _hang(self, handle: CandidateHandle, watch: StallWatch) -> Fault | None:
+        progress = handle.progress
+        why = watch.stalled(progress.state, progress.activity, handle.processor_seconds(), time.monotonic())
+        if why is None:
+            return None
+        fault = self._located(handle, Fault(FaultKind.HANG, why, "loading"))
+        stack = bounded_text(handle.stack())
+        handle.end()
+        if progress.activity is Activity.STARTING:
+            self.kill()
+            raise HarnessFault(f"{why}, outside the candidate: {stack}")
+        return replace(fault, traceback=stack)
+
+    def _located(self, handle: CandidateHandle, fault: Fault) -> Fault:
+        """Add to a fault what the shared memory tells of the step in which it happened."""
+        progress = handle.progress
+        if not self._has_instance or progress.activity is Activity.LOADING:
+            return replace(fault, message=f"{fault.message} while loading the candidate")
+        if progress.activity is not Activity.RUNNING:
+            return replace(fault, phase="step", message=f"{fault.message} outside of its steps")
+        begun = int(progress.steps[0])
+        if begun <= 0:
+            return replace(fault, phase="reset", message=f"{fault.message} in reset")
+        message = f"{fault.message} after {counted(begun - 1, 'completed step')}"
+        return replace(fault, phase="step", message=message, step=begun - 1)
+
+    def kill(self) -> None:
+        """End the process at once; the next order starts another one."""
+        if self._handle is not None:
+            self._handle.end()
+        self._handle = None
+        self._has_instance = False
+
+    def close(self) -> None:
+        """End the process: by itself within a moment, or else by force."""
+        if self._handle is not None:
+            self._handle.end_in_peace()
+        self.kill()

@@ -1,0 +1,91 @@
+"""An instance of a candidate in a process of its own, as those use it who judge its commands."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.containment.candidate_process import Answered, CandidateProcess
+from drivegate.containment.orders import CloseLoop, GiveSenses, Reset
+from drivegate.containment.serving import check_of
+from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.loop.closed_loop import PreparedLoop
+from drivegate_models.loop.command_playing import player_of, playing_step
+from drivegate_models.loop.exchange import COMPLETED
+
+
+class PlayedCommands:
+    """A controller that gives again what another one has answered; the plant it is run against is the judge's own.
+
+    Attributes
+    ----------
+    step_address, state_address : int
+        Addresses of its step and of its state; valid as long as this object lives.
+    fault : Fault or None
+        What ended the answers.
+    """
+
+    def __init__(self, answered: Answered) -> None:
+        self._answered = answered
+        self._step = playing_step()
+        self._state = player_of(answered.commands)
+        self.step_address: int = self._step.address
+        self.state_address: int = self._state.ctypes.data
+        self.fault: Fault | None = answered.fault
+
+    def reset(self, _nameplate: Nameplate) -> None:
+        """Begin with the first command."""
+        self._state["given"] = 0
+
+    def disturbed(self, run: PreparedLoop) -> Fault | None:
+        """Compare a finished run with what the plant in the candidate's process came to."""
+        if self._answered.status == COMPLETED and check_of(run.records) == self._answered.check:
+            return None
+        return Fault(
+            FaultKind.MEMORY,
+            "the same commands, played back, end in another state of the plant than in the candidate's process; "
+            "the candidate writes into memory that is not its own",
+            "step",
+        )
+
+
+class ContainedController:
+    """One instance of a candidate in its process; after a crash the next run makes a new one.
+
+    Attributes
+    ----------
+    is_python : bool
+        Whether it is stepped by the Python interpreter.
+    state_size : int
+        Bytes of its state, where it is native; otherwise 0.
+    """
+
+    def __init__(self, process: CandidateProcess) -> None:
+        self._process = process
+        made = process.made_instance()
+        self._generation = process.generation
+        self.is_python = made.is_python
+        self.state_size = made.state_size
+
+    def reset(self, nameplate: Nameplate) -> None:
+        """Reset the instance."""
+        if self._generation != self._process.generation or not self._process.is_running:
+            self._process.made_instance()
+            self._generation = self._process.generation
+        self._process.carried_out(Reset(nameplate))
+
+    def run(
+        self,
+        prepare: Callable[..., PreparedLoop],
+        plant: tuple[Any, ...],
+        options: Mapping[str, Any],
+        steps: int,
+    ) -> PlayedCommands:
+        """Run the instance, already reset, in closed loop, and give its commands for being played back."""
+        return PlayedCommands(self._process.answered(CloseLoop(prepare, plant, options), steps))
+
+    def answers(self, senses: NDArray[np.float64]) -> Answered:
+        """Step the instance through given Senses, which follow on those since the reset."""
+        return self._process.answered(GiveSenses(senses), len(senses))

@@ -1,0 +1,85 @@
+"""Doing jobs with one candidate: its code runs in a process of its own, everything that judges it runs here.
+
+A candidate that comes along with drivegate is drivegate's own code, and needs no other process.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from types import TracebackType
+from typing import Any, Self
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
+from drivegate.candidates.kinds import KINDS
+from drivegate.candidates.loading import load_controller
+from drivegate.containment.messages import AnyController, Job, JudgedCandidate, ResultT
+from drivegate.containment.stall_watch import WorkerLimits
+
+
+def own_candidate(candidate: Candidate) -> JudgedCandidate:
+    """Give a candidate that comes along with drivegate as a job has it."""
+    return JudgedCandidate(candidate, partial(load_controller, candidate))
+
+
+class Judge:
+    """Does jobs with one candidate, one after another; on Linux the candidate's process ends with this one."""
+
+    def __init__(self, candidate: Candidate, *, limits: WorkerLimits | None = None) -> None:
+        self._candidate = candidate
+        self._limits = limits
+        self._process: Any = None
+
+    def run(self, job: Job[ResultT]) -> ResultT | Fault:
+        """Do one job; one that hangs is tried once more."""
+        ending: ResultT | Fault = self.once(job)
+        if is_hang(ending):
+            ending = self.once(job)
+        return ending
+
+    def once(self, job: Job[ResultT]) -> ResultT | Fault:
+        """Do one job."""
+        if job.afresh:
+            self.kill()
+        try:
+            return job.target(JudgedCandidate(self._candidate, self._new_controller), job.payload)
+        except CandidateFault as ended:
+            return ended.fault
+
+    def _new_controller(self) -> AnyController:
+        if KINDS[self._candidate.kind].comes_along:
+            return load_controller(self._candidate)
+        from drivegate.containment.candidate_process import CandidateProcess
+        from drivegate.containment.contained_controller import ContainedController
+
+        if self._process is None:
+            self._process = CandidateProcess(self._candidate, self._limits)
+        return ContainedController(self._process)
+
+    def kill(self) -> None:
+        """End the candidate's process at once; the next instance starts another one."""
+        if self._process is not None:
+            self._process.kill()
+
+    def close(self) -> None:
+        """End the candidate's process, by itself within a moment."""
+        if self._process is not None:
+            self._process.close()
+
+    def __enter__(self) -> Self:
+        """Return the judge; the candidate's process starts with the first instance."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """End the candidate's process."""
+        if kind is None:
+            self.close()
+        else:
+            self.kill()
+
+
+def is_hang(ending: object) -> bool:
+    """Tell whether a job ended with a hang, which is tried once more."""
+    return isinstance(ending, Fault) and ending.kind is FaultKind.HANG

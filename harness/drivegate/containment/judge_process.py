@@ -1,0 +1,142 @@
+"""A judge in a process of its own, so that several work side by side; it never runs a candidate's code."""
+
+import os
+import pickle
+import tempfile
+import traceback
+import weakref
+from contextlib import suppress
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from typing import Any
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.kinds import KINDS
+from drivegate.containment.judge import Judge
+from drivegate.containment.kept_process import KeptProcess, Role
+from drivegate.containment.messages import Broken, Faulted, Finished, Job, Outcome, Refused
+from drivegate.containment.parent_death import end_with_parent
+from drivegate.containment.stall_watch import WorkerLimits
+from drivegate_models.errors import HarnessFault, InputError
+
+_KILLED = "a process of the harness that watched the candidate was killed"
+
+
+class JudgeProcess:
+    """Does jobs with one candidate, one after another, in a process that is replaced when it has died."""
+
+    def __init__(self, candidate: Candidate, limits: WorkerLimits | None) -> None:
+        self._candidate = candidate
+        self._limits = limits
+        self._kept: KeptProcess | None = None
+        self._connection: Connection[Any, Any] | None = None
+        self._busy = False
+
+    def start(self, job: Job[Any]) -> None:
+        """Begin a job; `poll` tells its end."""
+        if self._connection is None:
+            self._begin()
+        assert self._connection is not None, "a process was started"
+        self._busy = True
+        with suppress(BrokenPipeError, ConnectionResetError):
+            self._connection.send(job)
+
+    def _begin(self) -> None:
+        ours, theirs = Pipe()
+        try:
+            self._kept = KeptProcess(Role.JUDGE, None, (theirs.fileno(),))
+        finally:
+            theirs.close()
+        self._connection = ours
+        self.end = weakref.finalize(self, _end, self._kept, ours)
+        ours.send((self._candidate, self._limits))
+
+    @property
+    def waitables(self) -> list[Any]:
+        """What becomes readable when there may be news for `poll`."""
+        return [] if self._connection is None else [self._connection]
+
+    def poll(self) -> Any:
+        """Look for the end of the job that was started: a `Finished` or `Faulted`, or None."""
+        connection = self._connection
+        if connection is None or not self._busy:
+            raise HarnessFault("a judge without a job was polled for its end")
+        try:
+            if not connection.poll():
+                return None
+            outcome: Outcome = connection.recv()
+        except (EOFError, ConnectionResetError):
+            return self._died()
+        self._busy = False
+        if isinstance(outcome, Refused):
+            raise InputError(outcome.sentence)
+        if isinstance(outcome, Broken):
+            raise HarnessFault(f"the harness failed in a judge's process: {outcome.traceback}")
+        return outcome
+
+    def _died(self) -> Faulted:
+        self.kill()
+        if KINDS[self._candidate.kind].comes_along:
+            raise HarnessFault("a judge's process has died")
+        # No candidate but one that means it ends the process that judges it.
+        return Faulted(Fault(FaultKind.CRASH, _KILLED, "step"))
+
+    def kill(self) -> None:
+        """End the process at once; the next job starts another one."""
+        if self._connection is not None:
+            self.end()
+        self._connection, self._kept, self._busy = None, None, False
+
+    def hang_up(self) -> None:
+        """Tell an idle process to end by itself, without waiting for it."""
+        if self._connection is not None and not self._busy:
+            self._connection.close()
+
+    def close(self) -> None:
+        """End the process: at once if it is busy, otherwise by itself within a moment."""
+        if self._kept is not None and not self._busy:
+            self._kept.wait_for_worker()
+        self.kill()
+
+
+def judge_jobs(connection: int, temporary: str, parent: int) -> None:
+    """Do jobs from a connection; this is the inside of a judge's process."""
+    end_with_parent(parent)
+    # The folder for kernels is chosen before, since it may lie among the temporary files.
+    import drivegate_models.compilation.kernels  # noqa: F401
+
+    # What a candidate's process leaves goes with this one, however it ends.
+    tempfile.tempdir = temporary
+    os.set_inheritable(connection, False)
+    channel: Connection[Any, Any] = Connection(connection)
+    try:
+        candidate, limits = channel.recv()
+        with Judge(candidate, limits=limits) as judge:
+            while True:
+                channel.send_bytes(_written(_outcome(judge, channel.recv())))
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        return
+
+
+def _outcome(judge: Judge, job: Job[Any]) -> Outcome:
+    """Do a job, and turn each way in which it can end into a message."""
+    try:
+        result = judge.once(job)
+    except InputError as error:
+        return Refused(str(error))
+    except Exception:
+        return Broken(traceback.format_exc())
+    return Faulted(result) if isinstance(result, Fault) else Finished(result)
+
+
+def _written(outcome: Outcome) -> bytes:
+    try:
+        return pickle.dumps(outcome, pickle.HIGHEST_PROTOCOL)
+    except Exception:
+        return pickle.dumps(Broken(traceback.format_exc()), pickle.HIGHEST_PROTOCOL)
+
+
+def _end(kept: KeptProcess, connection: "Connection[Any, Any]") -> None:
+    kept.end()
+    connection.close()

@@ -1,0 +1,91 @@
+"""What a judge asks of a candidate's process, one order at a time.
+
+Orders go from the harness to the candidate, never the other way: what comes back is a `reply.Reply` and commands.
+None of them holds a scenario, a seed, or a limit that is judged.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from struct import Struct
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.candidate import Candidate
+from drivegate_models.contract.outer_loop.signals import Nameplate
+
+PACKET: Final = Struct("=8sqq")
+"""A word that says whose it is, the number of bytes of the order, which lies in the shared memory, and that of the
+memory itself. A memory that is new comes along as a file descriptor."""
+WORD: Final = b"drivegat"
+"""First bytes of every packet, either way."""
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Take a candidate in hand, without running any of its code.
+
+    Attributes
+    ----------
+    candidate : Candidate
+        What it is.
+    memory_limit : int
+        Bytes that the process may allocate beyond what it has at its start.
+    """
+
+    candidate: Candidate
+    memory_limit: int
+
+
+@dataclass(frozen=True)
+class MakeInstance:
+    """Make a new instance of the candidate, and let go of the one before."""
+
+
+@dataclass(frozen=True)
+class Reset:
+    """Reset the instance.
+
+    Attributes
+    ----------
+    nameplate : Nameplate
+        What it is told.
+    """
+
+    nameplate: Nameplate
+
+
+@dataclass(frozen=True)
+class CloseLoop:
+    """Close the loop between the instance and a plant, and keep the commands.
+
+    Attributes
+    ----------
+    prepare : callable
+        A module's function that makes the run ready, `drivegate_models.loop.closed_loop.prepared_loop` of a drive.
+    plant : tuple
+        Its arguments: constants of the drive, load and schedule.
+    options : mapping
+        Its further arguments.
+    """
+
+    prepare: Callable[..., Any]
+    plant: tuple[Any, ...]
+    options: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class GiveSenses:
+    """Step the instance through given Senses, which follow on those given since the reset, and keep the commands.
+
+    Attributes
+    ----------
+    senses : ndarray, shape (n, len(given_steps.SCALARS) + m)
+        One row for each step.
+    """
+
+    senses: NDArray[np.float64]
+
+
+Order: TypeAlias = Setup | MakeInstance | Reset | CloseLoop | GiveSenses

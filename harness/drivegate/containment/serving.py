@@ -1,0 +1,277 @@
+"""The inside of a candidate's process: it carries out orders, one after another, until its judge hangs up.
+
+It judges nothing: of a run it gives back the commands. Its plant is there to close the loop only.
+"""
+
+import ctypes
+import faulthandler
+import gc
+import hashlib
+import os
+import pickle
+import resource
+import signal
+import socket
+import sys
+import threading
+import traceback
+from collections.abc import Callable
+from typing import Any, Final
+
+import psutil
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, exception_fault
+from drivegate.candidates.loading import load_controller
+from drivegate.containment.orders import PACKET, CloseLoop, GiveSenses, MakeInstance, Order, Reset, Setup
+from drivegate.containment.parent_death import end_with_parent
+from drivegate.containment.reply import CHECK_BYTES, Ending, Reply, fault_text, packed
+from drivegate.containment.shared_memory import SharedMemory
+from drivegate.containment.shared_progress import Activity, SharedProgress
+from drivegate_models.errors import InputError
+
+STACK_SIGNAL: Final = signal.SIGUSR1
+"""Signal at which a candidate's process prints the Python stack of its threads."""
+LOST_CONNECTION: Final = 119
+"""Exit status of a process whose connection to its judge the candidate has closed."""
+
+
+def serve(connection: int, progress: int, parent: int) -> None:
+    """Carry out orders from a connection."""
+    end_with_parent(parent)
+    # A check leaves nothing beside the candidate's sources.
+    sys.dont_write_bytecode = True
+    faulthandler.enable()
+    faulthandler.register(STACK_SIGNAL, all_threads=True)
+    for descriptor in (connection, progress):
+        os.set_inheritable(descriptor, False)
+    channel = socket.socket(fileno=connection)
+    with_orders = _Server(channel, SharedProgress(progress))
+    try:
+        with_orders.serve()
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        return
+
+
+class _Server:
+    """One candidate's process."""
+
+    def __init__(self, channel: socket.socket, progress: SharedProgress) -> None:
+        self._channel = channel
+        self._identity = _identity(channel.fileno())
+        self._progress = progress
+        self._memory: SharedMemory | None = None
+        self._candidate: Candidate | None = None
+        self._controller: Controller | None = None
+        self._nameplate: Any = None
+        self._exchange: Any = None
+
+    def serve(self) -> None:
+        process = os.getpid()
+        while True:
+            self._progress.enter(Activity.WAITING if self._candidate else Activity.STARTING)
+            length = self._awaited_length()
+            self._progress.enter(Activity.PREPARING if self._candidate else Activity.STARTING)
+            reply = self._carried_out(length)
+            if os.getpid() != process:
+                # The candidate made a copy of the process, and the copy came back from the candidate's code.
+                os._exit(0)
+            if _identity(self._channel.fileno()) != self._identity:
+                os._exit(LOST_CONNECTION)
+            self._channel.send(packed(reply))
+
+    def _awaited_length(self) -> int:
+        """Wait for an order, and return the number of its bytes."""
+        packet, descriptors, _, _ = socket.recv_fds(self._channel, PACKET.size, 1)
+        if not packet:
+            raise EOFError
+        _, length, size = PACKET.unpack(packet)
+        if descriptors:
+            self._memory = SharedMemory(descriptors[0], size)
+            self._memory.close()
+        return int(length)
+
+    def _carried_out(self, length: int) -> Reply:
+        """Carry out an order, and turn each way in which that can end into a reply."""
+        try:
+            return self._done(length)
+        except CandidateFault as error:
+            return _fault_reply(error.fault)
+        except MemoryError as error:
+            phase: Phase = "loading" if self._progress.activity is Activity.LOADING else "step"
+            return _fault_reply(exception_fault(error, phase))
+        except InputError as error:
+            return Reply(Ending.REFUSED, text=str(error))
+        except Exception as error:
+            if self._controller is None:
+                return Reply(Ending.BROKEN, text=traceback.format_exc())
+            return _fault_reply(_disturbed(error))
+
+    def _done(self, length: int) -> Reply:
+        memory = self._memory
+        assert memory is not None, "the first order brings the memory"
+        _without_observers()
+        # What is to come in a run must not lie in a variable when the candidate's code looks around, so the order
+        # of a run is taken apart where it is used.
+        pending: list[Any] = [pickle.loads(memory.take(length))]
+        if isinstance(pending[0], CloseLoop):
+            return self._loop_closed(pending, memory)
+        if isinstance(pending[0], GiveSenses):
+            return self._senses_given(pending, memory)
+        return self._set_up(pending.pop())
+
+    def _set_up(self, order: Order) -> Reply:
+        if isinstance(order, Setup):
+            _limit_memory(order.memory_limit)
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+            self._candidate = order.candidate
+        elif isinstance(order, MakeInstance):
+            return self._instance_made()
+        elif isinstance(order, Reset):
+            self._reset(order)
+        return Reply(Ending.DONE)
+
+    def _instance_made(self) -> Reply:
+        from drivegate.candidates.python.bridge import PythonController
+
+        assert self._candidate is not None, "the first order names the candidate"
+        with self._progress.loading():
+            self._controller = load_controller(self._candidate)
+            size = getattr(self._controller, "state_size", 0)
+            is_python = isinstance(self._controller, PythonController)
+        return Reply(Ending.DONE, is_python=is_python, state_size=size if isinstance(size, int) else 0)
+
+    def _reset(self, order: Reset) -> None:
+        self._progress.steps[0] = 0
+        self._nameplate, self._exchange = order.nameplate, None
+        with self._progress.running():
+            self._instance.reset(order.nameplate)
+
+    @property
+    def _instance(self) -> Controller:
+        assert self._controller is not None, "an instance is made before it is used"
+        return self._controller
+
+    def _loop_closed(self, pending: list[Any], memory: SharedMemory) -> Reply:
+        from drivegate_models.loop.exchange import COMPLETED
+
+        loop, records = self._made_ready(pending, memory)
+        with self._progress.running():
+            status, _ = loop(*pending.pop())
+        steps = int(records.run["steps"][0])
+        if status == COMPLETED:
+            return Reply(Ending.DONE, status, steps, check=check_of(records))
+        return self._stopped(int(status), steps)
+
+    def _made_ready(self, pending: list[Any], memory: SharedMemory) -> tuple[Callable[..., Any], Any]:
+        """Exchange a pending order for the arguments of the compiled loop."""
+        order: CloseLoop = pending.pop()
+        prepared = order.prepare(
+            *order.plant,
+            **order.options,
+            windows=[],
+            step_address=self._instance.step_address,
+            state_address=self._instance.state_address,
+            progress=self._progress.steps,
+            kept=memory.commands(),
+        )
+        pending.append(_out_of_sight(prepared.arguments))
+        return prepared.loop, prepared.records
+
+    def _senses_given(self, pending: list[Any], memory: SharedMemory) -> Reply:
+        from drivegate_models.loop.exchange import COMPLETED
+        from drivegate_models.loop.given_steps import make_steps
+
+        self._steps_made_ready(pending, memory)
+        with self._progress.running():
+            status, answered = make_steps(*pending.pop())
+        if status == COMPLETED:
+            return Reply(Ending.DONE, int(status), int(answered))
+        return self._stopped(int(status), int(answered))
+
+    def _steps_made_ready(self, pending: list[Any], memory: SharedMemory) -> None:
+        from drivegate_models.loop.exchange import make_exchange
+
+        order: GiveSenses = pending.pop()
+        if self._exchange is None:
+            self._exchange = make_exchange(
+                self._nameplate.phases,
+                step_address=self._instance.step_address,
+                state_address=self._instance.state_address,
+                progress=self._progress.steps,
+            )
+        self._progress.steps[0] = 0
+        pending.append((self._exchange._replace(kept=memory.commands()), order.senses))
+
+    def _stopped(self, status: int, steps: int) -> Reply:
+        """Answer for a run that ended before its end: with the fault, if the controller itself knows it."""
+        fault = self._instance.fault
+        if fault is None:
+            return Reply(Ending.DONE, status, steps)
+        return Reply(Ending.FAULT, status, steps, text=fault_text(fault))
+
+
+def check_of(records: Any) -> bytes:
+    """Digest what the plant of a run came to: its totals, and the last speed."""
+    speed = float(records.run["speed_final"][0])
+    digest = hashlib.blake2b(records.totals.tobytes(), digest_size=CHECK_BYTES)
+    digest.update(speed.hex().encode())
+    return digest.digest()
+
+
+def _out_of_sight(arguments: Any) -> Any:
+    """Take tuples, and those inside, off the list of objects that the garbage collector shows to everyone."""
+    untrack = ctypes.pythonapi.PyObject_GC_UnTrack
+    untrack.argtypes, untrack.restype = [ctypes.py_object], None
+    for part in arguments:
+        if isinstance(part, tuple):
+            _out_of_sight(part)
+    if gc.is_tracked(arguments):
+        untrack(arguments)
+    return arguments
+
+
+def _without_observers() -> None:
+    """Switch off what a candidate may have set to look on while an order is taken apart."""
+    sys.settrace(None)
+    sys.setprofile(None)
+    threading.settrace(None)
+    threading.setprofile(None)
+
+
+def _fault_reply(fault: Fault) -> Reply:
+    return Reply(Ending.FAULT, text=fault_text(fault))
+
+
+def _disturbed(error: Exception) -> Fault:
+    """Describe an error of drivegate's own code in a process that has run the candidate's."""
+    fault = exception_fault(error, "step")
+    return Fault(
+        FaultKind.CRASH,
+        f"drivegate's own code failed in the candidate's process, which only the candidate could have changed: "
+        f"{fault.message}",
+        "step",
+        error=fault.error,
+        traceback=fault.traceback,
+    )
+
+
+def _identity(descriptor: int) -> tuple[int, ...] | None:
+    """Tell which file a descriptor stands for, since its number may have been given to another one."""
+    try:
+        status = os.fstat(descriptor)
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
+
+
+def _limit_memory(allowance: int) -> None:
+    """Let allocations beyond the allowance fail with a MemoryError, where the system can."""
+    if not sys.platform.startswith("linux"):
+        return
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    limit = psutil.Process().memory_info().data + allowance
+    resource.setrlimit(
+        resource.RLIMIT_DATA, (limit if hard == resource.RLIM_INFINITY else min(limit, hard), hard)
+    )

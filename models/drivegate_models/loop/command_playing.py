@@ -1,0 +1,65 @@
+"""A controller that gives the commands again that another one gave, whatever it senses."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.calling import double_at
+from drivegate_models.compilation.kernels import KEEPS_CACHE
+from drivegate_models.contract.outer_loop.records import COMMAND, SENSE, STOP
+
+PLAYER: Final = np.dtype(
+    [("commands_address", np.int64), ("count", np.int64), ("given", np.int64)], align=True
+)
+"""State of the playing step: the address of `count` commands of three doubles each, and how many were given."""
+
+
+@cache
+def playing_step() -> Any:
+    """Return the step that gives kept commands, compiled; behind the last one it requests a stop.
+
+    Returns
+    -------
+    CFunc
+        Its `address` is that of a function like `drivegate_step`, whose state is a PLAYER; keep the object.
+    """
+    # numba has to be imported after the cache folder is known.
+    import numba
+    from numba.np.numpy_support import carray
+
+    pointer: Any = numba.types.CPointer
+    records = (pointer(numba.from_dtype(layout)) for layout in (PLAYER, SENSE, COMMAND))
+
+    def play_step(player: Any, _sense: Any, command: Any) -> None:
+        state = carray(player, 1)[0]
+        answer = carray(command, 1)[0]
+        if state.given >= state.count:
+            answer.struct_size = STOP
+            return
+        first = 3 * state.given
+        answer.current_reference = double_at(state.commands_address, first)
+        answer.advance_angle = double_at(state.commands_address, first + 1)
+        answer.input_power = double_at(state.commands_address, first + 2)
+        state.given += 1
+
+    return numba.cfunc(numba.types.void(*records), cache=KEEPS_CACHE)(play_step)
+
+
+def player_of(commands: NDArray[np.float64]) -> NDArray[Any]:
+    """Make the state of a playing step.
+
+    Parameters
+    ----------
+    commands : ndarray, shape (n, 3)
+        The commands, `exchange.OUTPUTS` in each row, contiguous; they have to outlive the state.
+
+    Returns
+    -------
+    ndarray of PLAYER, shape (1,)
+        The state, before the first command.
+    """
+    return np.array([(commands.ctypes.data, len(commands), 0)], PLAYER)
