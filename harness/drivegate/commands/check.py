@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, json_option
+from drivegate.commands.options import bounded, json_option, sign_option
 from drivegate.output.failure import complain, failure_of
 
 if TYPE_CHECKING:
@@ -77,6 +77,7 @@ DEFAULT_OUTPUT = "drivegate-report"
     show_default=True,
     help="Least level of a check whose failure fails the candidate.",
 )
+@sign_option
 @json_option
 def command(
     candidates: tuple[str, ...],
@@ -90,6 +91,7 @@ def command(
     waivers: Path | None,
     baseline: Path | None,
     fail_on: str,
+    sign: Path | None,
 ) -> Outcome:
     """Check every CANDIDATE: apply all checks, search for a scenario that breaks one, and write a report.
 
@@ -102,7 +104,7 @@ def command(
 
     how_much = Effort(effort, seed, workers, max_time, search, fail_on)
     records = Records(corpus, waivers, baseline)
-    all_checked = check_all(candidates, output, how_much, records)
+    all_checked = check_all(candidates, output, how_much, records, sign)
     if len(all_checked) == 1 and all_checked[0].error is not None and all_checked[0].document is None:
         raise all_checked[0].error
     for checked in all_checked:

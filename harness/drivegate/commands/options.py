@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf, isfinite, nan
+from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -16,6 +17,14 @@ if TYPE_CHECKING:
     from drivegate_cases.scenario.scenario import Scenario
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+
+sign_option = click.option(
+    "--sign",
+    type=click.Path(path_type=Path),
+    metavar="KEY",
+    help="Sign the result with an ed25519 private key, as openssl genpkey or ssh-keygen writes it.",
+)
+"""The option that names the key which a result is signed with."""
 
 json_option = click.option(
     "--json", "as_json", is_flag=True, expose_value=False, help="Print one JSON document, errors too."

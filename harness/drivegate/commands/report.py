@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import json_option
+from drivegate.commands.options import json_option, sign_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -35,8 +35,9 @@ DEFAULT_OUTPUT = "drivegate-report"
     metavar="DIR",
     help="Folder of the reports.",
 )
+@sign_option
 @json_option
-def command(file: Path, formats: tuple[str, ...], output: Path) -> Outcome:
+def command(file: Path, formats: tuple[str, ...], output: Path, sign: Path | None) -> Outcome:
     """Make the reports of the result in FILE, a result.json, anew.
 
     The folder gets the result and its counterexamples too. The exit code is 0 when all reports are made, whatever
@@ -47,6 +48,11 @@ def command(file: Path, formats: tuple[str, ...], output: Path) -> Outcome:
 
     chosen = report_formats(formats)
     result = read_result(file)
+    if sign is not None:
+        from drivegate.results.signature import signed
+        from drivegate.results.signing_keys import read_private_key
+
+        result = signed(result, read_private_key(sign))
     with ReportFolder(output) as folder:
         written = write_result(result, folder.staging, chosen)
         written.require_all("made")

@@ -53,10 +53,15 @@ def _same(write: WriteReport) -> LoadWriter:
 
 def read_result(path: Path) -> dict[str, Any]:
     """Read the result of a check."""
+    mapping = read_unchecked_result(path)
+    check_result(mapping, path)
+    return mapping
+
+
+def read_unchecked_result(path: Path) -> dict[str, Any]:
+    """Read a document that says of itself that it is the result of a check."""
     # Typed documents take a while to import, and writing needs none.
     from drivegate.results.counterexample import require_kind
-    from drivegate.results.document import ResultDocument
-    from drivegate_cases.documents.document import parse_document
     from drivegate_cases.documents.reading import read_mapping
 
     mapping = read_mapping(path)
@@ -65,5 +70,12 @@ def read_result(path: Path) -> dict[str, Any]:
             f"{shown_path(path)} holds the results of several candidates; name the result.json of one of them"
         )
     require_kind(mapping, "check", path)
+    return mapping
+
+
+def check_result(mapping: dict[str, Any], path: Path) -> None:
+    """Refuse a result whose keys are not those of the schema."""
+    from drivegate.results.document import ResultDocument
+    from drivegate_cases.documents.document import parse_document
+
     parse_document(mapping, ResultDocument, str(path), folder=path.parent)
-    return dict(mapping)

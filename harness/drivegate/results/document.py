@@ -113,6 +113,15 @@ class InfeasibleSection(Section):
     reason: Text = Field(description="why no controller could do what it requires")
 
 
+class SignatureSection(Section):
+    """A signature over the content hash."""
+
+    public_key: Text = Field(
+        description="ed25519 key that it is valid for, in one line as ssh-keygen writes it"
+    )
+    value: Text = Field(description="the signature, in hexadecimal digits")
+
+
 class ResultDocument(Document):
     """The result of the check of one candidate."""
 
@@ -151,6 +160,9 @@ class ResultDocument(Document):
     provenance: Table = Field(description="versions, commit and content hash")
     timing: Table = Field(
         description="times and what else depends on the machine; not part of the content hash"
+    )
+    signature: SignatureSection | None = Field(
+        default=None, description="signature over the content hash; not part of it"
     )
 
 

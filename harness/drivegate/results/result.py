@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -252,12 +253,20 @@ class CheckResult:
             "provenance": self.provenance,
         }
         content = _finite_table(content)
-        # What a dying process printed differs from run to run.
-        hashed = {**content, "faults": [{**fault, "traceback": ""} for fault in content["faults"]]}
-        digest = hashlib.sha256(json.dumps(hashed, sort_keys=True).encode()).hexdigest()
-        content["provenance"] = {**self.provenance, "content_hash": digest}
+        content["provenance"] = {**content["provenance"], "content_hash": content_hash(content)}
         content["timing"] = _finite_table(self.timing)
         return content
+
+
+def content_hash(document: Mapping[str, Any]) -> str:
+    """Hash all that a result document says but its times, its signature and what dying processes printed."""
+    hashed = {key: value for key, value in document.items() if key not in ("timing", "signature")}
+    hashed["provenance"] = {
+        key: value for key, value in document["provenance"].items() if key != "content_hash"
+    }
+    # What a dying process printed differs from run to run.
+    hashed["faults"] = [{**fault, "traceback": ""} for fault in document["faults"]]
+    return hashlib.sha256(json.dumps(hashed, sort_keys=True).encode()).hexdigest()
 
 
 def _fault_document(fault: Fault) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from drivegate.output.result_file import counterexample_name
 from drivegate.results.result import RESULT_SCHEMA
+from drivegate.results.signature import fingerprint
 from drivegate.results.waivers import DAY_VARIABLE, present_day
 from drivegate_models.errors import InputError
 from drivegate_reports.conformance.rows import (
@@ -240,4 +241,7 @@ def _provenance(document: Mapping[str, Any], times: Mapping[str, Any]) -> tuple[
         for key, value in section.items():
             items = value.items() if isinstance(value, Mapping) else [("", value)]
             entries += [(f"{key} {name}".strip().replace("_", " "), item) for name, item in items]
+    if document.get("signature"):
+        signer = fingerprint(document["signature"]["public_key"])
+        entries.append(("signature", f"by the key {signer}; drivegate verify tells whether it is valid"))
     return tuple((clean(name), clean(value)) for name, value in entries)

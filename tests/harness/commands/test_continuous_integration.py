@@ -15,6 +15,8 @@ from typing import Any
 import jsonschema
 import pytest
 import yaml
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat, PublicFormat
 
 DOCS = Path(__file__).parents[3] / "docs"
 INSTALLS = 'python -m pip install "$DRIVEGATE"'
@@ -91,3 +93,30 @@ def test_a_real_result_keeps_to_the_published_schema(github: Path) -> None:
         assert len(signals["time_s"]) == len(signals["speed_rpm"]) > 100, f"{check['id']} has no signals"
         assert check["margins"] == sorted(check["margins"]), f"the margins of {check['id']} are out of order"
         assert check["margins"][0] < 0.0, f"{check['id']} fails"
+
+
+def test_a_real_result_is_signed_by_a_later_job(github: Path, tmp_path: Path) -> None:
+    key = Ed25519PrivateKey.generate()
+    private = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
+    (tmp_path / "key.pem").write_bytes(private)
+    public = key.public_key().public_bytes(Encoding.PEM, PublicFormat.SubjectPublicKeyInfo)
+    (tmp_path / "public.pem").write_bytes(public)
+
+    def ended(*words: str) -> subprocess.CompletedProcess[str]:
+        program = [sys.executable, "-c", "from drivegate.commands.command_line import main; main()"]
+        return subprocess.run(
+            [*program, *words], cwd=tmp_path, check=False, capture_output=True, text=True, timeout=120
+        )
+
+    result = str(github / "drivegate-report" / "result.json")
+    made = ended("report", result, "--sign", "key.pem", "--format", "markdown", "--output", "signed")
+    assert made.returncode == 0, made.stderr
+    verify = ("verify", "signed/result.json", "--key", "public.pem")
+    verified = ended(*verify)
+    assert verified.returncode == 0, verified.stdout + verified.stderr
+    assert "published: fail\nvalid: unchanged, and signed by the expected key" in verified.stdout
+    signed = tmp_path / "signed" / "result.json"
+    text = signed.read_text(encoding="utf-8")
+    assert text.count('"verdict": "fail"') > 0
+    signed.write_text(text.replace('"verdict": "fail"', '"verdict": "pass"', 1), encoding="utf-8")
+    assert ended(*verify).returncode == 1, "a verdict that was altered must not be verified"

@@ -17,6 +17,7 @@ from drivegate.output.report_folder import ReportFolder
 from drivegate.output.report_writers import WrittenReports
 from drivegate.output.result_file import RESULT_FILE, as_json
 from drivegate.output.result_reports import OWN_FORMATS, all_formats, write_result
+from drivegate.results.result import CheckResult
 from drivegate.studies.check.checked import Checked, summary
 from drivegate_models.errors import HarnessFault
 
@@ -75,8 +76,10 @@ def check_all(
     output: Path,
     effort: Effort,
     records: Records = Records(),
+    sign: Path | None = None,
 ) -> list[Checked]:
     """Check candidates and write their reports; nothing is written where there is no result."""
+    finish = _finish(sign)
     all_checked = [_resolved(specification) for specification in specifications]
     if all(checked.candidate is None for checked in all_checked):
         return all_checked
@@ -86,7 +89,7 @@ def check_all(
         for checked in all_checked:
             if checked.candidate is not None:
                 inside = "" if len(all_checked) == 1 else _folder_name(checked.candidate.name, taken)
-                _check(checked, checked.candidate, folder.staging / inside, output / inside, options)
+                _check(checked, checked.candidate, folder.staging / inside, output / inside, options, finish)
         if any(checked.document is not None for checked in all_checked):
             if len(all_checked) > 1:
                 (folder.staging / RESULT_FILE).write_text(as_json(summary(all_checked)), encoding="utf-8")
@@ -138,8 +141,24 @@ def _options(effort: Effort, records: Records, names: Sequence[str]) -> dict[str
     return options
 
 
+def _finish(sign: Path | None) -> Callable[[CheckResult], dict[str, Any]]:
+    """Give what makes a document of a result, signed if there is a key; it is read before any candidate is."""
+    if sign is None:
+        return CheckResult.document
+    from drivegate.results.signature import signed
+    from drivegate.results.signing_keys import read_private_key
+
+    key = read_private_key(sign)
+    return lambda result: signed(result.document(), key)
+
+
 def _check(
-    checked: Checked, candidate: Candidate, staging: Path, place: Path, options: dict[str, Any]
+    checked: Checked,
+    candidate: Candidate,
+    staging: Path,
+    place: Path,
+    options: dict[str, Any],
+    finish: Callable[[CheckResult], dict[str, Any]],
 ) -> None:
     # The engine brings the compiled plant, which a candidate that is refused does not need.
     from drivegate.gate.engine import check_candidate
@@ -149,12 +168,12 @@ def _check(
         with progress_on(sys.stderr) as display:
             staging.mkdir(exist_ok=True)
             result = finished(events, display)
-            written = write_result(result.document(), staging, all_formats())
+            written = write_result(finish(result), staging, all_formats())
         for name in OWN_FORMATS:
             if name in written.errors:
                 raise written.errors[name]
         # Whatever a report does to the document that it gets, this one is the result's.
-        return result.document(), written
+        return finish(result), written
 
     ended = _attempted(checked, work)
     if ended is None:

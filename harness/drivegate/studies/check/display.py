@@ -9,6 +9,7 @@ from drivegate.output.console import plain, table, verdict_text
 from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.scenario_words import scenario_in_short
+from drivegate.results.signature import fingerprint
 from drivegate.results.wording import printed_margin, runs_in_short
 
 if TYPE_CHECKING:
@@ -42,6 +43,8 @@ def show_checked(console: Console, checked: Checked) -> None:
     heading.append_text(verdict_text(document["verdict"]))
     heading.append(f", {runs_in_short(document)}")
     console.print(heading)
+    if "signature" in document:
+        console.print(plain(f"signed by the key {fingerprint(document['signature']['public_key'])}"))
     for page in checked.pages or (folder,):
         console.print(plain(f"report: {page}"))
     console.print(plain(f"next: {_next_step(checked.specification, failed, folder)}", "dim"))

@@ -1,0 +1,1 @@
+"""Whether a kept result is unchanged, and who signed it."""
