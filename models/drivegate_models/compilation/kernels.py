@@ -2,8 +2,8 @@
 
 numba's own cache does not notice an edit in a function of another file, and finds no place to write in a
 read-only installation without a home folder. So the cache folder carries a key made of the sources of this
-package, of the place where they lie, and of the versions that compile them, and falls back to a temporary
-folder.
+package, of the place where they lie, of the target, and of the versions that compile them, and falls back to a
+temporary folder.
 
 It also counts the files of one function up: two processes that compile two functions made by one factory at the
 same time (the polynomials of `winding_current`, say) write both to file 1, and each later loads the other's code.
@@ -24,12 +24,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+from drivegate_models.compilation.target import adopt_target, choose_target, requested_target
+
 CACHE_VARIABLE = "DRIVEGATE_CACHE"
 """Environment variable that overrides the folder in which compiled kernels are kept."""
 
 
 def cache_key() -> str:
-    """Return a key of the kernel sources, of their folder, and of everything that compiles them."""
+    """Return a key of the kernel sources, their folder, their target, and everything that compiles them."""
     sources = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256(str(sources).encode())
     for source in sorted(sources.rglob("*.py")):
@@ -37,7 +39,7 @@ def cache_key() -> str:
         digest.update(source.read_bytes())
     for package in ("numba", "numpy", "llvmlite"):
         digest.update(importlib.metadata.version(package).encode())
-    digest.update(f"{sys.version}{platform.machine()}".encode())
+    digest.update(f"{sys.version}{platform.machine()}{requested_target()}".encode())
     return digest.hexdigest()[:16]
 
 
@@ -88,14 +90,16 @@ def _configure() -> bool:
     return True
 
 
+choose_target()
 KEEPS_CACHE = _configure()
 """Whether compiled kernels are kept between processes."""
 
-import numba  # noqa: E402  (the cache folder must be known before numba is imported)
+import numba  # noqa: E402  (target and cache folder must be known before numba is imported)
 from numba.core import caching  # noqa: E402
 
+# numba has read the variables already where something else imported it first.
+adopt_target(vars(numba.config))
 if KEEPS_CACHE:
-    # numba has read the variable already where something else imported it first.
     vars(numba.config)["CACHE_DIR"] = os.environ["NUMBA_CACHE_DIR"]
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
@@ -143,9 +147,6 @@ def _fingerprint(function: Callable[..., object]) -> str:
     return digest.hexdigest()
 
 
-_FUSED = {"contract"}
-
-
 def _compiled(function: _Function, **options: Any) -> _Function:
     njit: Any = numba.njit
     dispatcher = njit(error_model="numpy", **options)(function)
@@ -155,8 +156,8 @@ def _compiled(function: _Function, **options: Any) -> _Function:
 
 
 def kernel(function: _Function) -> _Function:
-    """Compile `function` in nopython mode, cached; a product and a sum may be rounded at once, nothing is reordered."""
-    return _compiled(function, fastmath=_FUSED)
+    """Compile `function` in nopython mode, cached; every operation is rounded by itself, nothing is reordered."""
+    return _compiled(function)
 
 
 def unallocating(function: _Function) -> _Function:
@@ -165,17 +166,13 @@ def unallocating(function: _Function) -> _Function:
     Counting costs more than the arithmetic where a function of many arrays is called in a loop. A function
     that does make an array is refused by the compiler.
     """
-    return _compiled(function, fastmath=_FUSED, _nrt=False)
+    return _compiled(function, _nrt=False)
 
 
 def inlined(function: _Function) -> _Function:
     """Compile a function like `unallocating`, and copy it into its callers."""
-    return _compiled(function, fastmath=_FUSED, forceinline=True, _nrt=False)
-
-
-def unfused(function: _Function) -> _Function:
-    """Compile a controller's function like `inlined`, every operation rounded by itself.
-
-    So the same algorithm in Python, here and in C (without contraction) gives the same commands, bit for bit.
-    """
     return _compiled(function, forceinline=True, _nrt=False)
+
+
+unfused = inlined
+"""How a controller's functions are compiled: as `inlined`, with the same commands as in Python and C, bit for bit."""
