@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
+from drivegate.results.provenance import content_hash
 
 if TYPE_CHECKING:
     from drivegate.checks.judging import InfeasibleScenario
@@ -252,8 +251,7 @@ class CheckResult:
         content = _finite_table(content)
         # What a dying process printed differs from run to run.
         hashed = {**content, "faults": [{**fault, "traceback": ""} for fault in content["faults"]]}
-        digest = hashlib.sha256(json.dumps(hashed, sort_keys=True).encode()).hexdigest()
-        content["provenance"] = {**self.provenance, "content_hash": digest}
+        content["provenance"] = {**self.provenance, "content_hash": content_hash(hashed)}
         content["timing"] = _finite_table(self.timing)
         return content
 

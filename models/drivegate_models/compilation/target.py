@@ -11,8 +11,6 @@ import os
 import platform
 from typing import Any, Final
 
-from llvmlite.binding import get_host_cpu_features
-
 VARIABLES: Final = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES")
 """numba's environment variables for name and further features of the target."""
 
@@ -28,6 +26,9 @@ def stated_target() -> str:
     baseline = _BASELINES.get(platform.machine().lower())
     if baseline is None:
         return "generic"
+    # A library of many megabytes, which only who compiles has to load.
+    from llvmlite.binding import get_host_cpu_features
+
     features = get_host_cpu_features()
     return _V3 if all(features.get(name) for name in _V3_FEATURES) else baseline
 
@@ -39,8 +40,10 @@ def choose_target() -> None:
 
 
 def requested_target() -> str:
-    """Return the target that the environment asks for, as one word for keys."""
-    return ",".join(os.environ.get(name, "host") for name in VARIABLES)
+    """Return what kernels are compiled for here and in every worker: the target's name, and features beside it."""
+    choose_target()
+    name, features = (os.environ.get(variable, "the processor's own") for variable in VARIABLES)
+    return f"{name} with {features}" if features else name
 
 
 def adopt_target(config: dict[str, Any]) -> None:
@@ -48,11 +51,3 @@ def adopt_target(config: dict[str, Any]) -> None:
     for name in VARIABLES:
         if name in os.environ:
             config[name.removeprefix("NUMBA_")] = os.environ[name]
-
-
-def compiled_target() -> str:
-    """Return what numba really compiles for in this process: a name, and the features that go beyond it."""
-    from numba.core.registry import cpu_target
-
-    _triple, name, features = cpu_target.target_context.codegen().magic_tuple()
-    return f"{name} {features}".strip()

@@ -31,14 +31,15 @@ def test_the_target_is_one_of_few(
     monkeypatch: pytest.MonkeyPatch, machine: str, features: dict[str, bool], stated: str
 ) -> None:
     monkeypatch.setattr(target.platform, "machine", lambda: machine)
-    monkeypatch.setattr(target, "get_host_cpu_features", lambda: features)
+    monkeypatch.setattr("llvmlite.binding.get_host_cpu_features", lambda: features)
     assert target.stated_target() == stated
 
 
 def _compiled_for(first: str, **asked: str) -> str:
     """Tell what a process compiles for that imports something before drivegate, with some variables set."""
     command = (
-        f"{first}; from drivegate_models.compilation import kernels, target; print(target.compiled_target())"
+        f"{first}; from drivegate_models.compilation import kernels; from numba.core.registry import cpu_target; "
+        "print(*cpu_target.target_context.codegen().magic_tuple()[1:])"
     )
     surroundings = {name: value for name, value in os.environ.items() if name not in target.VARIABLES}
     done = subprocess.run(
