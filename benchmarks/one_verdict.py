@@ -17,7 +17,12 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+if TYPE_CHECKING:
+    from drivegate.containment.messages import LoadedCandidate
 
 _PASSED = ("GLIBC_TUNABLES", "NPY_DISABLE_CPU_FEATURES")
 _WITHOUT_AVX = {
@@ -50,7 +55,7 @@ def surroundings(restricted: Mapping[str, str]) -> dict[str, str]:
     """Give the environment of a process, which a candidate's worker gets too."""
     own = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_CPU_")}
     # numpy warns of every feature that it does not know, which differ by version.
-    return own | {"DRIVEGATE_PASS": ",".join(_PASSED), "PYTHONWARNINGS": "ignore"} | restricted
+    return {**own, "DRIVEGATE_PASS": ",".join(_PASSED), "PYTHONWARNINGS": "ignore", **restricted}
 
 
 def digest_of_loops() -> str:
@@ -88,7 +93,7 @@ def digest_of_shards(shards: int) -> str:
 
     digest = hashlib.sha256()
     for seed in range(shards):
-        outcome = run_drawn(Loaded(), DrawnRuns("paper-5-phase", seed, 12))
+        outcome = run_drawn(cast("LoadedCandidate", Loaded()), DrawnRuns("paper-5-phase", seed, 12))
         for run in outcome.runs:
             digest.update(f"{json.dumps(run.scenario, sort_keys=True)} {run.margins}\n".encode())
     return digest.hexdigest()
@@ -136,12 +141,12 @@ def main() -> int:
 
     for name, restricted in restrictions().items():
         if options.shards is None:
-            tell(name, lambda restricted=restricted: checked(words, restricted))
+            tell(name, partial(checked, words, restricted))
         else:
-            tell(name, lambda restricted=restricted: here(options.shards, restricted))
+            tell(name, partial(here, options.shards, restricted))
     for processor in options.emulate:
         emulator = (shutil.which("qemu-x86_64") or "qemu-x86_64", "-cpu", processor)
-        tell(f"qemu {processor}", lambda emulator=emulator: here(options.shards or 0, {}, emulator))
+        tell(f"qemu {processor}", partial(here, options.shards or 0, {}, emulator))
     return int(len(found) != 1)
 
 
