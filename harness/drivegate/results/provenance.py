@@ -2,30 +2,62 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib.metadata
+import importlib.resources
+import json
 import os
 import platform
 import shutil
 import subprocess
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from drivegate.version import __version__
+from drivegate_models.compilation.target import requested_target
 
-_PACKAGES = ("numba", "numpy", "scipy", "hypothesis")
+_PACKAGES = ("numba", "llvmlite", "numpy", "scipy", "hypothesis")
+_OWN_PACKAGES = ("drivegate", "drivegate_cases", "drivegate_models")
+_SOURCES = (".py", ".toml")
+_NOT_HASHED = ("commit", "target", "content_hash")
 
 
-def provenance() -> dict[str, Any]:
-    """Tell the versions of what computes a result."""
+def versions() -> dict[str, Any]:
+    """Tell the versions of everything that a result follows from; equal ones give equal results."""
     return {
         "drivegate": __version__,
-        "commit": _commit(),
+        "sources": _sources(),
         "python": platform.python_version(),
         "machine": platform.machine(),
         "packages": {name: importlib.metadata.version(name) for name in _PACKAGES},
     }
+
+
+def provenance() -> dict[str, Any]:
+    """Tell the versions of what computes a result, and where that is, on which the result does not depend."""
+    return {**versions(), "commit": _commit(), "target": requested_target()}
+
+
+def hash_of_content(content: Mapping[str, Any]) -> str:
+    """Give a digest of a result: of what was judged, how, by which versions, and what came of it, but not of where."""
+    versions_told = {key: told for key, told in content["provenance"].items() if key not in _NOT_HASHED}
+    hashed = {**content, "provenance": versions_told}
+    return hashlib.sha256(json.dumps(hashed, sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def _sources() -> str:
+    """Digest drivegate's own sources and cases, the same in a checkout and in a package."""
+    digest = hashlib.sha256()
+    for package in _OWN_PACKAGES:
+        folder = Path(str(importlib.resources.files(package)))
+        for file in sorted(path for path in folder.rglob("*") if path.suffix in _SOURCES):
+            digest.update(f"{package}/{file.relative_to(folder).as_posix()}\0".encode())
+            digest.update(file.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
 
 
 @cache

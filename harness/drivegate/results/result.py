@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -12,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
+from drivegate.results.provenance import hash_of_content
 
 if TYPE_CHECKING:
     from drivegate.checks.judging import InfeasibleScenario
@@ -261,12 +260,9 @@ class CheckResult:
 def content_hash(document: Mapping[str, Any]) -> str:
     """Hash all that a result document says but its times, its signature and what dying processes printed."""
     hashed = {key: value for key, value in document.items() if key not in ("timing", "signature")}
-    hashed["provenance"] = {
-        key: value for key, value in document["provenance"].items() if key != "content_hash"
-    }
     # What a dying process printed differs from run to run.
     hashed["faults"] = [{**fault, "traceback": ""} for fault in document["faults"]]
-    return hashlib.sha256(json.dumps(hashed, sort_keys=True).encode()).hexdigest()
+    return hash_of_content(hashed)
 
 
 def _fault_document(fault: Fault) -> dict[str, Any]:

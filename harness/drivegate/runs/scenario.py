@@ -58,7 +58,10 @@ def plant_load(scenario: Scenario) -> load.Load:
         load.VEHICLE,
         size=given.mass_kg * GRAVITY * given.lever_m,
         rolling=given.rolling_resistance,
-        drag=0.5 * given.air_density_kg_m3 * given.drag_area_m2 * given.lever_m**3,
+        drag=0.5
+        * given.air_density_kg_m3
+        * given.drag_area_m2
+        * (given.lever_m * given.lever_m * given.lever_m),
         inertia=given.inertia_kg_m2,
     )
 

@@ -184,7 +184,13 @@ def _drag(scenario: Scenario, conditions: Dwell) -> float:
 
 def _own_drag(drive: Drive, speed: float) -> float:
     """Friction, and the core loss of the whole EMF, more of which the shaft never has to bear (N m)."""
-    core = drive.phases * drive.core_loss_conductance * drive.emf_constant**2 * _mean_square(drive) * speed
+    core = (
+        drive.phases
+        * drive.core_loss_conductance
+        * (drive.emf_constant * drive.emf_constant)
+        * _mean_square(drive)
+        * speed
+    )
     return drive.friction + drive.viscous_friction * speed + core
 
 

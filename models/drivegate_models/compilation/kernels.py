@@ -2,8 +2,9 @@
 
 numba's own cache does not notice an edit in a function of another file, and finds no place to write in a
 read-only installation without a home folder. So the cache folder carries a key made of the sources of this
-package, of the place where they lie, and of the versions that compile them, and falls back to a temporary
-folder.
+package, of the target, and of the versions that compile them, and falls back to a temporary folder. numba also
+looks code up by the place of its source; here a module's name takes that place, so that one folder serves every
+installation of the same versions. Folders that nothing has used for a month go.
 
 It also counts the files of one function up: two processes that compile two functions made by one factory at the
 same time (the polynomials of `winding_current`, say) write both to file 1, and each later loads the other's code.
@@ -18,26 +19,42 @@ import hashlib
 import importlib.metadata
 import os
 import platform
+import re
+import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
+
+from drivegate_models.compilation.target import adopt_target, choose_target, requested_target
 
 CACHE_VARIABLE = "DRIVEGATE_CACHE"
 """Environment variable that overrides the folder in which compiled kernels are kept."""
 
+_KEPT_SECONDS = 30 * 24 * 3600.0
+_KEY = re.compile("[0-9a-f]{16}")
+_OWN_PACKAGES = ("drivegate_models", "drivegate")
 
-def cache_key() -> str:
-    """Return a key of the kernel sources, of their folder, and of everything that compiles them."""
+
+@cache
+def _digest_of_sources() -> str:
     sources = Path(__file__).resolve().parents[1]
-    digest = hashlib.sha256(str(sources).encode())
+    digest = hashlib.sha256()
     for source in sorted(sources.rglob("*.py")):
         digest.update(source.relative_to(sources).as_posix().encode())
         digest.update(source.read_bytes())
+    return digest.hexdigest()
+
+
+def cache_key() -> str:
+    """Return a key of the kernel sources, their target, and everything that compiles them; not of their place."""
+    digest = hashlib.sha256(_digest_of_sources().encode())
     for package in ("numba", "numpy", "llvmlite"):
         digest.update(importlib.metadata.version(package).encode())
-    digest.update(f"{sys.version}{platform.machine()}".encode())
+    digest.update(f"{sys.version}{platform.machine()}{requested_target()}".encode())
     return digest.hexdigest()[:16]
 
 
@@ -85,20 +102,59 @@ def _configure() -> bool:
     if folder is None:
         return False
     os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    _prune(folder)
     return True
 
 
+def _prune(used: Path) -> None:
+    """Note the use of a cache folder, and remove its neighbours that nothing has used for long."""
+    with contextlib.suppress(OSError):
+        os.utime(used)
+        oldest = time.time() - _KEPT_SECONDS
+        for folder in used.parent.iterdir():
+            if _KEY.fullmatch(folder.name) and folder.stat().st_mtime < oldest:
+                shutil.rmtree(folder, ignore_errors=True)
+
+
+choose_target()
 KEEPS_CACHE = _configure()
 """Whether compiled kernels are kept between processes."""
 
-import numba  # noqa: E402  (the cache folder must be known before numba is imported)
+import numba  # noqa: E402  (target and cache folder must be known before numba is imported)
 from numba.core import caching  # noqa: E402
 
+# numba has read the variables already where something else imported it first.
+adopt_target(vars(numba.config))
 if KEEPS_CACHE:
-    # numba has read the variable already where something else imported it first.
     vars(numba.config)["CACHE_DIR"] = os.environ["NUMBA_CACHE_DIR"]
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
+
+
+class _PlacedByModule(caching.UserProvidedCacheLocator):
+    """Where the code of drivegate's own functions is kept: by the name of their module, wherever its file lies."""
+
+    @classmethod
+    def from_function(cls, function: Any, file: str) -> Any:
+        """Take on drivegate's own functions alone."""
+        return super().from_function(function, file) if _is_own(function) else None
+
+    def __init__(self, function: Any, file: str) -> None:
+        super().__init__(function, file)
+        package = function.__module__.rpartition(".")[0]
+        self._cache_path = str(Path(vars(numba.config)["CACHE_DIR"]) / package)
+
+    def get_source_stamp(self) -> Any:
+        """Tell the source by its content, and what it calls by that of all kernels."""
+        return _digest_of_sources(), hashlib.sha256(Path(self._py_file).read_bytes()).hexdigest()
+
+
+def _is_own(function: Any) -> bool:
+    return function.__module__.partition(".")[0] in _OWN_PACKAGES
+
+
+# Also for the functions that are called by address, which numba's own decorator keeps.
+caching.CacheImpl._locator_classes.insert(0, _PlacedByModule)
 
 
 class _FilesNamedByContent(caching.IndexDataCacheFile):
@@ -143,9 +199,6 @@ def _fingerprint(function: Callable[..., object]) -> str:
     return digest.hexdigest()
 
 
-_FUSED = {"contract"}
-
-
 def _compiled(function: _Function, **options: Any) -> _Function:
     njit: Any = numba.njit
     dispatcher = njit(error_model="numpy", **options)(function)
@@ -155,8 +208,8 @@ def _compiled(function: _Function, **options: Any) -> _Function:
 
 
 def kernel(function: _Function) -> _Function:
-    """Compile `function` in nopython mode, cached; a product and a sum may be rounded at once, nothing is reordered."""
-    return _compiled(function, fastmath=_FUSED)
+    """Compile `function` in nopython mode, cached; every operation is rounded by itself, nothing is reordered."""
+    return _compiled(function)
 
 
 def unallocating(function: _Function) -> _Function:
@@ -165,17 +218,13 @@ def unallocating(function: _Function) -> _Function:
     Counting costs more than the arithmetic where a function of many arrays is called in a loop. A function
     that does make an array is refused by the compiler.
     """
-    return _compiled(function, fastmath=_FUSED, _nrt=False)
+    return _compiled(function, _nrt=False)
 
 
 def inlined(function: _Function) -> _Function:
     """Compile a function like `unallocating`, and copy it into its callers."""
-    return _compiled(function, fastmath=_FUSED, forceinline=True, _nrt=False)
-
-
-def unfused(function: _Function) -> _Function:
-    """Compile a controller's function like `inlined`, every operation rounded by itself.
-
-    So the same algorithm in Python, here and in C (without contraction) gives the same commands, bit for bit.
-    """
     return _compiled(function, forceinline=True, _nrt=False)
+
+
+unfused = inlined
+"""How a controller's functions are compiled: as `inlined`, with the same commands as in Python and C, bit for bit."""

@@ -13,11 +13,12 @@ Intervals are kept to ``x <= LONGEST`` by their callers, where the truncated ser
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import factorial, inf, log1p
+from math import factorial, inf
 
 import numpy as np
 
 from drivegate_models.compilation.kernels import inlined, kernel
+from drivegate_models.machine.logarithm import GREATEST, logarithm_ratio
 
 LONGEST = 0.5
 """Longest interval, as a multiple of the time constant L/R, for which the series are used."""
@@ -50,14 +51,15 @@ def _square_22_term(k: int) -> float:
 
 def _polynomial(term: Callable[[int], float]) -> Callable[[float], float]:
     """Return ``sum_k term(k) (-x)**k`` compiled, with few terms for the short intervals that are the rule."""
-    coefficients = tuple((-1.0) ** k * term(k) for k in range(_ALL_TERMS))
+    coefficients = tuple(term(k) * (-1.0 if k % 2 else 1.0) for k in range(_ALL_TERMS))
     c0, c1, c2, c3, c4, c5, c6 = coefficients[:_SHORT_TERMS]
 
     def evaluate(x: float) -> float:
         if x <= _SHORT:
             # In pairs, so that one product need not wait for the other.
             square = x * x
-            return (c0 + c1 * x) + square * ((c2 + c3 * x) + square * ((c4 + c5 * x) + square * c6))
+            fourth = square * square
+            return ((c0 + c1 * x) + square * (c2 + c3 * x)) + fourth * ((c4 + c5 * x) + square * c6)
         total = 0.0
         for k in range(_ALL_TERMS - 1, -1, -1):
             total = total * x + coefficients[k]
@@ -100,15 +102,18 @@ def current_after(
         (A/s).
     """
     x = rate * time
-    phi2 = 0.5 - x * (1.0 / 6.0 - x * phi4(x))
-    phi1 = 1.0 - x * phi2
+    # Written so that little waits for phi4.
+    square = x * x
+    p4 = phi4(x)
+    phi2 = (0.5 - x * (1.0 / 6.0)) + square * p4
+    phi1 = (1.0 - x * (0.5 - x * (1.0 / 6.0))) - (x * square) * p4
     current = start + time * (slope * phi1 - curvature * time * phi2)
     return current, slope * (1.0 - x * phi1) - curvature * time * phi1
 
 
 @inlined
 def turning_time(slope: float, curvature: float, rate: float) -> float:
-    """Return when the current's slope passes zero, or infinity.
+    """Return when the current's slope passes zero, or infinity where it does not within the longest interval.
 
     Parameters
     ----------
@@ -124,10 +129,8 @@ def turning_time(slope: float, curvature: float, rate: float) -> float:
         return inf
     ratio = slope / curvature
     x = rate * ratio
-    # Without resistance the logarithm over the rate is zero over zero; this is its series.
-    if x < 1e-9:
-        return ratio * (1.0 - 0.5 * x)
-    return log1p(x) / rate
+    # The slope is zero after ln(1 + x) / rate; of greater x that is more than LONGEST / rate.
+    return ratio * logarithm_ratio(x) if x <= GREATEST else inf
 
 
 @kernel
@@ -277,10 +280,11 @@ def current_integrals(
         Integral of i**2 (A2 s).
     """
     x = rate * time
+    square_x = x * x
     p4 = phi4(x)
     p3 = 1.0 / 6.0 - x * p4
-    p2 = 0.5 - x * p3
-    p1 = 1.0 - x * p2
+    p2 = (0.5 - x * (1.0 / 6.0)) + square_x * p4
+    p1 = (1.0 - x * (0.5 - x * (1.0 / 6.0))) - (x * square_x) * p4
     rise = slope * time
     bend = curvature * time * time
     end = start + rise * p1 - bend * p2

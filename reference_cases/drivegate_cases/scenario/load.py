@@ -73,7 +73,8 @@ class FanLoad(_SwitchedLoad):
 
     def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
         """Torque of the load."""
-        return share * self.torque_nm * (speed_rpm / self.speed_rpm) ** 2
+        ratio = speed_rpm / self.speed_rpm
+        return share * self.torque_nm * (ratio * ratio)
 
 
 class VehicleLoad(Section):
@@ -111,14 +112,14 @@ class VehicleLoad(Section):
     @property
     def inertia_kg_m2(self) -> float:
         """The vehicle's mass as an inertia at the shaft (kg·m²)."""
-        return self.mass_kg * self.lever_m**2
+        return self.mass_kg * self.lever_m * self.lever_m
 
     def torque_at(self, speed_rpm: float, share: float = 0.0) -> float:
         """Torque that keeps the vehicle at its speed."""
         vehicle_speed = speed_rpm * RADIANS_PER_RPM * self.lever_m
         slope = share / 100.0
         weight = self.mass_kg * GRAVITY / math.hypot(1.0, slope)
-        drag = 0.5 * self.air_density_kg_m3 * self.drag_area_m2 * vehicle_speed**2
+        drag = 0.5 * self.air_density_kg_m3 * self.drag_area_m2 * vehicle_speed * vehicle_speed
         return self.lever_m * (weight * (self.rolling_resistance + slope) + drag)
 
 

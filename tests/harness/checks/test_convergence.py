@@ -55,6 +55,23 @@ def test_nothing_is_judged_where_nothing_loads_the_shaft(record, scenario, check
     assert not checks["CNV-1"].evaluate(record(scenario(), window=hunting)).met
 
 
+@pytest.mark.parametrize("share", [0.05, 0.1, 0.19, 0.3])
+def test_k2_is_asked_of_no_less_current_than_at_a_fifth_of_rated_torque(
+    record, scenario, assert_limit, share
+):
+    load = {"kind": "constant_torque", "torque_nm": 9.549 * share, "factor": [[0.0, 1.0]]}
+    light = scenario(load=load)
+    mean = 40.0 * share
+    lightest = least_current_sum(light.motor.drive(), light.speed_rpm[0][1] * RPM, 9.549 * 0.2).current_sum
+    reference = max(mean, lightest) if share < 0.2 else mean
+
+    def spread_by(part):
+        values = {"CURRENT_SUM": mean, "MEAN_LOWEST": mean, "MEAN_HIGHEST": mean + part * 0.005 * reference}
+        return record(light, window=values)
+
+    assert_limit("CNV-1", spread_by(0.999), spread_by(1.001))
+
+
 @pytest.mark.parametrize("check", CONVERGENCE)
 def test_movement_of_the_angle_by_one_degree(record, scenario, assert_limit, check):
     run = scenario(**CONVERGENCE[check])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
@@ -35,22 +36,61 @@ def test_processes_that_compile_at_once_never_share_a_file(
     assert files().load(second) == "code two"
 
 
-def _key_of_package_at(folder: Path) -> str:
-    command = "from drivegate_models.compilation.kernels import cache_key; print(cache_key())"
+_COMPILE = """
+from drivegate_models.machine.winding_current import current_after
+from drivegate_models.half_bridge.controllers.builtin import reset_function, step_function
+step_function()
+current_after(1.0, 1.0, 1.0, 1.0, 0.1)
+print(sum(current_after.stats.cache_misses.values()), sum(current_after.stats.cache_hits.values()))
+print(step_function()._cache_hits)
+"""
+
+
+def _compiled_at(folder: Path, cache: Path) -> list[int]:
+    """Compile a few functions of the package in a folder; tell misses and hits of a kernel, and hits of a step."""
+    surroundings = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     done = subprocess.run(
-        [sys.executable, "-c", command], cwd=folder, capture_output=True, text=True, check=True, timeout=120
+        [sys.executable, "-c", _COMPILE],
+        cwd=folder,
+        env={**surroundings, compilation.CACHE_VARIABLE: str(cache)},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=300,
     )
-    return done.stdout.strip()
+    return [int(word) for word in done.stdout.split()]
 
 
-def test_two_installations_keep_their_kernels_apart(tmp_path: Path) -> None:
+def test_an_installation_at_another_place_compiles_nothing_again(tmp_path: Path) -> None:
     package = Path(drivegate_models.__file__).parent
     for name in ("one", "two"):
         shutil.copytree(package, tmp_path / name / package.name, ignore=shutil.ignore_patterns("__pycache__"))
-    keys = {_key_of_package_at(tmp_path / name) for name in ("one", "two", "one")}
-    assert len(keys) == 2, (
-        "numba looks kernels up by source path, so each place needs its own folder and marker"
+    assert _compiled_at(tmp_path / "one", tmp_path / "cache") == [1, 0, 0], "the first one has to compile"
+    assert _compiled_at(tmp_path / "two", tmp_path / "cache") == [0, 1, 1], (
+        "the second one found nothing of what the first had compiled"
     )
+    folders = [folder for folder in (tmp_path / "cache").iterdir() if folder.is_dir()]
+    assert len(folders) == 1, f"the place of the sources is in the folder's name: {folders}"
+
+
+def test_changed_sources_are_compiled_anew(tmp_path: Path) -> None:
+    package = Path(drivegate_models.__file__).parent
+    shutil.copytree(package, tmp_path / "one" / package.name, ignore=shutil.ignore_patterns("__pycache__"))
+    _compiled_at(tmp_path / "one", tmp_path / "cache")
+    with (tmp_path / "one" / package.name / "machine" / "load.py").open("a", encoding="utf-8") as source:
+        source.write("# Another version.\n")
+    assert _compiled_at(tmp_path / "one", tmp_path / "cache") == [1, 0, 0]
+
+
+def test_folders_that_nothing_has_used_for_long_go(tmp_path: Path) -> None:
+    used, recent, old, foreign = (tmp_path / name for name in ("a" * 16, "b" * 16, "c" * 16, "my-results"))
+    for folder in (used, recent, old, foreign):
+        folder.mkdir()
+        (folder / "file").touch()
+    for folder in (used, old, foreign):
+        os.utime(folder, (0.0, 0.0))
+    compilation._prune(used)
+    assert {folder.name for folder in tmp_path.iterdir()} == {used.name, recent.name, foreign.name}
 
 
 def test_the_cache_folder_holds_where_numba_was_imported_before(

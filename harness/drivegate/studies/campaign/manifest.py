@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import Any, Final
 
-from drivegate.results.provenance import provenance
+from drivegate.results.provenance import versions
 from drivegate.studies.campaign.plan import CampaignPlan
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
@@ -20,8 +20,8 @@ def manifest_of(plan: CampaignPlan) -> dict[str, Any]:
     """Tell everything that a campaign's results follow from."""
     import pyarrow
 
-    versions = provenance()
-    versions["packages"] = versions["packages"] | {"pyarrow": pyarrow.__version__}
+    used = versions()
+    used["packages"] = used["packages"] | {"pyarrow": pyarrow.__version__}
     content = {
         "campaign": plan.campaign.to_mapping(),
         "cases": [case.to_mapping() for case in plan.cases],
@@ -35,7 +35,7 @@ def manifest_of(plan: CampaignPlan) -> dict[str, Any]:
     ]
     digest = hashlib.sha256(json.dumps(content).encode()).hexdigest()
     head = {"schema": SCHEMA, "kind": "campaign", "content_hash": digest}
-    return head | content | {"candidates": candidates, "versions": versions}
+    return head | content | {"candidates": candidates, "versions": used}
 
 
 def read_manifest(path: Path) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.containment.contained_runs import contained_runs
-from drivegate.results.provenance import provenance
+from drivegate.results.provenance import versions
 from drivegate.studies.campaign.plan import CampaignPlan, Chunk
 from drivegate.studies.campaign.row import CampaignRow, RowRequest, fault_row, run_row
 from drivegate_cases.documents.wording import one_line, shown_path
@@ -57,8 +57,8 @@ def fingerprint(candidate: Candidate) -> str:
 
 def run_chunk(package: bytes, chunk: Chunk) -> ChunkResult:
     """Make the runs of one file."""
-    plan, fingerprints, versions = _unpacked(package)
-    _require_versions(versions)
+    plan, fingerprints, required = _unpacked(package)
+    _require_versions(required)
     candidate = plan.candidates[chunk.candidate]
     _require_unchanged(candidate, fingerprints[chunk.candidate])
     requests = (
@@ -73,13 +73,13 @@ def run_chunk(package: bytes, chunk: Chunk) -> ChunkResult:
 
 @lru_cache(maxsize=2)
 def _unpacked(package: bytes) -> tuple[CampaignPlan, tuple[str, ...], dict[str, Any]]:
-    plan, fingerprints, versions = pickle.loads(package)
-    return plan, fingerprints, versions
+    plan, fingerprints, required = pickle.loads(package)
+    return plan, fingerprints, required
 
 
 @lru_cache(maxsize=1)
 def _versions() -> dict[str, Any]:
-    return provenance()
+    return versions()
 
 
 def _require_versions(required: dict[str, Any]) -> None:
@@ -90,9 +90,9 @@ def _require_versions(required: dict[str, Any]) -> None:
         )
 
 
-def _in_words(versions: dict[str, Any]) -> str:
-    packages = ", ".join(f"{name} {number}" for name, number in versions["packages"].items())
-    head = f"drivegate {versions['drivegate']}, Python {versions['python']} on {versions['machine']}"
+def _in_words(told: dict[str, Any]) -> str:
+    packages = ", ".join(f"{name} {number}" for name, number in told["packages"].items())
+    head = f"drivegate {told['drivegate']} ({told['sources']}), Python {told['python']} on {told['machine']}"
     return one_line(f"{head}, {packages}")
 
 

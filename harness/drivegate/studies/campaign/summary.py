@@ -8,7 +8,7 @@ from urllib.parse import quote
 from drivegate.candidates.fault import bounded_line
 from drivegate.checks.catalogue import CHECKS
 from drivegate.results.counterexample import KIND, Counterexample
-from drivegate.results.provenance import provenance
+from drivegate.results.provenance import versions
 from drivegate.results.result import finite
 from drivegate.scenarios.size import size_of
 from drivegate.studies.campaign.folder import CampaignFolder
@@ -110,7 +110,7 @@ def _counterexample(
         "seed": plan.campaign.seed,
         "size": size_of(scenario),
         "candidate": {"name": bounded_line(candidate.name), "hash": candidate.content_hash},
-        "versions": provenance(),
+        "versions": versions(),
         "scenario": scenario,
     }
     if content["margin"] is None:

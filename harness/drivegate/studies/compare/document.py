@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any, Final
 
 from drivegate.candidates.fault import Fault, bounded_line
-from drivegate.results.provenance import provenance
+from drivegate.results.provenance import hash_of_content, provenance
 from drivegate.results.result import finite
 from drivegate.studies.compare.differences import difference_rows
 from drivegate.studies.compare.drive_cycle_run import TOLERANCE_KM_H, VEHICLE
@@ -91,8 +89,7 @@ def comparison_document(
         "provenance": provenance(),
     }
     content = {key: finite(value) for key, value in content.items()}
-    digest = hashlib.sha256(json.dumps(_hashed(content), sort_keys=True).encode()).hexdigest()
-    content["provenance"] = {**content["provenance"], "content_hash": digest}
+    content["provenance"] = {**content["provenance"], "content_hash": hash_of_content(_hashed(content))}
     content["timing"] = finite(
         {
             **timing,

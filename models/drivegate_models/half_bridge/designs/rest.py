@@ -1,7 +1,10 @@
 """Resting where the current sum stands still: not where regulator and band beat, and not at the very edge.
 
-At light load there are angles at which the regulator and the hysteresis band beat against each other. And right at the
-edge the current reference creeps up for a torque that is short by a trace.
+At light load a half cycle holds a few chops only, and the torque climbs by a jump where one more fits in. At an angle
+where the load's torque lies within a jump, no current reference gives it: the regulator goes back and forth between
+both sides, however it is tuned, and through an encoder it does so within one step of the speed's measurement, where
+only the current sum shows it. Such angles take up half of all, in stretches of a few degrees. And right at the edge
+the current reference creeps up for a torque that is short by a trace.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ LATEST_DECISION: Final = 51
 """Decisions after which the angle is kept, still or not."""
 
 _STILL = 3
+_STILL_LIGHT = 10
 _RESTLESS = 3
 _BEATING = 0.0035
 _UNREST = 0.03 * RADIANS_PER_RPM
@@ -26,6 +30,8 @@ _SENSED = 0.1 * RADIANS_PER_RPM
 _CALM = 1.15
 _CREPT = 0.02
 _SAME = 0.005
+_SWING = 0.008
+_SWINGING = 2
 _ASIDE = radians(0.7)
 _ASIDE_OF_UNREST = radians(0.9)
 
@@ -44,6 +50,31 @@ def begin_watch(state: Any) -> None:
     state.restless = 0
     state.least = inf
     state.most = -inf
+    state.watched_change = 0.0
+    state.swings = 0
+
+
+@unfused
+def swings_back(state: Any) -> bool:
+    """Return whether the current sum has turned back by as much as it had changed, as no settling does.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated by the decision interval just ended.
+
+    Returns
+    -------
+    bool
+        About the last two changes; those right after a step of the angle do not count.
+    """
+    power = state.controller.last_power
+    change = power - state.watched_power if state.watched > 2 else 0.0
+    turned = change * state.watched_change < 0.0
+    swings: bool = turned and min(abs(change), abs(state.watched_change)) > _SWING * power
+    state.watched_power = power
+    state.watched_change = change
+    return swings
 
 
 @unfused
@@ -86,25 +117,29 @@ def stands_still(state: Any) -> bool:
     if state.watched == 0:
         state.rest_integral = controller.integral
     state.watched += 1
-    # Where the speed is never calmer than this, the sensor makes the rest of it.
-    sensed = controller.calm_error > _SENSED
-    restless = controller.worst_error > (_CALM * controller.calm_error if sensed else _UNREST)
-    state.still = state.still + 1 if not restless else 0
+    # Where the speed is never calmer than this, except where an encoder shows it as exact, the sensor makes the rest.
+    if controller.worst_error > 0.0:
+        state.finest = min(state.finest, controller.worst_error)
+    sensed = state.finest > _SENSED
+    restless = controller.worst_error > (_CALM * state.finest if sensed else _UNREST)
+    swings = swings_back(state)
+    state.swings += 1 if swings else 0
+    state.still = state.still + 1 if not (restless or swings) else 0
     state.restless = state.restless + 1 if restless else 0
     state.least = min(state.least, power)
     state.most = max(state.most, power)
     if state.decisions >= LATEST_DECISION:
         return True
     loaded = is_worth_confirming(state)
-    # At light load the current sum takes long to settle, and the speed is the better measure.
-    unrest = not loaded and state.restless >= _RESTLESS
+    # At light load the current sum takes long to settle: what counts is that it swings, or that the speed does.
+    unrest = not loaded and (state.restless >= _RESTLESS or state.swings >= _SWINGING)
     beats = loaded and state.most - state.least > _BEATING * power + noise_of_regulator(controller)
     if unrest or beats or creeps(state):
         state.best_offset = controller.offset + (_ASIDE_OF_UNREST if unrest else _ASIDE)
         aim(state, state.best_offset)
         begin_watch(state)
         return False
-    still: bool = state.still >= _STILL or (loaded and state.watched >= _STILL)
+    still: bool = state.still >= (_STILL if loaded else _STILL_LIGHT) or (loaded and state.watched >= _STILL)
     return still
 
 

@@ -134,6 +134,7 @@ def begin_search(state: Any) -> float:
     state.stage = 0
     state.probes = 0
     state.decisions = 0
+    state.finest = inf
     return first_probe(state)
 
 
