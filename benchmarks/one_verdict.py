@@ -19,10 +19,6 @@ import time
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
-
-if TYPE_CHECKING:
-    from drivegate.containment.messages import JudgedCandidate
 
 _PASSED = ("GLIBC_TUNABLES", "NPY_DISABLE_CPU_FEATURES")
 _WITHOUT_AVX = {
@@ -80,20 +76,14 @@ def digest_of_loops() -> str:
 
 def digest_of_shards(shards: int) -> str:
     """Run shards of the search in this process, and digest what they drew and judged."""
-    from drivegate.candidates.loading import load_controller
     from drivegate.candidates.resolution import resolve_candidate
+    from drivegate.containment.judge import own_candidate
     from drivegate.gate.shard import DrawnRuns, run_drawn
 
-    class Loaded:
-        progress = None
-        candidate = resolve_candidate("reference")
-
-        def controller(self) -> object:
-            return load_controller(self.candidate)
-
+    candidate = own_candidate(resolve_candidate("reference"))
     digest = hashlib.sha256()
     for seed in range(shards):
-        outcome = run_drawn(cast("JudgedCandidate", Loaded()), DrawnRuns("paper-5-phase", seed, 12))
+        outcome = run_drawn(candidate, DrawnRuns("paper-5-phase", seed, 12))
         for run in outcome.runs:
             digest.update(f"{json.dumps(run.scenario, sort_keys=True)} {run.margins}\n".encode())
     return digest.hexdigest()
