@@ -26,7 +26,7 @@ from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from drivegate.candidates.builtin.faults import MUTATIONS
+from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
 from drivegate.drives.kinds import DEFAULT_MOTOR
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family

@@ -19,7 +19,7 @@ class FaultRow:
     Attributes
     ----------
     name, sentence, check : str
-        As in `drivegate.candidates.builtin.faults.Mutation`.
+        As in `drivegate.candidates.builtin.faults.mutation.Mutation`.
     catches : dict
         For each seed the catch, or None where the check missed the fault.
     failing : tuple of str

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from drivegate.candidates.builtin.faults import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.candidates.loading import load_controller

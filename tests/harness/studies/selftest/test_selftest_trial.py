@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.candidates.builtin.faults import find_mutation
+from drivegate.candidates.builtin.faults.catalogue import find_mutation
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
