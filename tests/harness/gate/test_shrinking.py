@@ -26,6 +26,7 @@ from drivegate.scenarios.changes import (
     with_speed,
     with_supply,
 )
+from drivegate.scenarios.facts import facts_of
 from drivegate.scenarios.feasibility import is_fair
 from drivegate.scenarios.simplification import simplified
 from drivegate_cases.documents.document import parse_document
@@ -33,6 +34,11 @@ from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario
 
 MOTOR = load_motor("paper-5-phase")
+
+
+RATED_AT_970_RPM, RATED_AT_730_RPM = (
+    steady_scenario(MOTOR, speed, power_share=1.0, constant_power=True) for speed in (970.0, 730.0)
+)
 
 
 class Loaded:
@@ -81,6 +87,29 @@ def test_a_failure_with_everything_in_it_becomes_a_plain_one() -> None:
     assert sum(failure is not None for failure in failures) == 1, scenario.description
     assert scenario.sensors.kind == "ideal", scenario.description
     assert scenario.scales == type(scenario.scales)(), scenario.description
+
+
+@pytest.mark.parametrize("budget", [15, 40])
+@pytest.mark.parametrize(
+    ("name", "scenario", "check"),
+    [
+        ("published", disturbed(), "ROB-3"),
+        ("initial", changing(), "CNV-2"),
+        ("faulty:never-rearms", with_load_shares(RATED_AT_970_RPM, (0.0, 0.3), (6.0, 0.95)), "CNV-3"),
+        (
+            "faulty:line-is-the-limit",
+            with_scales(RATED_AT_730_RPM, resistance=1.7, inductance=1.15, emf_constant=0.97),
+            "ROB-1",
+        ),
+    ],
+)
+def test_a_simplest_counterexample_has_three_facts_at_most(
+    name: str, scenario: Scenario, check: str, budget: int
+) -> None:
+    found = shrunk(name, scenario, check, budget)
+    assert found is not None
+    facts = facts_of(found.scenario)
+    assert len(facts) <= 3, facts
 
 
 def test_a_loaded_failure_stays_a_loaded_one() -> None:
@@ -158,8 +187,8 @@ def test_what_cannot_be_simpler_stays_as_it_is() -> None:
 def test_what_is_simpler_has_less_size() -> None:
     plain = steady_scenario(MOTOR, 1500.0, power_share=1.0, constant_power=False)
     ladder: list[Any] = [
-        plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0})),
         plain,
+        plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0})),
         with_load_shares(plain, (0.0, 1.0), (10.0, 0.5)),
         with_scales(plain, resistance=1.5, inductance=1.1),
         with_mcs96(with_scales(plain, resistance=1.5, inductance=1.1), 7),

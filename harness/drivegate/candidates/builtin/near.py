@@ -19,10 +19,10 @@ _ALL: Final = (
     Mutation(
         "speed-offset",
         KIND,
-        "Keeps the speed 4 rpm too high, where k1 is 5 rpm.",
+        "Keeps the speed 4.5 rpm too high, where k1 is 5 rpm.",
         "",
         fault=faults.SPEED_BIASED,
-        size=4.0 * RADIANS_PER_RPM,
+        size=4.5 * RADIANS_PER_RPM,
     ),
     Mutation(
         "beside-the-optimum",
@@ -50,17 +50,17 @@ _ALL: Final = (
     Mutation(
         "decides-slowly",
         KIND,
-        "Decides every 150 ms instead of every 100 ms.",
+        "Decides every 120 ms instead of every 100 ms.",
         "",
-        factors=(("decision_steps", 1.5),),
+        factors=(("decision_steps", 1.2),),
     ),
     Mutation(
         "sum-cycles-a-little",
         KIND,
-        "Moves the speed up and down by 0.1 rpm once a second, for which Σ|i| varies by less than k2.",
+        "Accelerates and decelerates by 0.12 % of the torque, once a second, for which Σ|i| varies by less than k2.",
         "",
-        fault=faults.SPEED_CYCLES,
-        size=0.1 * RADIANS_PER_RPM,
+        fault=faults.TORQUE_CYCLES,
+        size=0.0012,
     ),
 )
 

@@ -13,7 +13,8 @@ from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
 
 if TYPE_CHECKING:
-    from drivegate.studies.selftest.matrix import DesignRow, FaultRow, Matrix
+    from drivegate.studies.selftest.detection import FaultRow
+    from drivegate.studies.selftest.matrix import DesignRow, Matrix
     from drivegate.studies.selftest.run import SelftestEffort
 
 TITLE = "faulty controllers"

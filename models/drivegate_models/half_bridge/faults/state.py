@@ -155,8 +155,8 @@ ANGLE_CYCLES: Final = 120
 """The angle goes up and down by `size`, once in two seconds."""
 SPEED_BIASED: Final = 121
 """The speed is seen lower by `size`."""
-SPEED_CYCLES: Final = 122
-"""The speed is seen higher and lower by `size`, once a second."""
+TORQUE_CYCLES: Final = 122
+"""The torque goes up and down by the share `size`, once a second, well above base speed."""
 RESTS_BESIDE: Final = 123
 """The angle is held higher than the one found by `size`."""
 SETTLES_LATE: Final = 124

@@ -10,6 +10,9 @@ from drivegate_models.half_bridge.controllers.protection import HOLDING
 from drivegate_models.half_bridge.faults import state as faults
 
 _ANGLE_PERIOD: Final = 2.0
+_WELL_ABOVE: Final = 1.05
+# Of the regulator: its gain is this times inertia over torque for each ampere (1/s).
+_BANDWIDTH: Final = 80.0
 _LATE: Final = radians(3.0)
 
 
@@ -24,11 +27,13 @@ def alter_speed(state: Any, fault: int) -> None:
     fault : int
         The fault.
     """
-    sense = state.sense
+    sense, controller = state.sense, state.controller
     if fault == faults.SPEED_BIASED:
         sense.speed -= state.size
-    elif fault == faults.SPEED_CYCLES:
-        sense.speed += state.size * sin(2.0 * pi * sense.time)
+    elif fault == faults.TORQUE_CYCLES and sense.speed > _WELL_ABOVE * controller.base_speed:
+        # The speed whose acceleration takes that share of the torque; the gain tells the inertia.
+        greatest = state.size * controller.integral * _BANDWIDTH / controller.proportional / (2.0 * pi)
+        sense.speed += greatest * sin(2.0 * pi * sense.time)
 
 
 @unfused

@@ -31,10 +31,10 @@ FAULTS: Final = (
     Mutation(
         "sum-cycles",
         KIND,
-        "Moves the speed up and down by 1.2 rpm once a second, for which Σ|i| varies by more than k2.",
+        "Accelerates and decelerates by 0.26 % of the torque, once a second, for which Σ|i| varies by more than k2.",
         "CNV-1",
-        fault=faults.SPEED_CYCLES,
-        size=1.2 * RADIANS_PER_RPM,
+        fault=faults.TORQUE_CYCLES,
+        size=0.0026,
     ),
     Mutation(
         "rests-beside-the-optimum",
