@@ -1,5 +1,6 @@
 """A counterexample becomes simpler, within its budget, for as long as the same check fails."""
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -39,6 +40,9 @@ MOTOR = load_motor("paper-5-phase")
 RATED_AT_970_RPM, RATED_AT_730_RPM = (
     steady_scenario(MOTOR, speed, power_share=1.0, constant_power=True) for speed in (970.0, 730.0)
 )
+
+
+AT_1400_RPM = steady_scenario(MOTOR, 1400.0, power_share=0.6, constant_power=False)
 
 
 class Loaded:
@@ -152,6 +156,16 @@ def test_the_result_fails_the_check_when_it_is_run_again() -> None:
     check = next(check for check in CHECKS if check.id == "CNV-2")
     assert check.evaluate(record) == found.margin
     assert not found.margin.met
+
+
+def test_a_simpler_scenario_keeps_to_the_speeds_that_the_candidate_is_made_for() -> None:
+    loaded = Loaded("faulty:power-a-billionth-off")
+    declared = replace(loaded.candidate.declaration, speed_range_rpm=(0.0, 1400.0))
+    loaded.candidate = replace(loaded.candidate, declaration=declared)
+    plan = ShrinkPlan(AT_1400_RPM.to_mapping(), "PWR-2", 40)
+    found = run_shrink(loaded, plan)  # type: ignore[arg-type]
+    assert found is not None
+    assert max(speed for _, speed in found.scenario["speed_rpm"]) <= 1400.0, found.scenario["speed_rpm"]
 
 
 def test_shrinking_is_deterministic_and_more_runs_make_no_worse_result() -> None:
