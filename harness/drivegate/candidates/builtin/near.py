@@ -55,12 +55,18 @@ _ALL: Final = (
         factors=(("decision_steps", 1.2),),
     ),
     Mutation(
-        "sum-cycles-a-little",
+        "gain-doubled",
         KIND,
-        "Accelerates and decelerates by 0.12 % of the torque, once a second, for which Σ|i| varies by less than k2.",
+        "Has twice the gain in its speed regulator, and so twice the answer to the noise of the measured speed.",
         "",
-        fault=faults.TORQUE_CYCLES,
-        size=0.0012,
+        factors=(("proportional", 2.0), ("integral_step", 2.0)),
+    ),
+    Mutation(
+        "stops-early",
+        KIND,
+        "Takes k2 six times too large, and rests where the optimum is near.",
+        "",
+        factors=(("power_tolerance", 6.0),),
     ),
 )
 

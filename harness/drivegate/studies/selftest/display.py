@@ -9,7 +9,7 @@ from rich.text import Text
 from drivegate.output.console import plain, table, verdict_text
 from drivegate.scenarios.facts import PLAIN_RUN
 from drivegate.studies.selftest.detection import FaultRow, detection_by_kind
-from drivegate.studies.selftest.matrix import DesignRow, Matrix
+from drivegate.studies.selftest.matrix import DesignRow, LeastMargin, Matrix
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -107,9 +107,15 @@ def _show_designs(console: Console, matrix: Matrix) -> None:
         checks = (plain(", ".join(ids) or "–") for ids in (row.accused_by, row.advised_by))
         listed.add_row(plain(row.name), str(row.seed), verdict_text(row.verdict), plain(_least(row)), *checks)
     console.print(listed)
+    counted = table("innocents", "accused", "least margin", right=("accused",))
+    for kind in matrix.innocents():
+        counted.add_row(plain(kind.kind), f"{kind.accused} of {kind.designs}", plain(_margin(kind.least)))
+    console.print(counted)
 
 
 def _least(row: DesignRow) -> str:
-    if row.least is None:
-        return "–"
-    return f"{row.least.check} {row.least.margin:+.3f}{', near by design' if row.near else ''}"
+    return f"{_margin(row.least)}{', near by design' if row.near else ''}"
+
+
+def _margin(least: LeastMargin | None) -> str:
+    return "–" if least is None else f"{least.check} {least.margin:+.3f}"

@@ -69,6 +69,26 @@ class DesignRow:
 
 
 @dataclass(frozen=True)
+class InnocentsRow:
+    """How many correct controllers of a kind are accused, and how near they come.
+
+    Attributes
+    ----------
+    kind : str
+        Correct designs, or those near a limit by design.
+    designs, accused : int
+        Number of controllers, and of those accused with any seed.
+    least : LeastMargin or None
+        The least margin of them all, over all seeds.
+    """
+
+    kind: str
+    designs: int
+    accused: int
+    least: LeastMargin | None
+
+
+@dataclass(frozen=True)
 class Matrix:
     """The whole self-test.
 
@@ -104,6 +124,14 @@ class Matrix:
             if row.acquitted and not row.near and row.least is not None and row.least.margin < NEAR
         ]
 
+    def innocents(self) -> list[InnocentsRow]:
+        """Count who is accused, among ordinary designs and among those near a limit."""
+        kinds = {"correct designs": False, "near a limit by design": True}
+        counted = (
+            _counted(kind, [row for row in self.designs if row.near is near]) for kind, near in kinds.items()
+        )
+        return [row for row in counted if row.designs]
+
     def _misses(self) -> list[str]:
         return [_miss(row) for row in self.faults if not row.caught]
 
@@ -124,10 +152,21 @@ class Matrix:
             "problems": self.problems(),
             "remarks": self.remarks(),
             "kinds": [asdict(row) for row in detection_by_kind(self.faults)],
+            "innocents": [asdict(row) for row in self.innocents()],
             "checks": list(self.checks),
             "faults": [_fault_document(row) for row in self.faults],
             "designs": _designs_document(self.designs),
         }
+
+
+def _counted(kind: str, rows: Sequence[DesignRow]) -> InnocentsRow:
+    margins = [row.least for row in rows if row.least is not None]
+    return InnocentsRow(
+        kind=kind,
+        designs=len({row.name for row in rows}),
+        accused=len({row.name for row in rows if not row.acquitted}),
+        least=min(margins, key=lambda least: least.margin, default=None),
+    )
 
 
 def _accusations(row: DesignRow) -> str:

@@ -82,6 +82,17 @@ def test_a_correct_design_near_a_limit_is_remarked_unless_it_is_near_by_design()
     ]
 
 
+def test_the_accused_are_counted_apart_from_those_near_by_design() -> None:
+    least = LeastMargin("CNV-1", 0.2, "")
+    near = replace(ACQUITTED, name="near:one", near=True, least=replace(least, margin=0.03))
+    again = replace(ACCUSED, seed=1, least=replace(least, margin=-3.0))
+    ordinary, nearer = matrix(replace(ACQUITTED, least=least), ACCUSED, again, near).innocents()
+    assert (ordinary.designs, ordinary.accused, ordinary.least) == (2, 1, again.least), (
+        "each design counts once"
+    )
+    assert (nearer.designs, nearer.accused, nearer.least) == (1, 0, near.least)
+
+
 def test_the_least_margin_leaves_out_what_is_met_at_the_end_of_a_range() -> None:
     ends = replace(outcome("CMD-1", "pass"), margin=0.0)
     advice = replace(outcome("RIP-3", "fail", "advisory"), margin=-0.2)
