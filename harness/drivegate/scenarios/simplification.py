@@ -29,7 +29,7 @@ Fields: TypeAlias = dict[str, Any]
 Simplification: TypeAlias = Callable[[Scenario], Iterator[Fields]]
 """From a scenario to changes that make it simpler in one respect, the boldest first."""
 
-_WORDS: Final = frozenset({"schema_version", "name", "description", "motor"})
+_NAMING: Final = frozenset({"schema_version", "name", "description", "motor"})
 # What belongs to another key, and means nothing without it.
 _FOLLOWING: Final = frozenset({"duration_s", "initial_speed_rpm", "seed"})
 _TIMES = (5.0, 1.0, 0.5, 0.1)
@@ -64,7 +64,7 @@ def _is_loaded(scenario: Scenario) -> bool:
 def _plain_but_for_one(scenario: Scenario) -> Iterator[Fields]:
     """Make the whole run the plain one, but for a single key, or for how the load changes."""
     plain = plain_scenario(scenario.motor)
-    kept = {key: getattr(plain, key) for key in type(plain).model_fields if key not in _WORDS}
+    kept = {key: getattr(plain, key) for key in type(plain).model_fields if key not in _NAMING}
     yield kept
     for key in kept:
         if getattr(scenario, key) == kept[key] or key in _FOLLOWING:

@@ -1,13 +1,16 @@
 """What the self-test makes of catches, misses and accusations."""
 
+import io
 from dataclasses import replace
 
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.output.console import console_for
 from drivegate.results.result import CheckOutcome, CheckResult
 from drivegate.studies.selftest.correct_designs import CorrectDesign, correct_designs
 from drivegate.studies.selftest.detection import FaultRow, detection_by_kind
+from drivegate.studies.selftest.display import show_matrix
 from drivegate.studies.selftest.matrix import DesignRow, LeastMargin, Matrix
 from drivegate.studies.selftest.run import judged_design
 from drivegate.studies.selftest.trial import Catch
@@ -164,3 +167,21 @@ def test_every_correct_design_is_a_candidate() -> None:
     names = [resolve_candidate(design.candidate).name for design in correct_designs()]
     assert names[0] == "reference"
     assert len(set(names)) == len(names)
+
+
+def test_the_console_tells_facts_kinds_and_least_margins() -> None:
+    least = LeastMargin("CNV-1", 0.04, "speed error 4.8 rpm")
+    near = replace(ACQUITTED, name="near:one", near=True, least=least)
+    ordinary = replace(ACQUITTED, least=least)
+    stream = io.StringIO()
+    slow = replace(CAUGHT, catches={0: Catch(7, "farther", "far off", 8, ("700 rpm", "mcs96 sensors"))})
+    show_matrix(console_for(stream), matrix(slow, near, ordinary))
+    shown = stream.getvalue()
+    for words in (
+        "700 rpm, mcs96 sensors",
+        "1 of 1",
+        "CNV-1 +0.040, near by design",
+        "0 of 1",
+        "by 0.04 alone",
+    ):
+        assert words in shown, f"{words} is not in\n{shown}"
