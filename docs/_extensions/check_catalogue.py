@@ -6,6 +6,10 @@
     One check: requirement, limit, margin, source and what exercises it.
 ``known-faults ID``
     The faulty controllers that the self-test has for one check.
+``fault-kinds``
+    All of them, by kind of fault.
+``near-designs``
+    The correct controllers near a limit.
 ``fixed-scenarios``
     The scenarios that are always run.
 ``drawn-scenarios``
@@ -26,7 +30,9 @@ from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from drivegate.candidates.builtin.faults import MUTATIONS
+from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
+from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
 from drivegate.drives.kinds import DEFAULT_MOTOR
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
@@ -139,12 +145,48 @@ class KnownFaults(SphinxDirective):
                     "",
                     "",
                     nodes.literal(text=f"faulty:{mutation.name}"),
-                    nodes.Text(f": {mutation.sentence}"),
+                    nodes.Text(f": {mutation.sentence}{_shown_by(mutation)}"),
                 ),
             )
             for mutation in known
         ]
         return [nodes.bullet_list("", *items)] if items else []
+
+
+class FaultKinds(SphinxDirective):
+    """A table of all faulty controllers, by kind of fault."""
+
+    def run(self) -> list[nodes.Node]:
+        """Make the table.
+
+        Returns
+        -------
+        list of Node
+            The table.
+        """
+        kinds = dict.fromkeys(mutation.kind for mutation in MUTATIONS.values())
+        rows: list[list[Cell]] = []
+        for kind in kinds:
+            names = [mutation.name for mutation in MUTATIONS.values() if mutation.kind == kind]
+            rows.append([kind, str(len(names)), ", ".join(names)])
+        return [_table([2, 1, 8], rows, ["kind of fault", "faults", "their names"])]
+
+
+class NearDesigns(SphinxDirective):
+    """A list of the correct controllers that are near a limit by design."""
+
+    def run(self) -> list[nodes.Node]:
+        """Make the list.
+
+        Returns
+        -------
+        list of Node
+            The list.
+        """
+        rows: list[list[Cell]] = [
+            [[nodes.literal(text=f"near:{design.name}")], design.sentence] for design in NEAR_DESIGNS.values()
+        ]
+        return [_table([2, 5], rows, ["design", "what it does"])]
 
 
 class FixedScenarios(SphinxDirective):
@@ -201,6 +243,10 @@ class FactTable(SphinxDirective):
         return [_table([1, 3, 3, 5, 2], rows, ["fact", "stated", "checks", "tests", "figures"])]
 
 
+def _shown_by(mutation: Mutation) -> str:
+    return f" It takes {mutation.shown_by} to show it." if mutation.shown_by else ""
+
+
 def _family(family: Family) -> list[Cell]:
     """Take a family's words from the docstring of its function."""
     text = inspect.getdoc(family) or ""
@@ -244,6 +290,8 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_directive("check-table", CheckTable)
     app.add_directive("check", CheckFacts)
     app.add_directive("known-faults", KnownFaults)
+    app.add_directive("fault-kinds", FaultKinds)
+    app.add_directive("near-designs", NearDesigns)
     app.add_directive("fixed-scenarios", FixedScenarios)
     app.add_directive("drawn-scenarios", DrawnScenarios)
     app.add_directive("fact-table", FactTable)

@@ -29,6 +29,9 @@ FAULTY_PREFIX: Final = "faulty:"
 DESIGN_PREFIX: Final = "design:"
 """What the name of a correct controller of another design begins with."""
 
+NEAR_PREFIX: Final = "near:"
+"""What the name of a correct controller begins with that is near a limit by design."""
+
 MANIFEST_SUFFIX: Final = ".toml"
 
 
@@ -89,7 +92,7 @@ class Kind:
 
 _ALL: Final = (
     Kind("python", "python", ways=("module:Class", "file.py:Class")),
-    Kind("builtin", "builtin", prefixes=(FAULTY_PREFIX, DESIGN_PREFIX), comes_along=True),
+    Kind("builtin", "builtin", prefixes=(FAULTY_PREFIX, DESIGN_PREFIX, NEAR_PREFIX), comes_along=True),
     Kind("c", "native", ways=("file.c",), suffix=".c", manifest_keys=("include", "flags")),
     Kind("so", "native", ways=("file.so",), suffix=".so"),
     Kind("fmu", "fmu", ways=("file.fmu",), suffix=".fmu", way_of_running="FMU"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -109,9 +110,11 @@ class _Trials:
         margin = self._check.evaluate(record)
         return margin if margin is not None and not margin.met and not margin.advisory else None
 
-    def is_new(self, scenario: Scenario) -> bool:
-        """Tell whether a scenario has not been run yet."""
-        return content_key(scenario.to_mapping()) not in self._known
+    def is_due(self, scenario: Scenario) -> bool:
+        """Tell whether a scenario has not been run yet, and the candidate is made for its speeds."""
+        lowest, highest = self._loaded.candidate.declaration.speed_range_rpm or (0.0, math.inf)
+        declared = all(lowest <= speed <= highest for _, speed in scenario.speed_rpm)
+        return declared and content_key(scenario.to_mapping()) not in self._known
 
 
 def _simplest(scenario: Scenario, margin: Margin, trials: _Trials) -> tuple[Scenario, Margin]:
@@ -144,5 +147,5 @@ def _simpler(
 def _candidates(scenario: Scenario, simplification: Simplification, trials: _Trials) -> Iterator[Scenario]:
     for fields in simplification(scenario):
         simpler = simplified(scenario, fields)
-        if simpler is not None and trials.is_new(simpler) and kind_of(simpler.motor).is_fair(simpler):
+        if simpler is not None and trials.is_due(simpler) and kind_of(simpler.motor).is_fair(simpler):
             yield simpler

@@ -8,6 +8,7 @@ from typing import Any, Final, TypeAlias
 
 from drivegate.scenarios.building import LOAD_RAMP_S
 from drivegate.scenarios.courses import QUANTITIES, ProfileCourse, Quantity, course_of, fields_of
+from drivegate.scenarios.facts import plain_scenario
 from drivegate.scenarios.size import size_of
 from drivegate.scenarios.windows import SETTLING_TIME, SHORTEST_WINDOW
 from drivegate_cases.motor.scales import NOMINAL
@@ -28,6 +29,9 @@ Fields: TypeAlias = dict[str, Any]
 Simplification: TypeAlias = Callable[[Scenario], Iterator[Fields]]
 """From a scenario to changes that make it simpler in one respect, the boldest first."""
 
+_NAMING: Final = frozenset({"schema_version", "name", "description", "motor"})
+# What belongs to another key, and means nothing without it.
+_FOLLOWING: Final = frozenset({"duration_s", "initial_speed_rpm", "seed"})
 _TIMES = (5.0, 1.0, 0.5, 0.1)
 _GRAINS: Final[dict[Quantity, tuple[float, ...]]] = {
     "speed": (500.0, 100.0, 50.0, 10.0),
@@ -55,6 +59,43 @@ def simplified(scenario: Scenario, fields: Fields) -> Scenario | None:
 
 def _is_loaded(scenario: Scenario) -> bool:
     return any(dwell_torque(scenario, dwell) > 0.0 for dwell in dwells(scenario))
+
+
+def _plain_but_for_one(scenario: Scenario) -> Iterator[Fields]:
+    """Make the whole run the plain one, but for a single key, or for how the load changes."""
+    plain = plain_scenario(scenario.motor)
+    kept = {key: getattr(plain, key) for key in type(plain).model_fields if key not in _NAMING}
+    yield kept
+    for key in kept:
+        if getattr(scenario, key) == kept[key] or key in _FOLLOWING:
+            continue
+        fields = {**kept, key: getattr(scenario, key), "duration_s": scenario.duration_s}
+        if key == "load":
+            yield from ({**fields, **load} for load in _plain_load(scenario))
+        elif key == "speed_rpm":
+            fields["initial_speed_rpm"] = scenario.initial_speed_rpm
+        elif key == "glitches":
+            fields["sensors"] = scenario.sensors
+        yield fields
+        if key == "sensors":
+            yield {**fields, "seed": scenario.seed}
+
+
+def _plain_load(scenario: Scenario) -> Iterator[Fields]:
+    """Require rated torque."""
+    load = plain_scenario(scenario.motor).load
+    if hasattr(scenario.load, "factor"):
+        yield {"load": load.model_copy(update={"factor": scenario.load.factor})}
+    yield {"load": load}
+
+
+def _plain_speed(scenario: Scenario) -> Iterator[Fields]:
+    """Run at the plain run's speed, under the same load or under rated torque."""
+    plain = plain_scenario(scenario.motor)
+    speed = {"speed_rpm": plain.speed_rpm, "initial_speed_rpm": plain.initial_speed_rpm}
+    for load in _plain_load(scenario):
+        yield {**speed, **load}
+    yield speed
 
 
 def _fewer_failures(scenario: Scenario) -> Iterator[Fields]:
@@ -210,12 +251,15 @@ def _to(grain: float) -> Callable[[float], float]:
 
 
 SIMPLIFICATIONS: Final[tuple[Simplification, ...]] = (
+    _plain_but_for_one,
     _fewer_failures,
     _without_disturbance,
     _plainer_sensors,
     _nominal_parameters,
     *(_steadier(quantity) for quantity in QUANTITIES),
     _shorter,
+    _plain_speed,
+    _plain_load,
     _plainer_load,
     _rounder("speed"),
     _rounder_load,

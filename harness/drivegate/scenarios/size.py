@@ -6,10 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from drivegate.scenarios.facts import facts_of
 from drivegate_cases.motor.scales import NOMINAL
 from drivegate_cases.scenario.sensors import IDEAL, MCS96
 
-_FAILURE, _PARAMETER, _POINT, _LOAD, _SEED, _DIGIT = 2000, 1000, 300, 100, 20, 5
+_FACT, _FAILURE, _PARAMETER, _POINT, _LOAD, _SEED, _DIGIT = 1500, 2000, 1000, 300, 100, 20, 5
 _LOAD_KINDS: Final = {"locked": 0, "constant_torque": 0, "constant_power": 1, "fan": 2, "vehicle": 4}
 
 
@@ -33,6 +34,7 @@ def size_of(scenario: Mapping[str, Any]) -> int:
     scales = scenario.get("scales", {})
     numbers += scales.values()
     parts = (
+        _FACT * len(facts_of(scenario)),
         _FAILURE * (failures + len(scenario.get("drift") or {}) + ("imbalance" in scenario)),
         _PARAMETER * len([key for key, value in scales.items() if value != getattr(NOMINAL, key)]),
         _sensor_size(scenario.get("sensors", "ideal")),

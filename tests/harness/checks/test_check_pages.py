@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from drivegate.candidates.builtin.faults import MUTATIONS
+from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
 

@@ -46,6 +46,7 @@ def test_a_failure_names_the_counterexample_its_file_and_the_next_step(command, 
     assert ended.code == 1
     assert "CNV-1 fails (required)" in ended.out
     assert "lock-up: 20 s, 1500 rpm, load constant torque 9.8 N·m × 0 → 1" in ended.out
+    assert "facts for 20 s, constant torque 9.8 N·m" in ended.out
     assert (
         "next: drivegate replay out/counterexamples/CNV-1.json --candidate reference --plot CNV-1.svg"
         in ended.out

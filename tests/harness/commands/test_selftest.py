@@ -5,8 +5,8 @@ from types import MappingProxyType
 
 import pytest
 
-from drivegate.candidates.builtin import faults as mutations
-from drivegate.candidates.builtin.faults import MUTATIONS
+from drivegate.candidates.builtin.faults import catalogue
+from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 
 
 def test_a_fault_is_caught_by_its_check(command) -> None:
@@ -33,7 +33,7 @@ def test_several_faults_are_shown_in_a_matrix(command) -> None:
 
 def test_a_fault_that_its_check_misses_ends_with_1(command, monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = replace(MUTATIONS["flowchart-inverted"], check="TIM-1")
-    monkeypatch.setattr(mutations, "MUTATIONS", MappingProxyType({**MUTATIONS, wrong.name: wrong}))
+    monkeypatch.setattr(catalogue, "MUTATIONS", MappingProxyType({**MUTATIONS, wrong.name: wrong}))
     ended = command("selftest", "--effort", "quick", "--fault", wrong.name)
     assert ended.code == 1
     assert "TIM-1 misses the fault 'flowchart-inverted' with seed 0" in ended.out

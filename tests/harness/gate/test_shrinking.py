@@ -1,5 +1,6 @@
 """A counterexample becomes simpler, within its budget, for as long as the same check fails."""
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -26,6 +27,7 @@ from drivegate.scenarios.changes import (
     with_speed,
     with_supply,
 )
+from drivegate.scenarios.facts import facts_of
 from drivegate.scenarios.feasibility import is_fair
 from drivegate.scenarios.simplification import simplified
 from drivegate_cases.documents.document import parse_document
@@ -33,6 +35,14 @@ from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario
 
 MOTOR = load_motor("paper-5-phase")
+
+
+RATED_AT_970_RPM, RATED_AT_730_RPM = (
+    steady_scenario(MOTOR, speed, power_share=1.0, constant_power=True) for speed in (970.0, 730.0)
+)
+
+
+AT_1400_RPM = steady_scenario(MOTOR, 1400.0, power_share=0.6, constant_power=False)
 
 
 class Loaded:
@@ -81,6 +91,29 @@ def test_a_failure_with_everything_in_it_becomes_a_plain_one() -> None:
     assert scenario.scales == type(scenario.scales)(), scenario.description
 
 
+@pytest.mark.parametrize("budget", [15, 40])
+@pytest.mark.parametrize(
+    ("name", "scenario", "check"),
+    [
+        ("published", disturbed(), "ROB-3"),
+        ("initial", changing(), "CNV-2"),
+        ("faulty:never-rearms", with_load_shares(RATED_AT_970_RPM, (0.0, 0.3), (6.0, 0.95)), "CNV-3"),
+        (
+            "faulty:line-is-the-limit",
+            with_scales(RATED_AT_730_RPM, resistance=1.7, inductance=1.15, emf_constant=0.97),
+            "ROB-1",
+        ),
+    ],
+)
+def test_a_simplest_counterexample_has_three_facts_at_most(
+    name: str, scenario: Scenario, check: str, budget: int
+) -> None:
+    found = shrunk(name, scenario, check, budget)
+    assert found is not None
+    facts = facts_of(found.scenario)
+    assert len(facts) <= 3, facts
+
+
 def test_a_loaded_failure_stays_a_loaded_one() -> None:
     """The reference's current varies by more than k2 of it without a load, which is no failure of a loaded run."""
     scenario = steady_scenario(MOTOR, 700.0, power_share=0.5, constant_power=True)
@@ -123,6 +156,16 @@ def test_the_result_fails_the_check_when_it_is_run_again() -> None:
     assert not found.margin.met
 
 
+def test_a_simpler_scenario_keeps_to_the_speeds_that_the_candidate_is_made_for() -> None:
+    loaded = Loaded("faulty:power-a-billionth-off")
+    declared = replace(loaded.candidate.declaration, speed_range_rpm=(0.0, 1400.0))
+    loaded.candidate = replace(loaded.candidate, declaration=declared)
+    plan = ShrinkPlan(AT_1400_RPM.to_mapping(), "PWR-2", 40)
+    found = run_shrink(loaded, plan)  # type: ignore[arg-type]
+    assert found is not None
+    assert max(speed for _, speed in found.scenario["speed_rpm"]) <= 1400.0, found.scenario["speed_rpm"]
+
+
 def test_shrinking_is_deterministic_and_more_runs_make_no_worse_result() -> None:
     first, again = (shrunk("initial", changing(), "CNV-2", budget=9) for _ in range(2))
     assert first == again
@@ -156,8 +199,8 @@ def test_what_cannot_be_simpler_stays_as_it_is() -> None:
 def test_what_is_simpler_has_less_size() -> None:
     plain = steady_scenario(MOTOR, 1500.0, power_share=1.0, constant_power=False)
     ladder: list[Any] = [
-        plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0})),
         plain,
+        plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0})),
         with_load_shares(plain, (0.0, 1.0), (10.0, 0.5)),
         with_scales(plain, resistance=1.5, inductance=1.1),
         with_mcs96(with_scales(plain, resistance=1.5, inductance=1.1), 7),

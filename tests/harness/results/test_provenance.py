@@ -32,15 +32,17 @@ def test_a_result_names_its_target(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_where_it_was_computed_is_outside_of_the_hash(key: str) -> None:
     told = provenance()
     elsewhere = {**told, key: "another"}
-    assert hash_of_content({"runs": 1, "provenance": told}) == hash_of_content({"runs": 1, "provenance": elsewhere})
+    assert hash_of_content({"runs": 1, "provenance": told}) == hash_of_content(
+        {"runs": 1, "provenance": elsewhere}
+    )
 
 
 @pytest.mark.parametrize("key", ["drivegate", "sources", "python", "machine", "packages"])
 def test_versions_are_inside_of_the_hash(key: str) -> None:
     told: dict[str, Any] = versions()
-    assert hash_of_content({"provenance": told}) != hash_of_content({"provenance": {**told, key: "another"}}), (
-        f"two results of different versions ({key}) would have one hash"
-    )
+    assert hash_of_content({"provenance": told}) != hash_of_content(
+        {"provenance": {**told, key: "another"}}
+    ), f"two results of different versions ({key}) would have one hash"
 
 
 def _sources_of_copy(folder: Path) -> str:

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Final
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
-from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX
+from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
 from drivegate_models.units import RADIANS_PER_RPM
 
 BUILTIN_CANDIDATES: Final = MappingProxyType(
@@ -37,7 +37,7 @@ DESIGN_CANDIDATES: Final = MappingProxyType(
 The harness tests itself with them: no check may accuse a correct controller, whatever its design.
 """
 
-_PREFIXED: Final = re.compile(f"({FAULTY_PREFIX}|{DESIGN_PREFIX})[a-z0-9-]+")
+_PREFIXED: Final = re.compile(f"({FAULTY_PREFIX}|{DESIGN_PREFIX}|{NEAR_PREFIX})[a-z0-9-]+")
 
 
 def is_builtin_name(text: str) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
-from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX
+from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
 from drivegate_models.contract.outer_loop.records import nameplate_record
 from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function, step_function
@@ -46,6 +46,10 @@ def load_controller(candidate: Candidate) -> Controller:
         from drivegate.candidates.builtin.faulty_controller import load_faulty_controller
 
         return load_faulty_controller(candidate.entry.removeprefix(FAULTY_PREFIX))
+    if candidate.entry.startswith(NEAR_PREFIX):
+        from drivegate.candidates.builtin.faulty_controller import load_near_design
+
+        return load_near_design(candidate.entry.removeprefix(NEAR_PREFIX))
     if candidate.entry.startswith(DESIGN_PREFIX):
         return _design_controller(candidate.entry.removeprefix(DESIGN_PREFIX))
     return BuiltinController(SEARCHES[candidate.entry])

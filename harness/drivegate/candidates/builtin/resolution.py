@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DESIGN_CANDIDATES
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.declaration import Declaration
-from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX
+from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
 from drivegate.version import __version__
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import InputError
@@ -36,9 +36,11 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
 def _declaration_of(name: str) -> Declaration:
     if name.startswith(FAULTY_PREFIX):
         # Their registry is only read where one of them is named.
-        from drivegate.candidates.builtin.faults import find_mutation
+        from drivegate.candidates.builtin.faults.catalogue import find_mutation
 
         return BUILTIN_CANDIDATES[find_mutation(name.removeprefix(FAULTY_PREFIX)).base]
+    if name.startswith(NEAR_PREFIX):
+        return _near_declaration(name)
     if name.startswith(DESIGN_PREFIX):
         return _design_declaration(name)
     return BUILTIN_CANDIDATES[name]
@@ -47,9 +49,22 @@ def _declaration_of(name: str) -> Declaration:
 def _design_declaration(name: str) -> Declaration:
     if name in DESIGN_CANDIDATES:
         return DESIGN_CANDIDATES[name]
-    raise InputError(
+    raise _unknown(name, list(DESIGN_CANDIDATES))
+
+
+def _near_declaration(name: str) -> Declaration:
+    from drivegate.candidates.builtin.near import NEAR_DESIGNS
+
+    names = [f"{NEAR_PREFIX}{design}" for design in NEAR_DESIGNS]
+    if name in names:
+        return BUILTIN_CANDIDATES[NEAR_DESIGNS[name.removeprefix(NEAR_PREFIX)].base]
+    raise _unknown(name, names)
+
+
+def _unknown(name: str, known: list[str]) -> InputError:
+    return InputError(
         f"the candidate '{one_line(name)}' is unknown, the nearest known one is "
-        f"'{nearest(name, list(DESIGN_CANDIDATES))}'; known are {', '.join(DESIGN_CANDIDATES)}"
+        f"'{nearest(name, known)}'; known are {', '.join(known)}"
     )
 
 

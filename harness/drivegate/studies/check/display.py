@@ -11,6 +11,7 @@ from drivegate.output.result_file import counterexample_name
 from drivegate.output.scenario_words import scenario_in_short
 from drivegate.results.signature import fingerprint
 from drivegate.results.wording import printed_margin, runs_in_short
+from drivegate.scenarios.facts import facts_in_short
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -72,6 +73,7 @@ def _show_counterexample(console: Console, check: dict[str, Any], folder: Path) 
     measured = check["measured"] if check["found"] is None else check["found"]["measured"]
     console.print(plain(f"  measured {measured}; limit {check['limit']}"))
     console.print(plain(f"  in {scenario_in_short(check['counterexample'])}"))
+    console.print(plain(f"  facts {facts_in_short(check['counterexample'])}"))
     console.print(plain(f"  file {folder / counterexample_name(check['id'])}"))
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drivegate.candidates.builtin.candidates import DESIGN_CANDIDATES
+from drivegate.candidates.builtin.near import NEAR_DESIGNS
+from drivegate.candidates.kinds import NEAR_PREFIX
 
 
 @dataclass(frozen=True)
@@ -17,10 +19,13 @@ class CorrectDesign:
         The string that names it.
     checks : frozenset of str or None
         Identifiers of the checks that it must pass; None for all of them.
+    near : bool
+        Whether it is near a limit by design.
     """
 
     candidate: str
     checks: frozenset[str] | None = None
+    near: bool = False
 
 
 def correct_designs() -> tuple[CorrectDesign, ...]:
@@ -31,5 +36,6 @@ def correct_designs() -> tuple[CorrectDesign, ...]:
     return (
         CorrectDesign("reference"),
         *(CorrectDesign(name) for name in DESIGN_CANDIDATES),
+        *(CorrectDesign(NEAR_PREFIX + name, near=True) for name in NEAR_DESIGNS),
         CorrectDesign("published", frozenset({"FLO-1"})),
     )

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 from rich.text import Text
 
 from drivegate.output.console import plain, table, verdict_text
-from drivegate.studies.selftest.matrix import FaultRow, Matrix
+from drivegate.scenarios.facts import PLAIN_RUN
+from drivegate.studies.selftest.detection import FaultRow, detection_by_kind
+from drivegate.studies.selftest.matrix import DesignRow, LeastMargin, Matrix
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -20,10 +22,14 @@ ALSO = "·"
 def show_matrix(console: Console, matrix: Matrix) -> None:
     """Print the self-test."""
     _show_faults(console, matrix)
+    _show_counterexamples(console, matrix)
+    _show_kinds(console, matrix)
     _show_designs(console, matrix)
     problems = matrix.problems()
     for problem in problems:
         console.print(plain(problem, "bold red"))
+    for remark in matrix.remarks():
+        console.print(plain(remark, "yellow"))
     caught = sum(row.caught for row in matrix.faults)
     acquitted = sum(row.acquitted for row in matrix.designs)
     summary = (
@@ -46,21 +52,43 @@ def _show_faults(console: Console, matrix: Matrix) -> None:
         check for check in matrix.checks if any(check in (row.check, *row.failing) for row in matrix.faults)
     ]
     headings = {check: check.replace("-", " ") for check in used}
-    listed = table("fault", *headings.values(), "runs", "size", right=("runs", "size"))
+    listed = table("fault", *headings.values(), "runs", "facts", right=("runs", "facts"))
     for column in listed.columns[1 : len(used) + 1]:
         column.overflow, column.justify, column.min_width, column.max_width = "fold", "center", 3, 3
     for row in matrix.faults:
         slowest = row.slowest
-        numbers = ("–", "–") if slowest is None else (str(slowest.runs), str(slowest.size))
+        numbers = ("–", "–") if slowest is None else (str(slowest.runs), str(len(slowest.facts)))
         listed.add_row(plain(row.name), *(_mark(row, check) for check in used), *numbers)
     console.print(listed)
     console.print(
         plain(
             f"{CAUGHT} caught by the check named for the fault, {MISSED} missed by it, {ALSO} fails as well; "
-            "runs to the first counterexample, and its size when made simpler",
+            "runs to the first counterexample, and how many facts it has when made simpler",
             "dim",
         )
     )
+
+
+def _show_counterexamples(console: Console, matrix: Matrix) -> None:
+    caught = [(row, row.slowest) for row in matrix.faults if row.slowest is not None]
+    if not caught:
+        return
+    listed = table("fault", "simplest counterexample")
+    for row, catch in caught:
+        listed.add_row(plain(row.name), plain(", ".join(catch.facts) or PLAIN_RUN))
+    console.print(listed)
+
+
+def _show_kinds(console: Console, matrix: Matrix) -> None:
+    if not matrix.faults:
+        return
+    numbers = ("caught", "runs, median", "greatest", "facts, median", "greatest ")
+    listed = table("kind of fault", *numbers, right=numbers)
+    for row in detection_by_kind(matrix.faults):
+        counts = (row.runs_median, row.runs_greatest, row.facts_median, row.facts_greatest)
+        shown = ("–" if count is None else f"{count:g}" for count in counts)
+        listed.add_row(plain(row.kind), f"{row.caught} of {row.faults}", *shown)
+    console.print(listed)
 
 
 def _mark(row: FaultRow, check: str) -> Text:
@@ -72,8 +100,22 @@ def _mark(row: FaultRow, check: str) -> Text:
 def _show_designs(console: Console, matrix: Matrix) -> None:
     if not matrix.designs:
         return
-    listed = table("correct design", "seed", "verdict", "fails", "advised by", right=("seed",))
+    listed = table(
+        "correct design", "seed", "verdict", "least margin", "fails", "advised by", right=("seed",)
+    )
     for row in matrix.designs:
         checks = (plain(", ".join(ids) or "–") for ids in (row.accused_by, row.advised_by))
-        listed.add_row(plain(row.name), str(row.seed), verdict_text(row.verdict), *checks)
+        listed.add_row(plain(row.name), str(row.seed), verdict_text(row.verdict), plain(_least(row)), *checks)
     console.print(listed)
+    counted = table("innocents", "accused", "least margin", right=("accused",))
+    for kind in matrix.innocents():
+        counted.add_row(plain(kind.kind), f"{kind.accused} of {kind.designs}", plain(_margin(kind.least)))
+    console.print(counted)
+
+
+def _least(row: DesignRow) -> str:
+    return f"{_margin(row.least)}{', near by design' if row.near else ''}"
+
+
+def _margin(least: LeastMargin | None) -> str:
+    return "–" if least is None else f"{least.check} {least.margin:+.3f}"

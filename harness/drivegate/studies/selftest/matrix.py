@@ -6,61 +6,32 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
-from drivegate.studies.selftest.trial import Catch
+from drivegate.studies.selftest.detection import FaultRow, detection_by_kind
+
+NEAR: Final = 0.1
+"""Least margin of a correct design below which it is looked into, unless it is near by design."""
 
 SELFTEST_SCHEMA: Final = 1
 """Version of the document."""
 
 
 @dataclass(frozen=True)
-class FaultRow:
-    """What has become of one faulty controller.
+class LeastMargin:
+    """How near a controller comes to failing.
 
     Attributes
     ----------
-    name, sentence, check : str
-        As in `drivegate.candidates.builtin.faults.Mutation`.
-    catches : dict
-        For each seed the catch, or None where the check missed the fault.
-    failing : tuple of str
-        Identifiers of all checks that failed where the controller without the fault passes.
-    runs : int
-        Number of runs made.
-    faults : tuple of str
-        What the controller did beside the contract.
-    unconvincing : int
-        Number of failures of the named check where the controller without the fault fails too.
+    check : str
+        Identifier of the check.
+    margin : float
+        Its margin.
+    measured : str
+        What was measured there.
     """
 
-    name: str
-    sentence: str
     check: str
-    catches: Mapping[int, Catch | None]
-    failing: tuple[str, ...]
-    runs: int
-    faults: tuple[str, ...] = ()
-    unconvincing: int = 0
-
-    @property
-    def missed_seeds(self) -> tuple[int, ...]:
-        """Seeds with which the check missed the fault."""
-        return tuple(seed for seed, catch in self.catches.items() if catch is None)
-
-    @property
-    def caught(self) -> bool:
-        """Whether the named check caught the fault with every seed."""
-        return not self.missed_seeds
-
-    @property
-    def slowest(self) -> Catch | None:
-        """The catch that took the most runs; None where a seed missed the fault."""
-        catches = [catch for catch in self.catches.values() if catch is not None]
-        return max(catches, key=lambda catch: catch.runs) if self.caught else None
-
-    @property
-    def also_failing(self) -> tuple[str, ...]:
-        """Identifiers of the other checks that failed."""
-        return tuple(check for check in self.failing if check != self.check)
+    margin: float
+    measured: str
 
 
 @dataclass(frozen=True)
@@ -81,6 +52,10 @@ class DesignRow:
         Whether it passes everything required of it.
     advised_by : tuple of str
         Identifiers of advisory checks that it fails, which accuse nobody.
+    near : bool
+        Whether it is near a limit by design.
+    least : LeastMargin or None
+        The least margin of the required checks; None where none was judged.
     """
 
     name: str
@@ -89,6 +64,28 @@ class DesignRow:
     accused_by: Mapping[str, str]
     acquitted: bool
     advised_by: tuple[str, ...] = ()
+    near: bool = False
+    least: LeastMargin | None = None
+
+
+@dataclass(frozen=True)
+class InnocentsRow:
+    """How many correct controllers of a kind are accused, and how near they come.
+
+    Attributes
+    ----------
+    kind : str
+        Correct designs, or those near a limit by design.
+    designs, accused : int
+        Number of controllers, and of those accused with any seed.
+    least : LeastMargin or None
+        The least margin of them all, over all seeds.
+    """
+
+    kind: str
+    designs: int
+    accused: int
+    least: LeastMargin | None
 
 
 @dataclass(frozen=True)
@@ -118,6 +115,23 @@ class Matrix:
         """Whether every fault was caught and no correct design accused."""
         return not self.problems()
 
+    def remarks(self) -> list[str]:
+        """Tell which correct designs come near a limit that they are not made for; each is to be looked into."""
+        return [
+            f"the correct design '{row.name}' meets {row.least.check} by {row.least.margin:.3g} alone with seed "
+            f"{row.seed}: {row.least.measured}"
+            for row in self.designs
+            if row.acquitted and not row.near and row.least is not None and row.least.margin < NEAR
+        ]
+
+    def innocents(self) -> list[InnocentsRow]:
+        """Count who is accused, among ordinary designs and among those near a limit."""
+        kinds = {"correct designs": False, "near a limit by design": True}
+        counted = (
+            _counted(kind, [row for row in self.designs if row.near is near]) for kind, near in kinds.items()
+        )
+        return [row for row in counted if row.designs]
+
     def _misses(self) -> list[str]:
         return [_miss(row) for row in self.faults if not row.caught]
 
@@ -136,10 +150,23 @@ class Matrix:
             "passed": self.passed,
             "exit_code": 0 if self.passed else 1,
             "problems": self.problems(),
+            "remarks": self.remarks(),
+            "kinds": [asdict(row) for row in detection_by_kind(self.faults)],
+            "innocents": [asdict(row) for row in self.innocents()],
             "checks": list(self.checks),
             "faults": [_fault_document(row) for row in self.faults],
             "designs": _designs_document(self.designs),
         }
+
+
+def _counted(kind: str, rows: Sequence[DesignRow]) -> InnocentsRow:
+    margins = [row.least for row in rows if row.least is not None]
+    return InnocentsRow(
+        kind=kind,
+        designs=len({row.name for row in rows}),
+        accused=len({row.name for row in rows if not row.acquitted}),
+        least=min(margins, key=lambda least: least.margin, default=None),
+    )
 
 
 def _accusations(row: DesignRow) -> str:
@@ -162,11 +189,14 @@ def _fault_document(row: FaultRow) -> dict[str, Any]:
     slowest = row.slowest
     return {
         "name": row.name,
+        "kind": row.kind,
         "sentence": row.sentence,
+        "shown_by": row.shown_by,
         "named_check": row.check,
         "caught": row.caught,
         "runs_to_first": None if slowest is None else slowest.runs,
         "size": None if slowest is None else slowest.size,
+        "facts": None if slowest is None else list(slowest.facts),
         "also_failing": list(row.also_failing),
         "runs": row.runs,
         "seeds": [
@@ -183,6 +213,7 @@ def _designs_document(rows: Sequence[DesignRow]) -> list[dict[str, Any]]:
     return [
         {
             "name": name,
+            "near_by_design": any(row.near for row in rows if row.name == name),
             "seeds": [
                 {
                     "seed": row.seed,
@@ -190,6 +221,7 @@ def _designs_document(rows: Sequence[DesignRow]) -> list[dict[str, Any]]:
                     "acquitted": row.acquitted,
                     "accused_by": dict(row.accused_by),
                     "advised_by": list(row.advised_by),
+                    "least_margin": None if row.least is None else asdict(row.least),
                 }
                 for row in rows
                 if row.name == name

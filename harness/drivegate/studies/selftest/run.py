@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from drivegate.candidates.builtin.faults import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.candidates.resolution import resolve_candidate
@@ -18,9 +18,10 @@ from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import Event
 from drivegate.gate.plan import Origin, Work, planned_work
 from drivegate.gate.warm_up import compile_kernels, missing_marker
-from drivegate.results.result import CheckResult
+from drivegate.results.result import CheckOutcome, CheckResult
 from drivegate.studies.selftest.correct_designs import CorrectDesign
-from drivegate.studies.selftest.matrix import DesignRow, FaultRow
+from drivegate.studies.selftest.detection import FaultRow
+from drivegate.studies.selftest.matrix import DesignRow, LeastMargin
 from drivegate.studies.selftest.trial import Trial, TrialOutcome, run_trial
 from drivegate_models.errors import HarnessFault
 
@@ -32,6 +33,8 @@ SHRINKING_RUNS: Final = {"quick": 5, "default": 15, "nightly": 60}
 """Runs that may be spent on making one counterexample simpler, by effort."""
 
 _JUDGED_BY: Final = {"FLO-1": (Origin.SCRIPTS,), "TIM-1": (Origin.TIMED,)}
+# Of a command at an end of its range, which is right, the margin is exactly 0.
+_MET_AT_THE_END: Final = frozenset({"ADV-2", "CMD-1"})
 _SEEDED: Final = (Origin.SCRIPTS, Origin.DRAWN)
 
 
@@ -103,6 +106,7 @@ def _row(mutation: Mutation, outcome: TrialOutcome | Fault, effort: SelftestEffo
         outcome = TrialOutcome(dict.fromkeys(range(effort.seeds)), (), 0, faults, 0)
     return FaultRow(
         name=mutation.name,
+        kind=mutation.kind,
         sentence=mutation.sentence,
         check=mutation.check,
         catches=outcome.catches,
@@ -110,6 +114,7 @@ def _row(mutation: Mutation, outcome: TrialOutcome | Fault, effort: SelftestEffo
         runs=outcome.runs,
         faults=outcome.faults,
         unconvincing=outcome.unconvincing,
+        shown_by=mutation.shown_by,
     )
 
 
@@ -142,4 +147,23 @@ def judged_design(design: CorrectDesign, result: CheckResult) -> DesignRow:
     else:
         acquitted = not result.faults and all(outcome.verdict == "pass" for outcome in judged)
         verdict = "pass" if acquitted else "fail"
-    return DesignRow(result.candidate.name, result.seed, verdict, accused_by, acquitted, advised_by)
+    return DesignRow(
+        name=result.candidate.name,
+        seed=result.seed,
+        verdict=verdict,
+        accused_by=accused_by,
+        acquitted=acquitted,
+        advised_by=advised_by,
+        near=design.near,
+        least=least_margin(judged),
+    )
+
+
+def least_margin(outcomes: Sequence[CheckOutcome]) -> LeastMargin | None:
+    """Find the least margin of the required checks, without those whose margin depends on the machine."""
+    judged = [
+        LeastMargin(outcome.id, outcome.margin, outcome.measured or "")
+        for outcome in outcomes
+        if outcome.level == "required" and outcome.margin is not None and outcome.id not in _MET_AT_THE_END
+    ]
+    return min(judged, key=lambda least: least.margin, default=None)

@@ -6,13 +6,15 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from drivegate.candidates.builtin.faults import MUTATIONS, Mutation, find_mutation
+from drivegate.candidates.builtin.faults.catalogue import MUTATIONS, find_mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
 
 if TYPE_CHECKING:
-    from drivegate.studies.selftest.matrix import DesignRow, FaultRow, Matrix
+    from drivegate.studies.selftest.detection import FaultRow
+    from drivegate.studies.selftest.matrix import DesignRow, Matrix
     from drivegate.studies.selftest.run import SelftestEffort
 
 TITLE = "faulty controllers"

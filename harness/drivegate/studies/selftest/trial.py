@@ -16,6 +16,7 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.shard import DrawnRuns, FixedRuns, content_key, run_fixed
 from drivegate.gate.shrinking import ShrinkPlan, run_shrink, size_of
+from drivegate.scenarios.facts import facts_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -64,12 +65,15 @@ class Catch:
         What was measured in it.
     size : int
         Size of the counterexample that was made of it, as `drivegate.gate.shrinking.size_of` has it.
+    facts : tuple of str
+        What of that counterexample is not as in the plain run, as `drivegate.scenarios.facts.facts_of` has it.
     """
 
     runs: int
     scenario: str
     measured: str
     size: int
+    facts: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -153,16 +157,17 @@ class _Attempt:
             self.unconvincing += self.trial.check in failed and self.trial.check in excused
             if caught is None and self.trial.check in failed and self.trial.check not in excused:
                 measured = failed[self.trial.check].measured
-                size = self._size(run.scenario)
-                caught = Catch(self.runs, str(run.scenario["name"]), measured, size)
+                simplest = self._simplest(run.scenario)
+                name, facts = str(run.scenario["name"]), facts_of(simplest)
+                caught = Catch(self.runs, name, measured, size_of(simplest), facts)
         return caught
 
-    def _size(self, scenario: dict[str, Any]) -> int:
-        """Make a counterexample simpler, where that can be done, and tell its size."""
+    def _simplest(self, scenario: dict[str, Any]) -> dict[str, Any]:
+        """Make a counterexample simpler, where that can be done."""
         if self.trial.check in _NOT_SHRUNK:
-            return size_of(scenario)
+            return scenario
         shrunk = run_shrink(self.faulty, ShrinkPlan(scenario, self.trial.check, self.trial.budget))
-        return size_of(scenario) if shrunk is None else shrunk.size
+        return scenario if shrunk is None else shrunk.scenario
 
 
 def _failed(run: JudgedRun) -> dict[str, Margin]:

@@ -1,1 +1,1 @@
-"""Faulty controllers, for the self-test."""
+"""Faulty controllers, and correct ones near a limit, for the self-test."""

@@ -179,6 +179,8 @@ def alter_estimate(state: Any, fault: int, command: Any) -> None:
         command.input_power *= state.size
     elif fault == faults.ESTIMATE_AT_NOMINAL_SUPPLY:
         command.input_power = state.controller.nominal_voltage * sense.current_magnitude_sum
+    elif fault in (faults.SUM_FILTERED, faults.ONE_PHASE_FOR_ALL):
+        command.input_power = sense.half_supply_voltage * state.true_sum
 
 
 @unfused

@@ -16,6 +16,13 @@ from drivegate_models.compilation.kernels import KEEPS_CACHE, unfused
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 from drivegate_models.half_bridge.controllers.builtin import step_state
 from drivegate_models.half_bridge.faults import state as faults
+from drivegate_models.half_bridge.faults.clocks import (
+    alter_search_by_counters,
+    alter_search_by_rounding,
+    alter_sense_by_rounding,
+    round_angle,
+    search_has_ended,
+)
 from drivegate_models.half_bridge.faults.commands import (
     alter_angle,
     alter_angle_by_history,
@@ -23,9 +30,19 @@ from drivegate_models.half_bridge.faults.commands import (
     alter_reference,
     compute_in_vain,
     delay,
+    hold_search,
 )
-from drivegate_models.half_bridge.faults.searches import alter_search_after, alter_search_before, alter_sense
+from drivegate_models.half_bridge.faults.filters import filter_command, filter_sense
+from drivegate_models.half_bridge.faults.regions import alter_in_region, cap_speed_reference
+from drivegate_models.half_bridge.faults.searches import (
+    alter_search_after,
+    alter_search_before,
+    alter_sense,
+    alter_sense_by_history,
+)
 from drivegate_models.half_bridge.faults.state import FAULTY_STATE
+from drivegate_models.half_bridge.faults.tolerances import alter_speed, cycle_angle
+from drivegate_models.half_bridge.faults.trips import derate, end_advance
 
 
 @unfused
@@ -45,16 +62,32 @@ def faulty_step_state(state: Any, sense: Any, command: Any) -> None:
     state.steps += 1
     # A copy: the fault alters what its controller senses, not the record of whoever called it.
     state.sense = sense
+    state.true_sum = sense.current_magnitude_sum
     alter_sense(fault, state.sense)
+    alter_sense_by_history(state, fault)
+    alter_sense_by_rounding(state, fault)
+    filter_sense(state, fault)
+    cap_speed_reference(state, fault)
+    alter_speed(state, fault)
     alter_search_before(state, fault)
+    alter_search_by_counters(state, fault)
     # Some faults undo what the search does in a step, and need what it was.
     state.before = state.controller
     step_state(state.controller, state.sense, command)
     alter_search_after(state, fault)
+    alter_search_by_rounding(state, fault)
+    if search_has_ended(state, fault):
+        hold_search(state, command)
     alter_reference(state, fault, command)
     alter_angle(state, fault, command)
     alter_angle_by_history(state, fault, command)
     alter_estimate(state, fault, command)
+    filter_command(state, fault, command)
+    derate(state, fault, command)
+    end_advance(state, fault, command)
+    alter_in_region(state, fault, command)
+    cycle_angle(state, fault, command)
+    round_angle(state, fault, command)
     if fault == faults.DELAYED:
         delay(state, command)
     if fault == faults.SLOW:

@@ -67,6 +67,28 @@ def alter_sense(fault: int, sense: Any) -> None:
 
 
 @unfused
+def alter_sense_by_history(state: Any, fault: int) -> None:
+    """Change what the controller is shown by what it was shown before, or by too little of what there is.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Its copy of the Sense is changed.
+    fault : int
+        The fault.
+    """
+    sense = state.sense
+    if fault == faults.LOWEST_SUPPLY_KEPT:
+        lowest = (
+            sense.half_supply_voltage if state.steps == 1 else min(state.memory, sense.half_supply_voltage)
+        )
+        state.memory = lowest
+        sense.half_supply_voltage = lowest
+    elif fault == faults.ONE_PHASE_FOR_ALL:
+        sense.current_magnitude_sum = sense.phase_count * abs(double_at(sense.phase_currents, 0))
+
+
+@unfused
 def mean_power(state: Any) -> float:
     """Return the mean current sum of the running decision interval, this step included.
 
@@ -146,6 +168,11 @@ def alter_search_after(state: Any, fault: int) -> None:
         if is_new_reference and before.mode == HOLDING:
             state.latched = 1
             state.memory = before.held_power
+    elif fault == faults.LEARNS:
+        if not isfinite(before.speed_reference) and isfinite(controller.speed_reference):
+            controller.offset = state.memory
+        elif controller.mode == HOLDING:
+            state.memory = controller.offset
     elif fault == faults.NO_ANTI_WINDUP and controller.offset == before.offset:
         error = sense.speed_reference - sense.speed
         controller.integral = before.integral + controller.integral_step * error

@@ -72,6 +72,96 @@ BLIND_SPOT: Final = 32
 UNLIMITED_LINE: Final = 33
 """The line of initial angles, and the angle that follows from it, have no limits."""
 
+STEPS_OVERFLOW: Final = 40
+"""The search starts anew where a count of control periods wraps around, at `size`."""
+MILLISECONDS_OVERFLOW: Final = 41
+"""The search starts anew where a count of milliseconds wraps around, at `size`."""
+ALWAYS_DUE: Final = 42
+"""From the time `size` on a decision is due at every step."""
+CATCHES_UP: Final = 43
+"""Decisions are due at multiples of their period since time zero, and those missed are made up for."""
+INTEGRAL_IN_STEPS: Final = 44
+"""The regulator's integral moves by whole steps of `size`, cut off."""
+SPEED_IN_STEPS: Final = 45
+"""The speed is seen in whole steps of `size`, cut off."""
+ERROR_OVERFLOWS: Final = 46
+"""The speed error wraps around beyond `size`."""
+POWER_SUM_OVERFLOWS: Final = 47
+"""The sum of a decision interval's current sums wraps around at `size`."""
+COUNT_OVERFLOWS: Final = 48
+"""The count of a decision interval's steps wraps around at `size`."""
+ANGLE_IN_STEPS: Final = 49
+"""The angle is given in whole steps of `size`, cut off."""
+REARMS_COUNTED: Final = 50
+"""When the search has started anew `size` times the angle is the initial one for good."""
+
+SPEED_FILTERED: Final = 60
+"""The speed passes a low-pass filter that takes over the share `size` in each step."""
+BASE_SPEED_FILTERED: Final = 61
+"""Whether the speed is below base speed is told by such a filter."""
+SPEED_FILTER_STICKS: Final = 62
+"""The speed passes a filter of whole numbers, which no difference below `size` moves."""
+ESTIMATE_FILTERED: Final = 63
+"""The estimate of the input power passes such a filter."""
+SUM_FILTERED: Final = 64
+"""The search sees the current sum through such a filter."""
+SUPPLY_FILTERED: Final = 65
+"""The estimate takes the supply from such a filter."""
+
+DIFFERENTIATED: Final = 70
+"""The speed's change in a step is taken for that in the time `size`."""
+SLEWED: Final = 71
+"""The current reference moves by `size` in a step at most."""
+
+HEAT_KEPT: Final = 80
+"""After `size` seconds under load, added up without cooling, the current is limited for good."""
+HEAT_IN_STEPS: Final = 81
+"""The same after `size` control periods."""
+DERATES_IN_TURNS: Final = 82
+"""After `size` seconds under load the limit of the current comes and goes twice a second."""
+PEAK_TRIPS: Final = 83
+"""After `size` seconds at its limit on end, the current is limited further for good."""
+
+CORNER_WITHOUT_LIMIT: Final = 90
+"""The angle is `size` from 1170 to 1190 rpm, at light load, once the search holds."""
+WRONG_ROW: Final = 91
+"""The angle is `size` or more from 1335 to 1345 rpm."""
+REFERENCE_FLOOR: Final = 92
+"""The current reference is `size` or more above 1400 rpm."""
+SWELL_TRIPS: Final = 93
+"""A supply of more than `size` times the nominal one limits the current for good."""
+SPEED_CAPPED: Final = 94
+"""The speed reference is taken for `size` where it is above."""
+STOP_LATCHES: Final = 95
+"""After a speed reference of zero the angle stays zero."""
+
+LEARNS: Final = 100
+"""The search begins at the offset that was found last."""
+RUNS_COUNTED: Final = 101
+"""From its run number `size` on, an instance searches nothing."""
+
+LOST_CURRENT_TRIPS: Final = 110
+"""One sample without any current, where there was some, sets the angle to zero for good."""
+OVERSPEED_TRIPS: Final = 111
+"""One sample of a speed more than `size` times its reference limits the current for good."""
+LOWEST_SUPPLY_KEPT: Final = 112
+"""The supply is taken for the lowest one that was ever seen."""
+LOST_SPEEDS_COUNTED: Final = 113
+"""After `size` samples without any speed, in all, the current is limited for good."""
+ONE_PHASE_FOR_ALL: Final = 114
+"""The search takes the magnitude of the first phase's current for all of them."""
+
+ANGLE_CYCLES: Final = 120
+"""The angle goes up and down by `size`, once in two seconds."""
+SPEED_BIASED: Final = 121
+"""The speed is seen lower by `size`."""
+TORQUE_CYCLES: Final = 122
+"""The torque goes up and down by the share `size`, once a second, well above base speed."""
+RESTS_BESIDE: Final = 123
+"""The angle is held higher than the one found by `size`."""
+SETTLES_LATE: Final = 124
+"""The angle is higher by 3 degrees up to `size` seconds after the start or a change of the speed reference."""
+
 FAULTY_STATE: Final = np.dtype(
     [
         ("controller", CONTROLLER_STATE),
@@ -84,7 +174,10 @@ FAULTY_STATE: Final = np.dtype(
         # What the fault remembers.
         ("steps", np.int64),
         ("latched", np.int64),
+        ("tally", np.int64),
         ("memory", np.float64),
+        # The current sum as the sensors saw it.
+        ("true_sum", np.float64),
         ("late_reference", np.float64),
         ("late_angle", np.float64),
     ],

@@ -1,26 +1,33 @@
 """What the self-test makes of catches, misses and accusations."""
 
+import io
 from dataclasses import replace
 
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.output.console import console_for
 from drivegate.results.result import CheckOutcome, CheckResult
 from drivegate.studies.selftest.correct_designs import CorrectDesign, correct_designs
-from drivegate.studies.selftest.matrix import DesignRow, FaultRow, Matrix
+from drivegate.studies.selftest.detection import FaultRow, detection_by_kind
+from drivegate.studies.selftest.display import show_matrix
+from drivegate.studies.selftest.matrix import DesignRow, LeastMargin, Matrix
 from drivegate.studies.selftest.run import judged_design
 from drivegate.studies.selftest.trial import Catch
 from drivegate_models.errors import HarnessFault
 
 CAUGHT = FaultRow(
     name="slips",
+    kind="Search",
     sentence="Slips.",
     check="CNV-2",
-    catches={0: Catch(3, "near", "far off", 10), 1: Catch(7, "farther", "far off", 8)},
+    catches={0: Catch(3, "near", "far off", 10, ("700 rpm",)), 1: Catch(7, "farther", "far off", 8, ())},
     failing=("CNV-1", "CNV-2"),
     runs=9,
 )
-MISSED = FaultRow("hides", "Hides.", "ADV-1", {0: Catch(1, "x", "1°", 4), 1: None}, ("ADV-1", "CMD-1"), 40)
+MISSED = FaultRow(
+    "hides", "Filters", "Hides.", "ADV-1", {0: Catch(1, "x", "1°", 4, ()), 1: None}, ("ADV-1", "CMD-1"), 40
+)
 ACQUITTED = DesignRow("reference", 0, "pass", {}, acquitted=True)
 ACCUSED = DesignRow("design:other", 0, "fail", {"CNV-1": "moves by 3°"}, acquitted=False)
 
@@ -56,6 +63,47 @@ def test_a_failure_that_the_base_shares_is_reported_as_such() -> None:
     ]
 
 
+def test_faults_are_counted_by_kind_and_altogether() -> None:
+    quick = replace(
+        CAUGHT, name="slides", catches={0: Catch(1, "x", "far off", 3, ("700 rpm", "mcs96 sensors"))}
+    )
+    search, filters, every = detection_by_kind((CAUGHT, quick, MISSED))
+    assert (search.kind, search.faults, search.caught) == ("Search", 2, 2)
+    assert (search.runs_median, search.runs_greatest) == (4.0, 7), "of each fault the slowest seed counts"
+    assert (search.facts_median, search.facts_greatest) == (1.0, 2)
+    assert (filters.faults, filters.caught, filters.runs_median, filters.facts_greatest) == (1, 0, None, None)
+    assert (every.kind, every.faults, every.caught) == ("all", 3, 2)
+
+
+def test_a_correct_design_near_a_limit_is_remarked_unless_it_is_near_by_design() -> None:
+    least = LeastMargin("CNV-1", 0.06, "Σ|i| varies by 0.47 %")
+    ordinary, near = (replace(ACQUITTED, near=near, least=least) for near in (False, True))
+    whole = matrix(ordinary, near, replace(ACQUITTED, least=replace(least, margin=0.1)))
+    assert whole.passed, "what is only near a limit is no problem"
+    assert whole.remarks() == [
+        "the correct design 'reference' meets CNV-1 by 0.06 alone with seed 0: Σ|i| varies by 0.47 %"
+    ]
+
+
+def test_the_accused_are_counted_apart_from_those_near_by_design() -> None:
+    least = LeastMargin("CNV-1", 0.2, "")
+    near = replace(ACQUITTED, name="near:one", near=True, least=replace(least, margin=0.03))
+    again = replace(ACCUSED, seed=1, least=replace(least, margin=-3.0))
+    ordinary, nearer = matrix(replace(ACQUITTED, least=least), ACCUSED, again, near).innocents()
+    assert (ordinary.designs, ordinary.accused, ordinary.least) == (2, 1, again.least), (
+        "each design counts once"
+    )
+    assert (nearer.designs, nearer.accused, nearer.least) == (1, 0, near.least)
+
+
+def test_the_least_margin_leaves_out_what_is_met_at_the_end_of_a_range() -> None:
+    ends = replace(outcome("CMD-1", "pass"), margin=0.0)
+    advice = replace(outcome("RIP-3", "fail", "advisory"), margin=-0.2)
+    judged = replace(outcome("CNV-1", "pass"), margin=0.4, measured="1 rpm")
+    row = judged_design(CorrectDesign("reference"), result("pass", 0, ends, advice, judged))
+    assert row.least == LeastMargin("CNV-1", 0.4, "1 rpm")
+
+
 def test_a_correct_design_accused_is_a_problem() -> None:
     assert matrix(CAUGHT, ACQUITTED, ACCUSED).problems() == [
         "the correct design 'design:other' is accused with seed 0: fail; CNV-1: moves by 3°"
@@ -66,6 +114,7 @@ def test_the_document_tells_the_slowest_catch() -> None:
     fault = matrix(CAUGHT).document()["faults"][0]
     assert fault["named_check"] == "CNV-2"
     assert (fault["runs_to_first"], fault["size"], fault["also_failing"]) == (7, 8, ["CNV-1"])
+    assert fault["facts"] == [], "the slowest catch is of the plain run"
     assert [seed["seed"] for seed in fault["seeds"]] == [0, 1]
 
 
@@ -118,3 +167,21 @@ def test_every_correct_design_is_a_candidate() -> None:
     names = [resolve_candidate(design.candidate).name for design in correct_designs()]
     assert names[0] == "reference"
     assert len(set(names)) == len(names)
+
+
+def test_the_console_tells_facts_kinds_and_least_margins() -> None:
+    least = LeastMargin("CNV-1", 0.04, "speed error 4.8 rpm")
+    near = replace(ACQUITTED, name="near:one", near=True, least=least)
+    ordinary = replace(ACQUITTED, least=least)
+    stream = io.StringIO()
+    slow = replace(CAUGHT, catches={0: Catch(7, "farther", "far off", 8, ("700 rpm", "mcs96 sensors"))})
+    show_matrix(console_for(stream), matrix(slow, near, ordinary))
+    shown = stream.getvalue()
+    for words in (
+        "700 rpm, mcs96 sensors",
+        "1 of 1",
+        "CNV-1 +0.040, near by design",
+        "0 of 1",
+        "by 0.04 alone",
+    ):
+        assert words in shown, f"{words} is not in\n{shown}"

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.candidates.builtin.faults import find_mutation
+from drivegate.candidates.builtin.faults.catalogue import find_mutation
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import JudgedRun, ShardOutcome
@@ -96,15 +96,18 @@ def test_a_fault_beside_the_contract_is_kept_and_the_trial_goes_on() -> None:
     assert outcome.faults == ("the command is not finite",)
 
 
-@pytest.mark.parametrize("size", [7, None])
-def test_the_counterexample_is_made_simpler(monkeypatch: pytest.MonkeyPatch, size: int | None) -> None:
-    found = None if size is None else SimpleNamespace(size=size)
+@pytest.mark.parametrize("simplest", [{**SCENARIO, "control_period_s": 1e-4}, None])
+def test_the_counterexample_is_made_simpler(
+    monkeypatch: pytest.MonkeyPatch, simplest: dict[str, Any] | None
+) -> None:
+    found = None if simplest is None else SimpleNamespace(scenario=simplest)
     monkeypatch.setattr(trial_module, "run_shrink", lambda *_: found)
     work = job((-1.0,), check="CNV-1")
     outcome = run_trial(loaded(), Trial(FAULTY, BASE, "CNV-1", (work,), {0: ()}, 5))
     catch = outcome.catches[0]
     assert catch is not None
-    assert catch.size == (trial_module.size_of({**SCENARIO, "duration_s": 1.0}) if size is None else size)
+    left = {**SCENARIO, "duration_s": 1.0} if simplest is None else simplest
+    assert (catch.size, catch.facts) == (trial_module.size_of(left), trial_module.facts_of(left))
     assert catch.scenario == SCENARIO["name"]
 
 

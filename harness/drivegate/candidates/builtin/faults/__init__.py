@@ -1,0 +1,1 @@
+"""The faulty controllers, a module for each kind of fault."""

@@ -1,0 +1,53 @@
+"""Faults of what a control period is taken for, and of how much of it a step needs."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_models.half_bridge.faults import state as faults
+
+KIND: Final = "Control period"
+
+FAULTS: Final = (
+    Mutation(
+        "period-taken-for-100-microseconds",
+        KIND,
+        "Takes the control period for 100 µs, whatever the nameplate says.",
+        "CNV-1",
+        believes=(("control_period", 100e-6),),
+    ),
+    Mutation(
+        "period-taken-for-500-microseconds",
+        KIND,
+        "Takes the control period for 500 µs, whatever the nameplate says: at 50 µs it decides every 10 ms.",
+        "CNV-2",
+        believes=(("control_period", 500e-6),),
+        shown_by="a control period of 100 µs or less",
+    ),
+    Mutation(
+        "derivative-of-50-microseconds",
+        KIND,
+        "Takes the change of the speed in a step for that in 50 µs, and so damps ten times too much at 500 µs.",
+        "CNV-1",
+        fault=faults.DIFFERENTIATED,
+        size=50e-6,
+    ),
+    Mutation(
+        "slewed-by-the-step",
+        KIND,
+        "Moves the current reference by 5 mA a step at most, which are 100 A/s at 50 µs and 10 A/s at 500 µs.",
+        "CNV-1",
+        fault=faults.SLEWED,
+        size=0.005,
+    ),
+    Mutation(
+        "slow-step",
+        KIND,
+        "Divides 15,000 times in vain in every step.",
+        "TIM-1",
+        fault=faults.SLOW,
+        size=15_000.0,
+    ),
+)
+"""Those of this kind."""

@@ -1,0 +1,46 @@
+"""Faults of following the published flowchart."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_models.half_bridge.faults import state as faults
+
+KIND: Final = "Flowchart"
+
+FAULTS: Final = (
+    Mutation(
+        "flowchart-inverted",
+        KIND,
+        "Follows the flowchart, but reverses where W has fallen and goes on where it has risen.",
+        "FLO-1",
+        "published",
+        fault=faults.SUM_MIRRORED,
+    ),
+    Mutation(
+        "flowchart-twice-as-often",
+        KIND,
+        "Follows the flowchart, but decides twice in its declared period.",
+        "FLO-1",
+        "published",
+        factors=(("decision_steps", 0.5),),
+    ),
+    Mutation(
+        "flowchart-without-k1",
+        KIND,
+        "Follows the flowchart, but goes on while the speed is off by more than k1.",
+        "FLO-1",
+        "published",
+        factors=(("speed_tolerance", 1e6),),
+    ),
+    Mutation(
+        "flowchart-without-k2",
+        KIND,
+        "Follows the flowchart, but moves the angle however little W has changed.",
+        "FLO-1",
+        "published",
+        factors=(("power_tolerance", 0.0),),
+    ),
+)
+"""Those of this kind."""

@@ -1,0 +1,50 @@
+"""Faults of the speed regulator."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_models.half_bridge.faults import state as faults
+
+KIND: Final = "Speed regulation"
+
+FAULTS: Final = (
+    Mutation(
+        "rippling-current",
+        KIND,
+        "Moves the current reference up and down by 2 A, 250 times a second.",
+        "RIP-3",
+        fault=faults.RIPPLING,
+        size=2.0,
+    ),
+    Mutation(
+        "chatters",
+        KIND,
+        "Begins and ends the advance at one speed, and takes 550 rpm for base speed.",
+        "CNV-1",
+        factors=(("base_speed", 1.1), ("advance_begins", 550.0 / 510.0)),
+    ),
+    Mutation(
+        "no-anti-windup",
+        KIND,
+        "Lets the regulator's integral go on while the current reference is at its limit.",
+        "CNV-3",
+        fault=faults.NO_ANTI_WINDUP,
+    ),
+    Mutation(
+        "no-integral",
+        KIND,
+        "Has no integral in its speed regulator.",
+        "CPW-1",
+        factors=(("integral_step", 0.0),),
+    ),
+    Mutation(
+        "gain-tenfold",
+        KIND,
+        "Has ten times the gain in its speed regulator, and so amplifies the noise of the measured speed.",
+        "ROB-2",
+        factors=(("proportional", 10.0), ("integral_step", 10.0)),
+    ),
+)
+"""Those of this kind."""

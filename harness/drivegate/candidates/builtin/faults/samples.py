@@ -1,0 +1,71 @@
+"""Faults that a single sample brings out."""
+
+from __future__ import annotations
+
+from math import radians
+from typing import Final
+
+from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_models.half_bridge.faults import state as faults
+
+KIND: Final = "Single samples"
+
+FAULTS: Final = (
+    Mutation(
+        "only-without-noise",
+        KIND,
+        "Raises the angle by 3° whenever the measured supply differs from that of the step before.",
+        "ROB-2",
+        fault=faults.TRUSTS_SUPPLY,
+        size=radians(3.0),
+    ),
+    Mutation(
+        "latches-after-dropout",
+        KIND,
+        "Takes one reading of no speed for a standstill, and never advances again.",
+        "ROB-3",
+        fault=faults.LATCHES_AT_STANDSTILL,
+    ),
+    Mutation(
+        "lost-current-trips",
+        KIND,
+        "Takes one sample without any current for an open circuit, and does not advance any more.",
+        "ROB-3",
+        fault=faults.LOST_CURRENT_TRIPS,
+        shown_by="currents that are lost",
+    ),
+    Mutation(
+        "overspeed-by-one-sample",
+        KIND,
+        "Takes one speed of 105 % of the reference for overspeed, and limits the current to a fifth for good.",
+        "ROB-3",
+        fault=faults.OVERSPEED_TRIPS,
+        size=1.05,
+        shown_by="a false encoder edge",
+    ),
+    Mutation(
+        "lowest-supply-kept",
+        KIND,
+        "Takes the supply for the lowest that was ever seen.",
+        "PWR-2",
+        fault=faults.LOWEST_SUPPLY_KEPT,
+        shown_by="a dip of the supply, or noise",
+    ),
+    Mutation(
+        "lost-speeds-add-up",
+        KIND,
+        "Counts samples without any speed, and limits the current to a fifth after 60 of them in all.",
+        "ROB-3",
+        fault=faults.LOST_SPEEDS_COUNTED,
+        size=60.0,
+        shown_by="twenty disturbances in a row",
+    ),
+    Mutation(
+        "one-phase-for-five",
+        KIND,
+        "Searches by five times the magnitude of the first phase's current.",
+        "CNV-2",
+        fault=faults.ONE_PHASE_FOR_ALL,
+    ),
+)
+"""Those of this kind."""

@@ -1,0 +1,93 @@
+"""Faults of the search for the advance angle."""
+
+from __future__ import annotations
+
+from math import radians
+from typing import Final
+
+from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_models.half_bridge.faults import state as faults
+
+KIND: Final = "Search"
+
+FAULTS: Final = (
+    Mutation(
+        "hunts-for-ever",
+        KIND,
+        "Has no k2: the search goes on from the optimum and never rests.",
+        "CNV-1",
+        fault=faults.NEVER_RESTS,
+    ),
+    Mutation(
+        "drifts",
+        KIND,
+        "Lets the angle that it has found move on by 0.5° a second.",
+        "CNV-1",
+        fault=faults.DRIFTS,
+        size=radians(0.5),
+    ),
+    Mutation(
+        "search-too-slow",
+        KIND,
+        "Decides every 2 s instead of every 100 ms.",
+        "CNV-1",
+        factors=(("decision_steps", 20.0),),
+    ),
+    Mutation(
+        "no-walk-back",
+        KIND,
+        "Does not take back a step of the search that has cost the torque.",
+        "CNV-1",
+        fault=faults.NO_WALK_BACK,
+    ),
+    Mutation(
+        "search-inverted",
+        KIND,
+        "Reverses the search where Σ|i| falls and goes on where it rises.",
+        "CNV-2",
+        fault=faults.SUM_MIRRORED,
+    ),
+    Mutation(
+        "signed-sum",
+        KIND,
+        "Adds the phase currents without taking their magnitudes.",
+        "CNV-2",
+        fault=faults.SUM_WITHOUT_MAGNITUDES,
+    ),
+    Mutation(
+        "stops-too-early",
+        KIND,
+        "Takes k2 fifty times too large and rests at the first small change.",
+        "CNV-2",
+        factors=(("power_tolerance", 50.0),),
+    ),
+    Mutation(
+        "blind-spot",
+        KIND,
+        "Stays at its initial angle between 1230 and 1290 rpm, whatever the search says.",
+        "CNV-2",
+        fault=faults.BLIND_SPOT,
+    ),
+    Mutation(
+        "stale-power",
+        KIND,
+        "Compares with the W of the old speed after a change of the speed reference.",
+        "CNV-2",
+        fault=faults.STALE_POWER,
+    ),
+    Mutation(
+        "falling-load-ignored",
+        KIND,
+        "Starts the search anew when the load has risen, but not when it has fallen.",
+        "CNV-2",
+        fault=faults.FALLING_LOAD_IGNORED,
+    ),
+    Mutation(
+        "never-rearms",
+        KIND,
+        "Holds the angle that it has found, whatever the load does afterwards.",
+        "CNV-3",
+        fault=faults.NEVER_REARMS,
+    ),
+)
+"""Those of this kind."""

@@ -1,0 +1,179 @@
+"""The facts of a scenario: what of it is not as in the plain run, rated torque at the highest required speed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import pairwise
+from typing import Any, Final
+
+from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S, steady_scenario
+from drivegate.scenarios.speed_range import HIGHEST_LOADED
+from drivegate_cases.motor.motor import Motor
+from drivegate_cases.motor.scales import NOMINAL
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.units import RADIANS_PER_RPM
+
+PLAIN_RUN: Final = "the plain run"
+"""What is said of a scenario without any fact."""
+
+_TOLD_ELSEWHERE: Final = frozenset({"schema", "name", "description", "motor", "seed", "initial_speed_rpm"})
+_COMING_ON: Final = [[0.0, 0.0], [LOAD_RAMP_S, 1.0]]
+_SYMBOLS: Final = {"resistance": "R", "inductance": "L", "emf_constant": "ke"}
+_UNITS: Final = {"torque_nm": "N·m", "power_w": "W"}
+
+
+def plain_scenario(motor: Motor) -> Scenario:
+    """Make the run without any fact."""
+    return steady_scenario(
+        motor, HIGHEST_LOADED * motor.base_speed_rpm, power_share=1.0, constant_power=False
+    )
+
+
+def facts_of(scenario: Mapping[str, Any]) -> tuple[str, ...]:
+    """Tell what of a scenario, as plain data, is not as in the plain run; one text for each key that differs."""
+    if scenario.get("kind") == "script":
+        return (f"a script of {len(scenario.get('rows', ()))} rows",)
+    return tuple(fact for key in scenario if key not in _TOLD_ELSEWHERE for fact in _facts(key, scenario))
+
+
+def facts_in_short(scenario: Mapping[str, Any]) -> str:
+    """Tell the facts of a scenario in one line."""
+    return ", ".join(facts_of(scenario)) or PLAIN_RUN
+
+
+def _facts(key: str, scenario: Mapping[str, Any]) -> Iterator[str]:
+    words = _WORDS.get(key)
+    return _other(key, scenario[key]) if words is None else words(scenario)
+
+
+def _other(key: str, value: Any) -> Iterator[str]:
+    """Tell of a key that has no words of its own; each entry of a list is a fact."""
+    field = Scenario.model_fields.get(key)
+    default = None if field is None else field.get_default(call_default_factory=True)
+    if value == default or (not value and not default):
+        return
+    for entry in value if isinstance(value, (list, tuple)) else (value,):
+        yield f"{key.replace('_', ' ')} {entry:g}" if isinstance(entry, float) else f"{key}: {entry}"
+
+
+def _plain_speed(scenario: Mapping[str, Any]) -> float:
+    return HIGHEST_LOADED * float(scenario["motor"]["base_speed_rpm"])
+
+
+def _load(scenario: Mapping[str, Any]) -> Iterator[str]:
+    load = scenario["load"]
+    kind = load["kind"].replace("_", " ")
+    factor = load.get("factor", _COMING_ON)
+    if kind == "vehicle":
+        yield f"a vehicle of {load['mass_kg']:g} kg"
+        if any(grade for _, grade in load["grade_percent"]):
+            yield f"grade {_course(load['grade_percent'], '%')}"
+        return
+    if not any(share for _, share in factor):
+        yield "unloaded"
+        return
+    rated = float(scenario["motor"]["rated_power_w"]) / (_plain_speed(scenario) * RADIANS_PER_RPM)
+    if kind != "constant torque" or load["torque_nm"] != round(rated, 3):
+        sizes = [f"{load[name]:g} {unit}" for name, unit in _UNITS.items() if name in load]
+        yield " ".join((kind, *sizes))
+    if _listed(factor) != _COMING_ON:
+        switched = factor[_listed(factor)[:1] == _COMING_ON[:1] :]
+        yield f"{_course(switched, '% of the load', 100.0)}"
+
+
+def _sensors(scenario: Mapping[str, Any]) -> Iterator[str]:
+    sensors, seed = scenario["sensors"], scenario.get("seed", 0)
+    kind = sensors if isinstance(sensors, str) else sensors["kind"]
+    if kind != "ideal":
+        yield f"{kind} sensors" + (f" of seed {seed}" if seed else "")
+
+
+def _speed(scenario: Mapping[str, Any]) -> Iterator[str]:
+    profile = scenario["speed_rpm"]
+    if _listed(profile) != [[0.0, _plain_speed(scenario)]]:
+        yield _course(profile, "rpm")
+    if scenario.get("initial_speed_rpm", profile[0][1]) != profile[0][1]:
+        yield f"starting from {scenario['initial_speed_rpm']:g} rpm"
+
+
+def _supply(scenario: Mapping[str, Any]) -> Iterator[str]:
+    if scenario["supply_v"]:
+        yield f"half-supply {_course(scenario['supply_v'], 'V')}"
+
+
+def _imbalance(scenario: Mapping[str, Any]) -> Iterator[str]:
+    if scenario["imbalance"]:
+        yield f"halves of the supply apart by {_course(scenario['imbalance'], '%', 100.0)}"
+
+
+def _scales(scenario: Mapping[str, Any]) -> Iterator[str]:
+    for name, value in scenario["scales"].items():
+        if value != getattr(NOMINAL, name):
+            symbol = _SYMBOLS.get(name)
+            yield f"friction + {value:g} N·m" if symbol is None else f"{symbol} × {value:g}"
+
+
+def _drift(scenario: Mapping[str, Any]) -> Iterator[str]:
+    for name, profile in (scenario["drift"] or {}).items():
+        yield f"{_SYMBOLS[name]} drifts by {_course(profile, 'times')}"
+
+
+def _dropouts(scenario: Mapping[str, Any]) -> Iterator[str]:
+    for lost in scenario["dropouts"]:
+        yield f"{lost['signal']} lost for {1e3 * lost['duration_s']:g} ms at {lost['start_s']:g} s"
+
+
+def _glitches(scenario: Mapping[str, Any]) -> Iterator[str]:
+    for false in scenario["glitches"]:
+        yield f"{false['counts']:+d} encoder counts at {false['time_s']:g} s"
+
+
+def _duration(scenario: Mapping[str, Any]) -> Iterator[str]:
+    """Tell of a run that goes on for longer than a whole steady stretch after its last change."""
+    needed = _last_time(scenario) + LOAD_RAMP_S + DWELL_S + 1.0
+    if scenario["duration_s"] > needed:
+        yield f"for {scenario['duration_s']:g} s"
+
+
+def _last_time(scenario: Mapping[str, Any]) -> float:
+    """Give the time at which the last change is over."""
+    load = scenario["load"]
+    profiles = [
+        scenario["speed_rpm"],
+        load.get("factor", load.get("grade_percent", ())),
+        scenario.get("supply_v") or (),
+        scenario.get("imbalance") or (),
+        *(scenario.get("drift") or {}).values(),
+    ]
+    times = [point[0] for profile in profiles for point in profile]
+    times += [lost["start_s"] + lost["duration_s"] for lost in scenario.get("dropouts", ())]
+    times += [false["time_s"] for false in scenario.get("glitches", ())]
+    return max(times, default=0.0)
+
+
+def _course(profile: Sequence[Sequence[float]], unit: str, scale: float = 1.0) -> str:
+    """Tell the values of a profile, and when they change."""
+    values = [value for _, value in profile]
+    levels = [value for place, value in enumerate(values) if place == 0 or value != values[place - 1]]
+    times = dict.fromkeys(f"{before[0]:g}" for before, after in pairwise(profile) if before[1] != after[1])
+    words = f"{' → '.join(f'{scale * value:.4g}' for value in levels)} {unit}"
+    return f"{words} at {', '.join(times)} s" if times else words
+
+
+def _listed(profile: Sequence[Sequence[float]]) -> list[list[float]]:
+    return [[float(number) for number in point] for point in profile]
+
+
+_WORDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Iterator[str]]]] = {
+    "duration_s": _duration,
+    "speed_rpm": _speed,
+    "load": _load,
+    "supply_v": _supply,
+    "imbalance": _imbalance,
+    "sensors": _sensors,
+    "scales": _scales,
+    "drift": _drift,
+    "dropouts": _dropouts,
+    "glitches": _glitches,
+}
+"""How a key of a scenario is told; the others are told by their names."""

@@ -1,0 +1,60 @@
+"""Faults that show in a small region of speeds and loads alone."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import unfused
+from drivegate_models.half_bridge.controllers.protection import HOLDING
+from drivegate_models.half_bridge.faults import state as faults
+from drivegate_models.units import RPM
+
+_CORNER_FROM_RPM: Final = 1170.0
+_CORNER_TO_RPM: Final = 1190.0
+_LIGHT: Final = 12.0
+_ROW_FROM_RPM: Final = 1335.0
+_ROW_TO_RPM: Final = 1345.0
+_FLOOR_FROM_RPM: Final = 1400.0
+
+
+@unfused
+def cap_speed_reference(state: Any, fault: int) -> None:
+    """Change the speed reference that the controller is shown.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Its copy of the Sense is changed.
+    fault : int
+        The fault.
+    """
+    if fault == faults.SPEED_CAPPED:
+        state.sense.speed_reference = min(state.sense.speed_reference, state.size)
+
+
+@unfused
+def alter_in_region(state: Any, fault: int, command: Any) -> None:
+    """Change the command in a region of speeds and loads.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        The state.
+    fault : int
+        The fault.
+    command : record of COMMAND
+        Changed.
+    """
+    controller, sense = state.controller, state.sense
+    if controller.advancing == 0:
+        return
+    rpm = sense.speed * RPM
+    if fault == faults.CORNER_WITHOUT_LIMIT:
+        light = controller.mode == HOLDING and sense.current_magnitude_sum < _LIGHT
+        if light and _CORNER_FROM_RPM < rpm < _CORNER_TO_RPM:
+            command.advance_angle = state.size
+    elif fault == faults.WRONG_ROW:
+        if _ROW_FROM_RPM < rpm < _ROW_TO_RPM:
+            command.advance_angle = max(command.advance_angle, state.size)
+    elif fault == faults.REFERENCE_FLOOR and rpm > _FLOOR_FROM_RPM:
+        command.current_reference = max(command.current_reference, state.size)

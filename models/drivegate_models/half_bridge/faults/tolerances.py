@@ -1,0 +1,64 @@
+"""What keeps a controller just beyond a tolerance, or just within it: cycles, biases, late settling."""
+
+from __future__ import annotations
+
+from math import pi, radians, sin
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import unfused
+from drivegate_models.half_bridge.controllers.protection import HOLDING
+from drivegate_models.half_bridge.faults import state as faults
+
+_ANGLE_PERIOD: Final = 2.0
+_WELL_ABOVE: Final = 1.05
+# Of the regulator: its gain is this times inertia over torque for each ampere (1/s).
+_BANDWIDTH: Final = 80.0
+_LATE: Final = radians(3.0)
+
+
+@unfused
+def alter_speed(state: Any, fault: int) -> None:
+    """Change the speed that the controller is shown.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Its copy of the Sense is changed.
+    fault : int
+        The fault.
+    """
+    sense, controller = state.sense, state.controller
+    if fault == faults.SPEED_BIASED:
+        sense.speed -= state.size
+    elif fault == faults.TORQUE_CYCLES and sense.speed > _WELL_ABOVE * controller.base_speed:
+        # The speed whose acceleration takes that share of the torque; the gain tells the inertia.
+        greatest = state.size * controller.integral * _BANDWIDTH / controller.proportional / (2.0 * pi)
+        sense.speed += greatest * sin(2.0 * pi * sense.time)
+
+
+@unfused
+def cycle_angle(state: Any, fault: int, command: Any) -> None:
+    """Move the angle away from the one found.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Updated.
+    fault : int
+        The fault.
+    command : record of COMMAND
+        Changed.
+    """
+    controller, sense = state.controller, state.sense
+    added = 0.0
+    if fault == faults.ANGLE_CYCLES:
+        added = state.size * sin(2.0 * pi * sense.time / _ANGLE_PERIOD)
+    elif fault == faults.RESTS_BESIDE:
+        added = state.size if controller.mode == HOLDING else 0.0
+    elif fault == faults.SETTLES_LATE:
+        if sense.speed_reference != state.before.speed_reference:
+            state.memory = 0.0
+        state.memory += controller.control_period
+        added = _LATE if state.memory < state.size else 0.0
+    if controller.advancing == 1 and added != 0.0:
+        command.advance_angle = min(max(command.advance_angle + added, 0.0), 0.5 * pi)

@@ -1,0 +1,71 @@
+"""The facts of a scenario: each key that is not as in the plain run, in words."""
+
+import pytest
+
+from drivegate.scenarios.building import steady_scenario
+from drivegate.scenarios.changes import (
+    stepped,
+    with_drift,
+    with_dropout,
+    with_glitch,
+    with_imbalance,
+    with_load_shares,
+    with_mcs96,
+    with_scales,
+    with_speed,
+    with_supply,
+)
+from drivegate.scenarios.facts import facts_in_short, facts_of, plain_scenario
+from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.scenario.scenario import Scenario
+
+MOTOR = load_motor("paper-5-phase")
+PLAIN = plain_scenario(MOTOR)
+
+
+def steady(speed_rpm: float, *, constant_power: bool = False) -> Scenario:
+    return steady_scenario(MOTOR, speed_rpm, power_share=1.0, constant_power=constant_power)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "facts"),
+    [
+        (PLAIN, ()),
+        (PLAIN.replaced(duration_s=9.2), ()),
+        (PLAIN.replaced(duration_s=120.0), ("for 120 s",)),
+        (PLAIN.replaced(control_period_s=50e-6), ("control period s 5e-05",)),
+        (PLAIN.replaced(initial_speed_rpm=0.0), ("starting from 0 rpm",)),
+        (steady(1500.0, constant_power=True), ("constant power 1500 W",)),
+        (steady(700.0), ("700 rpm", "constant torque 20.463 N·m")),
+        (with_load_shares(PLAIN, (0.0, 0.5), (10.0, 1.0)), ("50 → 100 % of the load at 10 s",)),
+        (with_load_shares(PLAIN, (0.0, 0.0)), ("unloaded",)),
+        (with_speed(PLAIN, stepped(900.0, 1500.0, 10.0)), ("900 → 1500 rpm at 10 s",)),
+        (with_supply(PLAIN, stepped(1.0, 0.9, 10.0)), ("half-supply 48 → 43.2 V at 10 s",)),
+        (with_imbalance(PLAIN, stepped(0.0, 0.03, 10.0)), ("halves of the supply apart by 0 → 3 % at 10 s",)),
+        (with_scales(PLAIN, resistance=2.0, friction_added_n_m=0.5), ("R × 2", "friction + 0.5 N·m")),
+        (with_drift(PLAIN, resistance=stepped(1.0, 1.4, 2.0)), ("R drifts by 1 → 1.4 times at 2 s",)),
+        (with_dropout(PLAIN, "speed", 10.0, 0.01), ("speed lost for 10 ms at 10 s",)),
+        (
+            with_glitch(with_mcs96(PLAIN, 3), 20, 10.0),
+            ("mcs96 sensors of seed 3", "+20 encoder counts at 10 s"),
+        ),
+    ],
+)
+def test_each_key_that_is_not_as_in_the_plain_run_is_a_fact(
+    scenario: Scenario, facts: tuple[str, ...]
+) -> None:
+    assert sorted(facts_of(scenario.to_mapping())) == sorted(facts)
+
+
+def test_a_key_without_words_of_its_own_is_a_fact_too() -> None:
+    """A key that the scenario gets one day must not go uncounted."""
+    told = facts_of(
+        {**PLAIN.to_mapping(), "magnet_age_years": 12.0, "restarts": [3.0, 4.0], "none_at_all": []}
+    )
+    assert told == ("magnet age years 12", "restarts 3", "restarts 4")
+
+
+def test_facts_are_told_in_one_line() -> None:
+    assert facts_in_short(PLAIN.to_mapping()) == "the plain run"
+    assert facts_in_short(steady(700.0).to_mapping()) == "700 rpm, constant torque 20.463 N·m"
+    assert facts_in_short({"kind": "script", "rows": [{}, {}]}) == "a script of 2 rows"
