@@ -12,7 +12,7 @@ from collections.abc import Callable
 from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
-from hypothesis import HealthCheck, Phase, given, seed, settings, target
+from hypothesis import HealthCheck, Phase, assume, given, seed, settings, target
 from hypothesis import strategies as st
 
 from drivegate.gate.plan import EXAMPLES
@@ -62,6 +62,10 @@ class Trial:
             self.found = self.found or self._known[place] < 0.0
         return self._known[place]
 
+    def knows(self, point: Point) -> bool:
+        """Tell whether a point was run."""
+        return on_grid(point) in self._known
+
     @property
     def allowance(self) -> int:
         """The greatest number of runs."""
@@ -87,22 +91,40 @@ def random_points(trial: Trial, dimensions: int, number: int) -> None:
 
 
 def _by_hypothesis(
-    trial: Trial, dimensions: int, number: int, *, climbs: bool, allowance: int | None = None
+    trial: Trial,
+    dimensions: int,
+    number: int,
+    *,
+    climbs: bool,
+    allowance: int | None = None,
+    unrelated: int = 0,
 ) -> None:
+    tickets: set[int] = set()
+    most = allowance or trial.allowance
+
     @seed(number)
     @settings(
-        max_examples=allowance or trial.allowance,
+        max_examples=most,
         database=None,
         deadline=None,
         phases=(Phase.generate, Phase.target) if climbs else (Phase.generate,),
         suppress_health_check=list(HealthCheck),
     )
-    @given(st.tuples(*[st.integers(0, GRID)] * dimensions))
-    def explore(steps: tuple[int, ...]) -> None:
-        if not trial.ended():
-            margin = trial(tuple(step / GRID for step in steps))
-            if climbs:
-                target(-margin)
+    @given(
+        st.integers(0, 2**48) if unrelated else st.just(0),
+        st.tuples(*[st.integers(0, GRID)] * dimensions),
+    )
+    def explore(ticket: int, steps: tuple[int, ...]) -> None:
+        if trial.ended() or trial.runs >= most:
+            return
+        point = tuple(step / GRID for step in steps)
+        varied = ticket in tickets
+        tickets.add(ticket)
+        # As a shard does: a variation keeps its ticket, and what tells nothing new does not count.
+        assume(not unrelated or (not (varied and trial.runs < unrelated) and not trial.knows(point)))
+        margin = trial(point)
+        if climbs:
+            target(-margin)
 
     with from_the_seed_alone():
         explore()
@@ -118,8 +140,19 @@ def climbing(trial: Trial, dimensions: int, number: int) -> None:
     _by_hypothesis(trial, dimensions, number, climbs=True)
 
 
+def shard(trial: Trial, dimensions: int, number: int) -> None:
+    """Climb with Hypothesis as a shard of the gate does, whose first half are unrelated draws."""
+    _by_hypothesis(trial, dimensions, number, climbs=True, unrelated=trial.allowance // 2)
+
+
+def shard_briefly(trial: Trial, dimensions: int, number: int) -> None:
+    """Do so with a shard's runs at default effort."""
+    half = SHARD_ALLOWANCE // 2
+    _by_hypothesis(trial, dimensions, number, climbs=True, allowance=SHARD_ALLOWANCE, unrelated=half)
+
+
 def climbing_briefly(trial: Trial, dimensions: int, number: int) -> None:
-    """Climb as a shard of the gate does at default effort; the target phase begins at half of the runs."""
+    """Climb with a shard's runs at default effort; the target phase begins at half of them."""
     _by_hypothesis(trial, dimensions, number, climbs=True, allowance=SHARD_ALLOWANCE)
 
 
@@ -181,6 +214,8 @@ METHODS: Final = MappingProxyType(
         "drawing": drawing,
         "climbing": climbing,
         "climbing-briefly": climbing_briefly,
+        "shard": shard,
+        "shard-briefly": shard_briefly,
         "covariance": covariance,
         "bayesian": bayesian,
         "alternating": alternating,
