@@ -1,0 +1,118 @@
+"""The comparison of searches compares what it says: equal allowances, seeds alone, and known shares of failures."""
+
+from collections.abc import Callable
+from math import dist
+from statistics import median
+
+import pytest
+
+from rare_severities import rareness
+from search_methods import METHODS, SHARD_ALLOWANCE, Trial, random_points
+from search_trials import expected_draws, first_in_pockets
+from weakened_faults import FAULTS, GRID, Judge, Point, WeakenedFault, correct, on_grid
+
+MIDDLE = (0.3, 0.7, 0.6)
+GRADUAL = [fault for fault in FAULTS if fault.shape == "gradual"]
+SUDDEN = [fault for fault in FAULTS if fault.shape == "sudden"]
+
+
+def bowl(point: Point) -> float:
+    return dist(point, MIDDLE)
+
+
+def runs_of(
+    method: str, seed: int, allowance: int = 60, margin: Callable[[Point], float] = bowl
+) -> list[Point]:
+    trial = Trial(margin, allowance)
+    METHODS[method](trial, len(MIDDLE), seed)
+    return trial.points
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_method_makes_its_allowance_of_new_runs_and_follows_its_seed(method: str) -> None:
+    points = runs_of(method, 1)
+    assert len(points) == len(set(points))
+    allowed = SHARD_ALLOWANCE if method.endswith("-briefly") else 60
+    assert len(points) == allowed, f"{method} made {len(points)} runs of {allowed}"
+    assert points == runs_of(method, 1), f"{method} depends on more than its seed"
+    assert points != runs_of(method, 2), f"{method} does not depend on its seed"
+
+
+@pytest.mark.parametrize(
+    "method", [method for method in METHODS if method != "drawing" and "brief" not in method]
+)
+def test_what_climbs_comes_closer_than_even_drawing(method: str) -> None:
+    even = Trial(bowl, 150)
+    random_points(even, len(MIDDLE), 3)
+    least = min(map(bowl, runs_of(method, 3, 150)))
+    assert least < 0.5 * min(map(bowl, even.points)), f"{method} comes to {least:.3f}"
+
+
+def test_a_trial_ends_at_the_first_failure() -> None:
+    trial = Trial(lambda point: point[0] - 0.5, 1000)
+    random_points(trial, 3, 0)
+    assert trial.found
+    assert [place for place, *_ in trial.points if place < 0.5] == [trial.points[-1][0]]
+
+
+def test_points_lie_on_the_grid_inside_the_cube() -> None:
+    assert on_grid((-0.2, 1.7, 0.12345)) == (0.0, 1.0, 123 / GRID)
+
+
+@pytest.mark.parametrize("fault", SUDDEN, ids=lambda fault: fault.name)
+def test_a_pocket_takes_up_the_share_that_its_level_says(fault: WeakenedFault) -> None:
+    share = 1.0 / expected_draws(0)
+    trial = Trial(lambda _point: 1.0, 40_000)
+    random_points(trial, len(fault.cube.coordinates), 5)
+    inside = sum(fault.distance(point) <= fault.half_width(share) for point in trial.points)
+    assert inside / 40_000 == pytest.approx(share, rel=0.2)
+
+
+def test_a_sudden_fault_is_caught_in_its_pocket_alone() -> None:
+    fault = SUDDEN[0]
+    assert fault.pocket is not None
+    middle = tuple(fault.pocket.get(place, 0.5) for place in range(len(fault.cube.coordinates)))
+    away = tuple((place + 0.5) % 1.0 for place in middle)
+    first = first_in_pockets(fault, [away, middle])
+    assert first == [2] * len(first), f"the pocket of each level is met in the second run, not in {first}"
+
+
+@pytest.mark.parametrize("fault", GRADUAL, ids=lambda fault: fault.name)
+def test_a_gradual_fault_grows_from_nothing(fault: WeakenedFault) -> None:
+    points = Trial(lambda _point: 1.0, 6)
+    random_points(points, len(fault.cube.coordinates), 11)
+    least = {
+        severity: min(map(Judge(fault.at(severity), fault.check, fault.cube).margin, points.points))
+        for severity in (0.0, 1.0)
+    }
+    right = min(map(correct(fault).margin, points.points))
+    assert right >= 0.0, f"the correct controller is accused by {fault.check}"
+    assert least[0.0] >= 0.0, "the weakest fault is caught nearly everywhere"
+    assert least[1.0] < least[0.0], "the fault does not grow"
+
+
+def test_rare_failures_are_as_rare_as_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Corner:
+        """Fails within a severity of a corner of its cube: a share of severity³."""
+
+        name = "corner"
+        check = ""
+
+        class cube:
+            coordinates = ((), (), ())
+
+        def at(self, severity: float) -> float:
+            return severity
+
+    class MaximumJudge:
+        def __init__(self, severity: float, _check: str, _cube: object) -> None:
+            self._severity = severity
+
+        def margin(self, point: Point) -> float:
+            return max(point) - self._severity
+
+    monkeypatch.setattr("rare_severities.Judge", MaximumJudge)
+    found = [rareness(Corner(), 1e-4, size=40, number=number) for number in range(8)]  # type: ignore[arg-type]
+    for share in (1e-1, 1e-2, 1e-3):
+        shares = [one.severity(share) ** 3 for one in found]
+        assert median(shares) == pytest.approx(share, rel=0.3), f"{shares} at a share of {share}"
