@@ -27,7 +27,8 @@ _RESTLESS = 3
 _BEATING = 0.0035
 _UNREST = 0.03 * RADIANS_PER_RPM
 _SENSED = 0.1 * RADIANS_PER_RPM
-_CALM = 1.15
+# One step of an encoder is not two; up and down they differ a little.
+_CALM = 1.5
 _CREPT = 0.02
 _SAME = 0.005
 _SETTLING = 2
