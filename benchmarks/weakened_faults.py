@@ -14,7 +14,8 @@ from math import radians
 from typing import Final, Literal, TypeAlias
 
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
-from drivegate.candidates.builtin.faults import MUTATIONS, Mutation
+from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
+from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.candidates.builtin.faulty_controller import FaultyController
 from drivegate.checks.catalogue import CHECKS
 from drivegate.drives.running import run_scenario

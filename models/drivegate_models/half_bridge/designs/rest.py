@@ -27,11 +27,13 @@ _RESTLESS = 3
 _BEATING = 0.0035
 _UNREST = 0.03 * RADIANS_PER_RPM
 _SENSED = 0.1 * RADIANS_PER_RPM
-_CALM = 1.15
+# One step of an encoder is not two; up and down they differ a little.
+_CALM = 1.5
 _CREPT = 0.02
 _SAME = 0.005
+_SETTLING = 2
 _SWING = 0.008
-_SWINGING = 2
+_SWINGING = 3
 _ASIDE = radians(0.7)
 _ASIDE_OF_UNREST = radians(0.9)
 
@@ -50,13 +52,13 @@ def begin_watch(state: Any) -> None:
     state.restless = 0
     state.least = inf
     state.most = -inf
-    state.watched_change = 0.0
+    state.swing_rises = 1
     state.swings = 0
 
 
 @unfused
 def swings_back(state: Any) -> bool:
-    """Return whether the current sum has turned back by as much as it had changed, as no settling does.
+    """Return whether the current sum has turned back from where it went, by more than its noise.
 
     Parameters
     ----------
@@ -66,14 +68,17 @@ def swings_back(state: Any) -> bool:
     Returns
     -------
     bool
-        About the last two changes; those right after a step of the angle do not count.
+        About the time since it turned last, or since the step of the angle has settled.
     """
     power = state.controller.last_power
-    change = power - state.watched_power if state.watched > 2 else 0.0
-    turned = change * state.watched_change < 0.0
-    swings: bool = turned and min(abs(change), abs(state.watched_change)) > _SWING * power
-    state.watched_power = power
-    state.watched_change = change
+    rises = state.swing_rises == 1
+    if state.watched <= _SETTLING or (power > state.swing_from) == rises:
+        state.swing_from = power
+        return False
+    swings: bool = abs(power - state.swing_from) > _SWING * power
+    if swings:
+        state.swing_rises = 0 if rises else 1
+        state.swing_from = power
     return swings
 
 

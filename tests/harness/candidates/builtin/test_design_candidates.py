@@ -3,14 +3,16 @@
 import pytest
 
 from drivegate.candidates.builtin.candidates import DESIGN_CANDIDATES
+from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.convergence import window_convergence
 from drivegate.checks.margin import Margin
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import steady_scenario
-from drivegate.scenarios.changes import with_load_shares
+from drivegate.scenarios.changes import with_load_shares, with_mcs96
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest.correct_designs import correct_designs
 from drivegate_cases.motor.motor import load_motor
@@ -64,6 +66,18 @@ def test_a_design_does_not_rest_where_regulator_and_band_beat() -> None:
     steady = steady_scenario(load_motor("paper-5-phase"), 1460.0, power_share=0.1, constant_power=True)
     failed = failed_margins("design:quadratic-interpolation", steady)
     assert not failed, failed
+
+
+@pytest.mark.parametrize("name", DESIGN_CANDIDATES)
+@pytest.mark.parametrize("seed", [0, 4, 158])
+def test_a_design_does_not_rest_where_the_current_sum_swings_within_a_step_of_the_encoder(
+    name: str, seed: int
+) -> None:
+    steady = steady_scenario(load_motor("paper-5-phase"), 1440.0, power_share=1.0, constant_power=False)
+    seen = with_mcs96(with_load_shares(steady, (0.0, 0.7), (10.0, 0.1)), seed)
+    record = RunRecord(seen, run_scenario(seen, load_controller(resolve_candidate(name))), Declaration())
+    margin, measured = window_convergence(list(record.windows())[-1])
+    assert margin >= 0.5, f"{name} rests where {measured}"
 
 
 def test_designs_move_differently() -> None:
