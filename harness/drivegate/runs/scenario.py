@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
@@ -11,7 +12,9 @@ import numpy as np
 
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, refused_command
+from drivegate.runs.restarting import restarting
 from drivegate.scenarios.windows import observed_windows
+from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.load import (
     GRAVITY,
     ConstantPowerLoad,
@@ -84,11 +87,14 @@ def _course(profile: Profile, unit: float = 1.0) -> Course:
 def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     """Make the sensors of a scenario, as at its start."""
     dropouts = np.array(
-        [(_SIGNALS[lost.signal], lost.start_s, lost.end_s) for lost in scenario.dropouts], np.float64
+        [(_signal(lost), lost.start_s, lost.end_s) for lost in scenario.dropouts], np.float64
     ).reshape(-1, 3)
+    gains, offsets = np.ones(scenario.motor.phases), np.zeros(scenario.motor.phases)
+    for error in scenario.current_errors:
+        gains[error.phase - 1], offsets[error.phase - 1] = error.gain, error.offset_a
     given = scenario.sensors
     if isinstance(given, IdealSensors):
-        return sensors.ideal_sensors(scenario.motor.phases, dropouts)
+        return sensors.ideal_sensors(scenario.motor.phases, dropouts, gains, offsets)
     glitches = np.array([(glitch.time_s, glitch.counts) for glitch in scenario.glitches], np.float64)
     return sensors.real_sensors(
         scenario.motor.phases,
@@ -107,7 +113,14 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
         seed=scenario.seed,
         dropouts=dropouts,
         glitches=glitches.reshape(-1, 2),
+        gains=gains,
+        offsets=offsets,
     )
+
+
+def _signal(lost: Dropout) -> int:
+    """Number the signal that is lost."""
+    return _SIGNALS[lost.signal] if lost.phase is None else sensors.FIRST_PHASE + lost.phase - 1
 
 
 def run_in_closed_loop(
@@ -122,7 +135,10 @@ def run_in_closed_loop(
     """Reset a controller and run it through a scenario, against the plant of a closed loop."""
     nameplate = scenario.nameplate()
     drive = scenario.motor.drive(scenario.scales)
-    with progress.run() if progress is not None else nullcontext():
+    with (
+        progress.run() if progress is not None else nullcontext(),
+        restarting(controller, nameplate, scenario.restarts_s) as restarts,
+    ):
         controller.reset(nameplate)
         run = run_closed_loop(
             drive,
@@ -135,6 +151,9 @@ def run_in_closed_loop(
             control_period=scenario.control_period_s,
             duration=scenario.duration_s,
             windows=observed_windows(scenario),
+            initial_angle=math.radians(scenario.initial_angle_deg),
+            clock_start=scenario.clock_start_s,
+            restarts=restarts,
             sensors=plant_sensors(scenario),
             power_window=power_window,
             sense=progress.sense if progress is not None else None,

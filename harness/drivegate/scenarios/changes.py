@@ -7,7 +7,7 @@ from typing import Any
 
 from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S, tidy
 from drivegate.scenarios.title import titled
-from drivegate_cases.scenario.disturbance import Drift, Dropout, Glitch
+from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
 from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
@@ -61,9 +61,29 @@ def with_mcs96(scenario: Scenario, seed: int) -> Scenario:
     return titled(scenario.replaced(sensors="mcs96", seed=seed))
 
 
-def with_dropout(scenario: Scenario, signal: str, at_s: float, lasts_s: float) -> Scenario:
-    """Lose a sensor's signal for a moment."""
-    lost = Dropout.model_validate({"signal": signal, "start_s": at_s, "duration_s": lasts_s})
+def with_beginning(scenario: Scenario, **changes: float) -> Scenario:
+    """Change control period, clock or rotor angle at the start."""
+    return titled(scenario.replaced(**changes))
+
+
+def with_restarts(scenario: Scenario, *times_s: float) -> Scenario:
+    """Reset the controller while the drive runs on."""
+    return _with_change(scenario, times_s[-1], restarts_s=(*scenario.restarts_s, *times_s))
+
+
+def with_current_error(
+    scenario: Scenario, phase: int, *, gain: float = 1.0, offset_a: float = 0.0
+) -> Scenario:
+    """Let the current sensor of one phase be wrong."""
+    error = CurrentError(phase=phase, gain=gain, offset_a=offset_a)
+    return titled(scenario.replaced(current_errors=(*scenario.current_errors, error)))
+
+
+def with_dropout(
+    scenario: Scenario, signal: str, at_s: float, lasts_s: float, *, phase: int | None = None
+) -> Scenario:
+    """Lose a sensor's signal for a moment, or that of one phase alone."""
+    lost = Dropout.model_validate({"signal": signal, "phase": phase, "start_s": at_s, "duration_s": lasts_s})
     return _with_change(scenario, lost.end_s, dropouts=(*scenario.dropouts, lost))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -125,7 +126,11 @@ def shadow_run(loaded: LoadedCandidate, plan: Shadowing) -> Shadowed:
             progress=progress.steps,
         )
         done = 0
-        for rows in recorded_rows(plan.path, nameplate.phases, plan.end):
+        restarts = {round(time / nameplate.control_period) for time in plan.scenario.restarts_s}
+        blocks = recorded_rows(plan.path, nameplate.phases, plan.end)
+        for rows in _divided(blocks, restarts):
+            if done in restarts:
+                controller.reset(nameplate)
             status, alike, answers = shadow.answer(rows, judged=judged, tolerance=tolerance)
             if status in (STOPPED, NOT_FINITE):
                 raise CandidateFault(controller.fault or _not_finite(shadow, done + alike))
@@ -134,6 +139,15 @@ def shadow_run(loaded: LoadedCandidate, plan: Shadowing) -> Shadowed:
             kept.append(answers[max(plan.begin - done, 0) :])
             done += len(rows)
     return Shadowed(None, np.concatenate(kept))
+
+
+def _divided(blocks: Iterable[NDArray[np.float64]], steps: set[int]) -> Iterator[NDArray[np.float64]]:
+    """Cut blocks of steps so that each of the given steps is the first of one."""
+    done = 0
+    for rows in blocks:
+        inside = sorted(step - done for step in steps if done < step < done + len(rows))
+        yield from np.split(rows, inside)
+        done += len(rows)
 
 
 def _not_finite(shadow: Shadow, step: int) -> Fault:

@@ -74,7 +74,6 @@ class RecordingController:
         # A reset may make a controller anew.
         self._recorder[0]["step_address"] = self._inner.step_address
         self._recorder[0]["state_address"] = self._inner.state_address
-        self._recorder[0]["count"] = 0
 
     def finish(self) -> None:
         """Write what is left."""
