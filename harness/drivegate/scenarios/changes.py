@@ -16,6 +16,10 @@ CHANGE_S = 10.0
 """Time of a change after a candidate's search that has converged (s)."""
 
 
+TWENTY = 20
+"""Number of times that something happens that is repeated (1)."""
+
+
 def stepped(before: float, after: float, at_s: float, *, over_s: float = 0.0) -> Profile:
     """Make a profile that changes once."""
     return ((0.0, before), (at_s, before), (tidy(at_s + over_s), after))
@@ -25,6 +29,23 @@ def pulsed(before: float, during: float, at_s: float, lasts_s: float) -> Profile
     """Make a profile that changes and comes back."""
     back = tidy(at_s + lasts_s)
     return ((0.0, before), (at_s, before), (at_s, during), (back, during), (back, before))
+
+
+def repeated(
+    before: float, during: float, at_s: float, *, times: int = TWENTY, every_s: float = 0.4
+) -> Profile:
+    """Make a profile that changes and comes back again and again, half of the time each."""
+    points = [(0.0, before)]
+    for number in range(times):
+        begin = tidy(at_s + number * every_s)
+        back = tidy(begin + 0.5 * every_s)
+        points += [(begin, before), (begin, during), (back, during), (back, before)]
+    return tuple(points)
+
+
+def moments(at_s: float, *, times: int = TWENTY, every_s: float = 0.4) -> tuple[float, ...]:
+    """List the times of something that happens again and again."""
+    return tuple(tidy(at_s + number * every_s) for number in range(times))
 
 
 def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scenario:
@@ -37,6 +58,13 @@ def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scena
         factor += [(time, factor[-1][1]), (time, following)]
     stepped_load = load.model_copy(update={"factor": tuple(factor)})
     return _with_change(scenario, factor[-1][0], load=stepped_load)
+
+
+def with_load_factor(scenario: Scenario, factor: Profile) -> Scenario:
+    """Let a switched load follow a course of shares."""
+    load = scenario.load
+    assert not isinstance(load, (LockedLoad, VehicleLoad)), "only a switched load has shares"
+    return _with_change(scenario, factor[-1][0], load=load.model_copy(update={"factor": factor}))
 
 
 def with_speed(scenario: Scenario, profile: Profile) -> Scenario:
