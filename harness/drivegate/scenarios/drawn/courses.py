@@ -26,20 +26,25 @@ def load_course_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -
     """Draw loads that come or go as a ramp, vanish for a while or for good, or change twenty times in a row."""
 
     def build(
-        constant_power: bool, course: str, tenths: int, at: float, before: float, after: float, speed: float
+        course: str, constant_power: bool, at: float, before: float, tenths: int, after: float, speed: float
     ) -> Scenario:
         whole = steady_scenario(motor, speed, power_share=1.0, constant_power=constant_power)
-        return with_load_factor(whole, load_course(course, before, after, at, 0.1 * tenths))
+        return with_load_factor(whole, load_course(course, before, after, at, round(0.1 * tenths, 1)))
 
-    return st.builds(
-        build,
-        st.booleans(),
-        st.sampled_from(("ramp", "vanishing", "gone", "repeated")),
-        st.integers(1, 30),
-        change_times(),
-        shares(),
-        shares(),
-        loaded_speeds(motor, speed_range),
+    def drawn(
+        course: str, lasting: st.SearchStrategy[int], other: st.SearchStrategy[float]
+    ) -> st.SearchStrategy[Scenario]:
+        speeds = loaded_speeds(motor, speed_range)
+        return st.builds(
+            build, st.just(course), st.booleans(), change_times(), shares(), lasting, other, speeds
+        )
+
+    lasting, nothing = st.integers(1, 30), st.just(0)
+    return st.one_of(
+        drawn("ramp", lasting, shares()),
+        drawn("vanishing", lasting, st.just(0.0)),
+        drawn("gone", nothing, st.just(0.0)),
+        drawn("repeated", nothing, shares()),
     )
 
 
