@@ -180,13 +180,11 @@ def load_has_changed(state: Any, power: float, fall: float, rise: float) -> bool
 
 
 @unfused
-def is_another_load(state: Any, power: float, known: float) -> bool:
+def is_another_load(power: float, known: float) -> bool:
     """Return whether the current sum at one and the same angle tells of another load.
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     power, known : float
         Mean current sum of the decision interval, and the one before at this angle (A).
 
@@ -211,7 +209,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         Mean current sum of the decision interval, and its change from the one before (A).
     """
     uneasy = is_uneasy(state)
-    changed = is_another_load(state, power, state.held_power)
+    changed = is_another_load(power, state.held_power)
     if is_creeping(state, power):
         state.integral = state.good_integral
         walk_back(state, state.first_step if uneasy else SMALLEST_STEP, True)
@@ -279,7 +277,7 @@ def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
         return WAITING, change
     # Back at the last good angle, the angle explains no more than while one is held.
     back = abs(state.offset - state.good_offset) <= 0.5 * state.first_step and state.good_power < inf
-    if state.mode == SETTLING and settled and back and is_another_load(state, power, state.good_power):
+    if state.mode == SETTLING and settled and back and is_another_load(power, state.good_power):
         rearm(state)
         return WAITING, change
     # A step of the search that costs speed is given back at once; any other jolt is the load's.
