@@ -14,6 +14,12 @@
     The scenarios that are always run.
 ``drawn-scenarios``
     The families that are drawn, from the docstrings of the functions that draw them.
+``coverage-table``
+    Every key of a scenario and every field of the nameplate: what varies it, over what range, or why nothing does.
+``signal-table``
+    Every field of `Sense` and `Command`: what reaches or judges it.
+``joint-table``
+    What is varied jointly, and which pairs are impossible.
 ``fact-table``
     Every fact of the paper with what covers it.
 """
@@ -33,8 +39,10 @@ from sphinx.util.docutils import SphinxDirective
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
+from drivegate.checks.coverage import JUDGED, NOT_VARIED, SENSED, Varied, drawn_by_family, varied_keys
 from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
 from drivegate.drives.kinds import DEFAULT_MOTOR
+from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.motor.motor import load_motor
@@ -247,6 +255,79 @@ def _shown_by(mutation: Mutation) -> str:
     return f" It takes {mutation.shown_by} to show it." if mutation.shown_by else ""
 
 
+class CoverageTable(SphinxDirective):
+    """A table of what the runs vary, measured on drawn scenarios."""
+
+    def run(self) -> list[nodes.Node]:
+        """Make the table.
+
+        Returns
+        -------
+        list of Node
+            The table.
+        """
+        rows: list[list[Cell]] = []
+        for row in varied_keys(drawn_by_family(load_motor(DEFAULT_MOTOR))):
+            where = ", ".join(row.families) if row.key not in NOT_VARIED else f"none: {NOT_VARIED[row.key]}"
+            rows.append([[nodes.literal(text=row.key)], _range(row), where])
+        return [_table([3, 3, 6], rows, ["key or field", "range", "varied by"])]
+
+
+class SignalTable(SphinxDirective):
+    """A table of the fields of `Sense` and `Command`."""
+
+    def run(self) -> list[nodes.Node]:
+        """Make the table.
+
+        Returns
+        -------
+        list of Node
+            The table.
+        """
+        rows: list[list[Cell]] = [
+            [[nodes.literal(text=f"{kind}.{field}")], ", ".join(given)]
+            for kind, fields in (("Sense", SENSED), ("Command", JUDGED))
+            for field, given in fields.items()
+        ]
+        return [_table([2, 5], rows, ["field", "reached by the keys, or judged by the checks"])]
+
+
+class JointTable(SphinxDirective):
+    """A table of the factors that are varied jointly, and one of the pairs that are impossible."""
+
+    def run(self) -> list[nodes.Node]:
+        """Make the tables.
+
+        Returns
+        -------
+        list of Node
+            Both of them.
+        """
+        factors: list[list[Cell]] = [
+            [factor, ", ".join(levels), str(sum(row[factor] != levels[0] for row in covering_rows()))]
+            for factor, levels in FACTORS.items()
+        ]
+        pairs: list[list[Cell]] = [
+            [" with ".join(f"{factor} {level}" for factor, level in sorted(pair)), reason]
+            for pair, reason in IMPOSSIBLE.items()
+        ]
+        heads = ["factor", "levels, the plain one first", f"rows of {len(covering_rows())} that change it"]
+        return [
+            _table([2, 6, 2], factors, heads),
+            _table([3, 4], pairs, ["impossible pair", "reason"]),
+        ]
+
+
+def _range(row: Varied) -> str:
+    """Write the range of numbers, or all words."""
+    if row.key in ("name", "description", "schema") or not row.values:
+        return "–"
+    if isinstance(row.values[0], str):
+        return ", ".join(map(str, row.values))
+    lowest, highest = (f"{value:.6g}" for value in row.values)
+    return lowest if lowest == highest else f"{lowest} to {highest}"
+
+
 def _family(family: Family) -> list[Cell]:
     """Take a family's words from the docstring of its function."""
     text = inspect.getdoc(family) or ""
@@ -294,5 +375,8 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_directive("near-designs", NearDesigns)
     app.add_directive("fixed-scenarios", FixedScenarios)
     app.add_directive("drawn-scenarios", DrawnScenarios)
+    app.add_directive("coverage-table", CoverageTable)
+    app.add_directive("signal-table", SignalTable)
+    app.add_directive("joint-table", JointTable)
     app.add_directive("fact-table", FactTable)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

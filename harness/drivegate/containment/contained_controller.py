@@ -1,8 +1,5 @@
 """An instance of a candidate in a process of its own, as those use it who judge its commands."""
 
-from collections.abc import Callable, Mapping
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,8 +33,7 @@ class PlayedCommands:
         self.fault: Fault | None = answered.fault
 
     def reset(self, _nameplate: Nameplate) -> None:
-        """Begin with the first command."""
-        self._state["given"] = 0
+        """Go on: the commands are those of the whole run, with its restarts."""
 
     def disturbed(self, run: PreparedLoop) -> Fault | None:
         """Compare a finished run with what the plant in the candidate's process came to."""
@@ -76,15 +72,9 @@ class ContainedController:
             self._generation = self._process.generation
         self._process.carried_out(Reset(nameplate))
 
-    def run(
-        self,
-        prepare: Callable[..., PreparedLoop],
-        plant: tuple[Any, ...],
-        options: Mapping[str, Any],
-        steps: int,
-    ) -> PlayedCommands:
+    def run(self, order: CloseLoop, steps: int) -> PlayedCommands:
         """Run the instance, already reset, in closed loop, and give its commands for being played back."""
-        return PlayedCommands(self._process.answered(CloseLoop(prepare, plant, options), steps))
+        return PlayedCommands(self._process.answered(order, steps))
 
     def answers(self, senses: NDArray[np.float64]) -> Answered:
         """Step the instance through given Senses, which follow on those since the reset."""

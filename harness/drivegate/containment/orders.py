@@ -4,7 +4,7 @@ Orders go from the harness to the candidate, never the other way: what comes bac
 None of them holds a scenario, a seed, or a limit that is judged.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from struct import Struct
 from typing import Any, Final, TypeAlias
@@ -68,11 +68,14 @@ class CloseLoop:
         Its arguments: constants of the drive, load and schedule.
     options : mapping
         Its further arguments.
+    restart_steps : sequence of int
+        Steps before which the instance is reset, in the process that has it.
     """
 
     prepare: Callable[..., Any]
     plant: tuple[Any, ...]
     options: Mapping[str, Any]
+    restart_steps: Sequence[int]
 
 
 @dataclass(frozen=True)

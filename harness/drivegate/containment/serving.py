@@ -27,6 +27,7 @@ from drivegate.candidates.loading import load_controller
 from drivegate.containment.orders import PACKET, CloseLoop, GiveSenses, MakeInstance, Order, Reset, Setup
 from drivegate.containment.parent_death import end_with_parent
 from drivegate.containment.reply import CHECK_BYTES, Ending, Reply, fault_text, packed
+from drivegate.containment.restarting import Restarter
 from drivegate.containment.shared_memory import SharedMemory
 from drivegate.containment.shared_progress import Activity, SharedProgress
 from drivegate_models.errors import InputError
@@ -66,6 +67,7 @@ class _Server:
         self._controller: Controller | None = None
         self._nameplate: Any = None
         self._exchange: Any = None
+        self._restarter: Restarter | None = None
 
     def serve(self) -> None:
         process = os.getpid()
@@ -160,6 +162,8 @@ class _Server:
         with self._progress.running():
             status, _ = loop(*pending.pop())
         steps = int(records.run["steps"][0])
+        if self._restarter is not None and self._restarter.failure is not None:
+            return self._not_restarted(self._restarter.failure, int(status), steps)
         if status == COMPLETED:
             return Reply(Ending.DONE, status, steps, check=check_of(records))
         return self._stopped(int(status), steps)
@@ -167,10 +171,12 @@ class _Server:
     def _made_ready(self, pending: list[Any], memory: SharedMemory) -> tuple[Callable[..., Any], Any]:
         """Exchange a pending order for the arguments of the compiled loop."""
         order: CloseLoop = pending.pop()
+        self._restarter = Restarter(self._instance, self._nameplate)
         prepared = order.prepare(
             *order.plant,
             **order.options,
             windows=[],
+            restarts=self._restarter.restarts(order.restart_steps),
             step_address=self._instance.step_address,
             state_address=self._instance.state_address,
             progress=self._progress.steps,
@@ -203,6 +209,11 @@ class _Server:
             )
         self._progress.steps[0] = 0
         pending.append((self._exchange._replace(kept=memory.commands()), order.senses))
+
+    def _not_restarted(self, failure: BaseException, status: int, steps: int) -> Reply:
+        """Answer for a run that ended since the instance could not be reset in the middle of it."""
+        fault = failure.fault if isinstance(failure, CandidateFault) else exception_fault(failure, "reset")
+        return Reply(Ending.FAULT, status, steps, text=fault_text(fault))
 
     def _stopped(self, status: int, steps: int) -> Reply:
         """Answer for a run that ended before its end: with the fault, if the controller itself knows it."""

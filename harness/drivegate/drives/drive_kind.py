@@ -92,6 +92,8 @@ class DriveKind:
         From a motor, and the speeds that a candidate is made for, to the scenarios that every check runs first.
     drawn_scenarios : callable
         From the same, and the number of a group of families or None for all of them, to what is searched.
+    joint_scenarios : callable
+        From the same, a seed, and the number of a part and of all parts, to fair scenarios of joint changes.
     unfair_because : callable
         From a scenario to the reason why no controller could do what it requires; None where one could.
     """
@@ -106,6 +108,7 @@ class DriveKind:
     checks: Callable[[], tuple[Check, ...]]
     fixed_scenarios: Callable[[Motor, SpeedRange | None], tuple[Scenario, ...]]
     drawn_scenarios: Callable[[Motor, SpeedRange | None, int | None], SearchStrategy[Scenario]]
+    joint_scenarios: Callable[[Motor, SpeedRange | None, int, int, int], tuple[Scenario, ...]]
     unfair_because: Callable[[Scenario], str | None]
 
     def is_fair(self, scenario: Scenario) -> bool:

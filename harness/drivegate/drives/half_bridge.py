@@ -75,6 +75,14 @@ def _drawn_scenarios(
     return drawn_scenarios(motor, speed_range, group)
 
 
+def _joint_scenarios(
+    motor: Motor, speed_range: SpeedRange | None, seed: int, part: int, parts: int
+) -> tuple[Scenario, ...]:
+    from drivegate.scenarios.combined import combined_scenarios
+
+    return combined_scenarios(motor, speed_range, seed, part, parts)
+
+
 def _unfair_because(scenario: Scenario) -> str | None:
     from drivegate.scenarios.feasibility import unfair_because
 
@@ -92,6 +100,7 @@ HALF_BRIDGE: Final = DriveKind(
     checks=_checks,
     fixed_scenarios=_fixed_scenarios,
     drawn_scenarios=_drawn_scenarios,
+    joint_scenarios=_joint_scenarios,
     unfair_because=_unfair_because,
 )
 """The drive of the paper."""

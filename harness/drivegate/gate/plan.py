@@ -14,10 +14,12 @@ from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.drive_kind import DriveKind
 from drivegate.drives.kinds import DEFAULT_KIND
+from drivegate.gate.joint_runs import JointRuns, run_joint
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.baseline import Baseline, scenario_key
 from drivegate.results.counterexample import Counterexample
+from drivegate.scenarios.covering import covering_rows
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
@@ -26,6 +28,8 @@ EXAMPLES: Final = {"quick": 4, "default": 36, "nightly": 400}
 """Scenarios drawn in each shard, by effort."""
 SHARDS: Final = 8
 """Number of seeded shards, whatever the number of workers."""
+JOINT: Final = {"quick": 0, "default": 1, "nightly": 5}
+"""Times that the runs of joint changes are drawn, by effort."""
 SCRIPTS: Final = {"quick": 10, "default": 60, "nightly": 600}
 """Scripts drawn for a candidate of the profile `flowchart`, by effort."""
 NOTHING_DECLARED: Final = Declaration()
@@ -94,6 +98,7 @@ def planned_work(
             Work(Job(run_drawn, drawn), examples, f"shard {number}", Origin.DRAWN)
             for number, drawn in enumerate(shards, start=1)
         ),
+        *_joint(kind.default_motor, seed, JOINT[effort]),
         # Last, so that fewer processes are at work beside it.
         Work(Job(time_steps, TimedSteps(fixed[0])), 1, fixed[0].name, Origin.TIMED),
     ]
@@ -119,6 +124,21 @@ def _scripts(motor_name: str, declaration: Declaration, seed: int, examples: int
     count = len(fixed_scripts(motor, declaration.flowchart, speed)) + examples
     job = Job(run_scripts, ScriptRuns(motor_name, seed, examples))
     return [Work(job, count, "scripts", Origin.SCRIPTS)]
+
+
+def _joint(motor_name: str, seed: int, times: int) -> list[Work]:
+    """Plan runs of joint changes, all parts of every pass over the covering array."""
+    most = -(-len(covering_rows()) // SHARDS) + 1
+    return [
+        Work(
+            Job(run_joint, JointRuns(motor_name, seed * times + number, part, SHARDS)),
+            most,
+            f"joint {number * SHARDS + part + 1}",
+            Origin.DRAWN,
+        )
+        for number in range(times)
+        for part in range(SHARDS)
+    ]
 
 
 def _as_they_are(scenarios: tuple[Scenario, ...], origin: Origin, *, repeat: bool = False) -> Work:

@@ -57,7 +57,7 @@ class SteadyWindow:
 
     @property
     def is_after_change(self) -> bool:
-        """Whether load, speed reference, supply, plant or sensors have changed before."""
+        """Whether anything has changed before, or the controller has been restarted."""
         return is_after_change(self.scenario, self.dwell)
 
     @property

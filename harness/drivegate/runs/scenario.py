@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeAlias
@@ -12,7 +13,10 @@ from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, refused_command
 from drivegate.containment.contained_controller import ContainedController, PlayedCommands
 from drivegate.containment.messages import AnyController
+from drivegate.containment.orders import CloseLoop
+from drivegate.containment.restarting import Restarter
 from drivegate.scenarios.windows import observed_windows
+from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.load import (
     GRAVITY,
     ConstantPowerLoad,
@@ -87,11 +91,14 @@ def _course(profile: Profile, unit: float = 1.0) -> Course:
 def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     """Make the sensors of a scenario, as at its start."""
     dropouts = np.array(
-        [(_SIGNALS[lost.signal], lost.start_s, lost.end_s) for lost in scenario.dropouts], np.float64
+        [(_signal(lost), lost.start_s, lost.end_s) for lost in scenario.dropouts], np.float64
     ).reshape(-1, 3)
+    gains, offsets = np.ones(scenario.motor.phases), np.zeros(scenario.motor.phases)
+    for error in scenario.current_errors:
+        gains[error.phase - 1], offsets[error.phase - 1] = error.gain, error.offset_a
     given = scenario.sensors
     if isinstance(given, IdealSensors):
-        return sensors.ideal_sensors(scenario.motor.phases, dropouts)
+        return sensors.ideal_sensors(scenario.motor.phases, dropouts, gains, offsets)
     glitches = np.array([(glitch.time_s, glitch.counts) for glitch in scenario.glitches], np.float64)
     return sensors.real_sensors(
         scenario.motor.phases,
@@ -110,7 +117,14 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
         seed=scenario.seed,
         dropouts=dropouts,
         glitches=glitches.reshape(-1, 2),
+        gains=gains,
+        offsets=offsets,
     )
+
+
+def _signal(lost: Dropout) -> int:
+    """Number the signal that is lost."""
+    return _SIGNALS[lost.signal] if lost.phase is None else sensors.FIRST_PHASE + lost.phase - 1
 
 
 def run_in_closed_loop(
@@ -134,24 +148,33 @@ def run_in_closed_loop(
         "base_speed": nameplate.base_speed,
         "control_period": scenario.control_period_s,
         "duration": scenario.duration_s,
+        "initial_angle": math.radians(scenario.initial_angle_deg),
+        "clock_start": scenario.clock_start_s,
         "sensors": plant_sensors(scenario),
     }
+    restarts = [round(time / scenario.control_period_s) for time in scenario.restarts_s]
     controller.reset(nameplate)
     if isinstance(controller, ContainedController):
-        by_address: Controller = controller.run(prepare, plant, options, scenario.control_periods)
+        by_address: Controller = controller.run(
+            CloseLoop(prepare, plant, options, restarts), scenario.control_periods
+        )
     else:
         by_address = controller
     stepped = by_address if wrap is None else wrap(by_address)
+    restarter = Restarter(stepped, nameplate)
     prepared = prepare(
         *plant,
         **options,
         step_address=stepped.step_address,
         state_address=stepped.state_address,
+        restarts=restarter.restarts(restarts),
         windows=observed_windows(scenario),
         power_window=power_window,
         trace_every=trace_every,
     )
     run = prepared.run()
+    if restarter.failure is not None:
+        raise restarter.failure
     if run.status != COMPLETED:
         _raise_ending(run, by_address)
     if isinstance(by_address, PlayedCommands) and (fault := by_address.disturbed(prepared)) is not None:

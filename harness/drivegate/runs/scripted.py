@@ -33,12 +33,17 @@ class GivenSteps:
         self._steps = 0
         self.last_answers: NDArray[np.float64] = np.empty((0, len(OUTPUTS)))
         self._exchange: Exchange | None = None
-        controller.reset(nameplate)
-        if not isinstance(controller, ContainedController):
+        self._nameplate = nameplate
+        self.restart()
+
+    def restart(self) -> None:
+        """Reset the controller; the steps go on."""
+        self._controller.reset(self._nameplate)
+        if not isinstance(self._controller, ContainedController):
             self._exchange = make_exchange(
-                nameplate.phases,
-                step_address=controller.step_address,
-                state_address=controller.state_address,
+                self._nameplate.phases,
+                step_address=self._controller.step_address,
+                state_address=self._controller.state_address,
             )
 
     def answers(self, senses: NDArray[np.float64]) -> NDArray[np.float64]:

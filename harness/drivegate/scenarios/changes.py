@@ -7,13 +7,17 @@ from typing import Any
 
 from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S, tidy
 from drivegate.scenarios.title import titled
-from drivegate_cases.scenario.disturbance import Drift, Dropout, Glitch
+from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
 from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 
 CHANGE_S = 10.0
 """Time of a change after a candidate's search that has converged (s)."""
+
+
+TWENTY = 20
+"""Number of times that something happens that is repeated (1)."""
 
 
 def stepped(before: float, after: float, at_s: float, *, over_s: float = 0.0) -> Profile:
@@ -27,6 +31,23 @@ def pulsed(before: float, during: float, at_s: float, lasts_s: float) -> Profile
     return ((0.0, before), (at_s, before), (at_s, during), (back, during), (back, before))
 
 
+def repeated(
+    before: float, during: float, at_s: float, *, times: int = TWENTY, every_s: float = 0.4
+) -> Profile:
+    """Make a profile that changes and comes back again and again, half of the time each."""
+    points = [(0.0, before)]
+    for number in range(times):
+        begin = tidy(at_s + number * every_s)
+        back = tidy(begin + 0.5 * every_s)
+        points += [(begin, before), (begin, during), (back, during), (back, before)]
+    return tuple(points)
+
+
+def moments(at_s: float, *, times: int = TWENTY, every_s: float = 0.4) -> tuple[float, ...]:
+    """List the times of something that happens again and again."""
+    return tuple(tidy(at_s + number * every_s) for number in range(times))
+
+
 def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scenario:
     """Step a switched load."""
     load = scenario.load
@@ -37,6 +58,13 @@ def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scena
         factor += [(time, factor[-1][1]), (time, following)]
     stepped_load = load.model_copy(update={"factor": tuple(factor)})
     return _with_change(scenario, factor[-1][0], load=stepped_load)
+
+
+def with_load_factor(scenario: Scenario, factor: Profile) -> Scenario:
+    """Let a switched load follow a course of shares."""
+    load = scenario.load
+    assert not isinstance(load, (LockedLoad, VehicleLoad)), "only a switched load has shares"
+    return _with_change(scenario, factor[-1][0], load=load.model_copy(update={"factor": factor}))
 
 
 def with_speed(scenario: Scenario, profile: Profile) -> Scenario:
@@ -61,9 +89,29 @@ def with_mcs96(scenario: Scenario, seed: int) -> Scenario:
     return titled(scenario.replaced(sensors="mcs96", seed=seed))
 
 
-def with_dropout(scenario: Scenario, signal: str, at_s: float, lasts_s: float) -> Scenario:
-    """Lose a sensor's signal for a moment."""
-    lost = Dropout.model_validate({"signal": signal, "start_s": at_s, "duration_s": lasts_s})
+def with_beginning(scenario: Scenario, **changes: float) -> Scenario:
+    """Change control period, clock or rotor angle at the start."""
+    return titled(scenario.replaced(**changes))
+
+
+def with_restarts(scenario: Scenario, *times_s: float) -> Scenario:
+    """Reset the controller while the drive runs on."""
+    return _with_change(scenario, times_s[-1], restarts_s=(*scenario.restarts_s, *times_s))
+
+
+def with_current_error(
+    scenario: Scenario, phase: int, *, gain: float = 1.0, offset_a: float = 0.0
+) -> Scenario:
+    """Let the current sensor of one phase be wrong."""
+    error = CurrentError(phase=phase, gain=gain, offset_a=offset_a)
+    return titled(scenario.replaced(current_errors=(*scenario.current_errors, error)))
+
+
+def with_dropout(
+    scenario: Scenario, signal: str, at_s: float, lasts_s: float, *, phase: int | None = None
+) -> Scenario:
+    """Lose a sensor's signal for a moment, or that of one phase alone."""
+    lost = Dropout.model_validate({"signal": signal, "phase": phase, "start_s": at_s, "duration_s": lasts_s})
     return _with_change(scenario, lost.end_s, dropouts=(*scenario.dropouts, lost))
 
 

@@ -1,15 +1,17 @@
 """What a drive can do at all: the rules for scenarios that a candidate may fairly be judged on.
 
 There is no braking, since a current reference is never negative: a reference may fall no faster than the
-shaft coasts. Below base speed there is no advance, so that a load could not be driven from there, nor may a step
-of the load throw the shaft there before any controller can answer. And at every operating point some advance angle
-must give the torque; of a load of constant power, whose torque grows as the speed sags, also a little below it.
+shaft coasts. Below base speed there is no advance, so that a load there must be within what an angle of zero gives,
+also where the reference rises through base speed; nor may a step of a load that needs an angle, or a restart under it,
+throw the shaft there before any controller can answer. And at every operating point some advance angle must give the
+torque; of a load of constant power, whose torque grows as the speed sags, also a little below it.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
@@ -73,26 +75,42 @@ def coasts(scenario: Scenario) -> bool:
     return True
 
 
-def is_fast_while_loaded(scenario: Scenario) -> bool:
-    """Tell whether the speed reference stays at or above base speed wherever there is a load."""
+def is_driven_without_advance(scenario: Scenario) -> bool:
+    """Tell whether an angle of zero gives the torque wherever the reference is, or rises from, below base speed."""
     if isinstance(scenario.load, LockedLoad):
         return True
     base = scenario.motor.base_speed_rpm
-    ends = [end for stretch in _stretches(scenario) for end in (stretch.first, stretch.last)]
-    return all(end.speed_rpm >= base or dwell_torque(scenario, end) <= 0.0 for end in ends)
+    return all(
+        _reaches(scenario, conditions, accelerating, without_advance=True)
+        for conditions, accelerating in _demands(scenario)
+        if conditions.speed_rpm < base
+    )
 
 
 def withstands_steps(scenario: Scenario) -> bool:
-    """Tell whether no step of the load takes the shaft below base speed before a controller can answer."""
-    inertia = scenario.nameplate().inertia
+    """Tell whether no load that comes at once takes the shaft below base speed before a controller can answer.
+
+    To a controller that is restarted the whole load comes at once.
+    """
+    if isinstance(scenario.load, LockedLoad):
+        return True
+    steps = [(stretch.first, stretch.last) for stretch in _stretches(scenario) if stretch.duration == 0.0]
+    added = [(first, _torque_added(scenario, first, last)) for first, last in steps]
+    for time in scenario.restarts_s:
+        running = _conditions(scenario, time, value_from)
+        added.append((running, dwell_torque(scenario, running)))
+    return all(_stays_fast(scenario, conditions, torque) for conditions, torque in added)
+
+
+def _torque_added(scenario: Scenario, first: Dwell, last: Dwell) -> float:
+    return dwell_torque(scenario, last) - dwell_torque(scenario, first)
+
+
+def _stays_fast(scenario: Scenario, conditions: Dwell, torque: float) -> bool:
+    """Tell whether a torque that nothing answers for a moment leaves the shaft above base speed."""
     base = scenario.motor.base_speed_rpm * RADIANS_PER_RPM
-    for stretch in _stretches(scenario):
-        if stretch.duration > 0.0 or stretch.first.speed_rpm <= scenario.motor.base_speed_rpm:
-            continue
-        added = dwell_torque(scenario, stretch.last) - dwell_torque(scenario, stretch.first)
-        if stretch.first.speed_rpm * RADIANS_PER_RPM - added * REACTION_S / inertia <= base:
-            return False
-    return True
+    speed = conditions.speed_rpm * RADIANS_PER_RPM
+    return speed <= base or speed - torque * REACTION_S / scenario.nameplate().inertia > base
 
 
 def is_fair(scenario: Scenario) -> bool:
@@ -104,10 +122,10 @@ def unfair_because(scenario: Scenario) -> str | None:
     """Tell why a candidate may not be judged on a scenario."""
     if scenario.initial_speed_rpm != scenario.speed_rpm[0][1]:
         return "it does not start at its speed reference"
-    if not is_fast_while_loaded(scenario):
-        return "it requires a load below base speed"
+    if not is_driven_without_advance(scenario):
+        return "it requires a load below base speed that no controller can drive without advance"
     if not withstands_steps(scenario):
-        return "a step of the load throws the shaft below base speed before a controller can answer"
+        return "a step of the load, or a restart, throws the shaft below base speed before a controller can answer"
     if not coasts(scenario):
         return "its speed reference falls faster than the shaft coasts, and there is no braking"
     if not is_feasible(scenario):
@@ -151,9 +169,17 @@ def _demands(scenario: Scenario) -> Iterator[tuple[Dwell, float]]:
         accelerating = inertia * max(rise, 0.0) / (stretch.duration or STEP_ACCELERATION_S)
         yield stretch.first, accelerating
         yield stretch.last, accelerating
+        base = scenario.motor.base_speed_rpm
+        if stretch.first.speed_rpm < base <= stretch.last.speed_rpm:
+            # The heaviest on the way up is where the advance is about to begin.
+            below = math.nextafter(base, 0.0)
+            yield replace(stretch.first, speed_rpm=below), accelerating
+            yield replace(stretch.last, speed_rpm=below), accelerating
 
 
-def _reaches(scenario: Scenario, conditions: Dwell, accelerating: float) -> bool:
+def _reaches(
+    scenario: Scenario, conditions: Dwell, accelerating: float, *, without_advance: bool = False
+) -> bool:
     load = dwell_torque(scenario, conditions)
     speed = conditions.speed_rpm * RADIANS_PER_RPM
     if load == 0.0 or speed == 0.0:
@@ -165,15 +191,15 @@ def _reaches(scenario: Scenario, conditions: Dwell, accelerating: float) -> bool
         # A vehicle that runs downhill by itself would have to be braked.
         return False
     voltage = conditions.supply_v * (1.0 - abs(conditions.imbalance))
-    if not _has_angle(scenario.motor, scales, speed, held + accelerating, voltage):
+    edge = _edge(scenario.motor, scales, speed, held + accelerating, voltage)
+    if not math.isfinite(edge) or (without_advance and edge > 0.0):
         return False
     is_nominal = scales == NOMINAL and voltage >= scenario.motor.supply_voltage_v
     if is_nominal or not isinstance(scenario.load, ConstantPowerLoad):
         return True
     sagged = 1.0 - SPEED_RESERVE
-    return _has_angle(
-        scenario.motor, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage
-    )
+    edge = _edge(scenario.motor, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
+    return math.isfinite(edge) and not (without_advance and edge > 0.0)
 
 
 def _drag(scenario: Scenario, conditions: Dwell) -> float:
@@ -207,5 +233,6 @@ def _drive(motor: Motor, scales: Scales) -> Drive:
 
 
 @lru_cache(maxsize=_KEPT_POINTS)
-def _has_angle(motor: Motor, scales: Scales, speed: float, torque: float, voltage: float) -> bool:
-    return math.isfinite(feasible_edge(_drive(motor, scales), speed, torque, voltage))
+def _edge(motor: Motor, scales: Scales, speed: float, torque: float, voltage: float) -> float:
+    """Find the smallest angle that gives a torque; NaN where none does."""
+    return feasible_edge(_drive(motor, scales), speed, torque, voltage)

@@ -20,7 +20,7 @@ from drivegate_cases.scenario.load import (
     VehicleLoad,
 )
 from drivegate_cases.scenario.profile import dwell_torque, dwells
-from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_cases.scenario.sensors import IDEAL, MCS96
 from drivegate_models.errors import InputError
 
@@ -40,6 +40,14 @@ _GRAINS: Final[dict[Quantity, tuple[float, ...]]] = {
     "imbalance": (0.05, 0.01),
     "resistance": (0.5, 0.1, 0.05),
     "emf_constant": (0.05, 0.01),
+}
+
+
+_FAILURES: Final = ("dropouts", "glitches", "restarts_s", "current_errors")
+_BEGINNING: Final[Fields] = {
+    "control_period_s": LONGEST_CONTROL_PERIOD_S,
+    "clock_start_s": 0.0,
+    "initial_angle_deg": 0.0,
 }
 
 
@@ -99,10 +107,22 @@ def _plain_speed(scenario: Scenario) -> Iterator[Fields]:
 
 
 def _fewer_failures(scenario: Scenario) -> Iterator[Fields]:
-    yield {"dropouts": (), "glitches": ()}
-    for key, failures in (("dropouts", scenario.dropouts), ("glitches", scenario.glitches)):
+    yield dict.fromkeys(_FAILURES, ())
+    for key in _FAILURES:
+        failures = getattr(scenario, key)
+        yield {key: ()}
+        yield {key: failures[: len(failures) // 2]}
+        yield {key: failures[len(failures) // 2 :]}
         for index in range(len(failures)):
             yield {key: failures[:index] + failures[index + 1 :]}
+
+
+def _plainer_beginning(scenario: Scenario) -> Iterator[Fields]:
+    """Begin as every plain run does, and step as rarely as may be."""
+    given = {key: value for key, value in _BEGINNING.items() if getattr(scenario, key) != value}
+    yield given
+    for key, value in given.items():
+        yield {key: value}
 
 
 def _plainer_sensors(scenario: Scenario) -> Iterator[Fields]:
@@ -179,6 +199,7 @@ def _until(scenario: Scenario, end: float) -> Fields:
         shorter = shorter.model_copy(update=changed)
     fields["dropouts"] = tuple(dropout for dropout in scenario.dropouts if dropout.end_s <= end)
     fields["glitches"] = tuple(glitch for glitch in scenario.glitches if glitch.time_s <= end)
+    fields["restarts_s"] = tuple(time for time in scenario.restarts_s if time <= end)
     return fields
 
 
@@ -210,6 +231,7 @@ def _rounder_times(scenario: Scenario) -> Iterator[Fields]:
         fields["glitches"] = tuple(
             glitch.model_copy(update={"time_s": rounded(glitch.time_s)}) for glitch in scenario.glitches
         )
+        fields["restarts_s"] = tuple(sorted({rounded(time) for time in scenario.restarts_s}))
         yield fields
 
 
@@ -239,6 +261,18 @@ def _rounder_failures(scenario: Scenario) -> Iterator[Fields]:
         lasting = [max(grain, _to(grain)(dropout.duration_s)) for dropout in scenario.dropouts]
         pairs = zip(scenario.dropouts, lasting, strict=True)
         yield {"dropouts": tuple(old.model_copy(update={"duration_s": time}) for old, time in pairs)}
+    for gain_grain, offset_grain in ((0.5, 1.0), (0.1, 0.5), (0.05, 0.1)):
+        yield {
+            "current_errors": tuple(
+                error.model_copy(
+                    update={
+                        "gain": _to(gain_grain)(error.gain),
+                        "offset_a": _to(offset_grain)(error.offset_a),
+                    }
+                )
+                for error in scenario.current_errors
+            )
+        }
     for count in (50, 10, 5, 1):
         signs = [count if glitch.counts > 0 else -count for glitch in scenario.glitches]
         edges = zip(scenario.glitches, signs, strict=True)
@@ -253,6 +287,7 @@ def _to(grain: float) -> Callable[[float], float]:
 SIMPLIFICATIONS: Final[tuple[Simplification, ...]] = (
     _plain_but_for_one,
     _fewer_failures,
+    _plainer_beginning,
     _without_disturbance,
     _plainer_sensors,
     _nominal_parameters,

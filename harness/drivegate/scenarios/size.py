@@ -8,9 +8,16 @@ from typing import Any, Final
 
 from drivegate.scenarios.facts import facts_of
 from drivegate_cases.motor.scales import NOMINAL
+from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S
 from drivegate_cases.scenario.sensors import IDEAL, MCS96
 
 _FACT, _FAILURE, _PARAMETER, _POINT, _LOAD, _SEED, _DIGIT = 1500, 2000, 1000, 300, 100, 20, 5
+_FAILURES: Final = ("dropouts", "glitches", "current_errors", "restarts_s")
+_PLAIN: Final = {
+    "control_period_s": LONGEST_CONTROL_PERIOD_S,
+    "clock_start_s": 0.0,
+    "initial_angle_deg": 0.0,
+}
 _LOAD_KINDS: Final = {"locked": 0, "constant_torque": 0, "constant_power": 1, "fan": 2, "vehicle": 4}
 
 
@@ -18,7 +25,8 @@ def size_of(scenario: Mapping[str, Any]) -> int:
     """Measure how complicated a scenario is."""
     if scenario.get("kind") == "script":
         return _leaves(scenario)
-    failures = len(scenario.get("dropouts", ())) + len(scenario.get("glitches", ()))
+    failures = sum(len(scenario.get(key, ())) for key in _FAILURES)
+    moved = sum(scenario.get(key, plain) != plain for key, plain in _PLAIN.items())
     load = scenario["load"]
     profiles = [
         scenario["speed_rpm"],
@@ -29,8 +37,11 @@ def size_of(scenario: Mapping[str, Any]) -> int:
     ]
     numbers = [number for profile in profiles for point in profile for number in point]
     numbers += [value for key, value in load.items() if isinstance(value, float)]
-    for failure in (*scenario.get("dropouts", ()), *scenario.get("glitches", ())):
-        numbers += [value for value in failure.values() if not isinstance(value, str)]
+    for key in ("dropouts", "glitches", "current_errors"):
+        for failure in scenario.get(key, ()):
+            numbers += [value for value in failure.values() if not isinstance(value, str)]
+    numbers += scenario.get("restarts_s", ())
+    numbers += [scenario[key] for key in _PLAIN if key in scenario]
     scales = scenario.get("scales", {})
     numbers += scales.values()
     parts = (
@@ -38,6 +49,7 @@ def size_of(scenario: Mapping[str, Any]) -> int:
         _FAILURE * (failures + len(scenario.get("drift") or {}) + ("imbalance" in scenario)),
         _PARAMETER * len([key for key, value in scales.items() if value != getattr(NOMINAL, key)]),
         _sensor_size(scenario.get("sensors", "ideal")),
+        _PARAMETER * moved,
         _SEED * (scenario.get("seed", 0) != 0),
         _POINT * sum(map(len, profiles)),
         _LOAD * _LOAD_KINDS[load["kind"]],

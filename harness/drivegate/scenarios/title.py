@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import NamedTuple
 
+from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
     ConstantTorqueLoad,
@@ -13,7 +14,7 @@ from drivegate_cases.scenario.load import (
     VehicleLoad,
 )
 from drivegate_cases.scenario.piecewise import Profile
-from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 
 _LONGEST_NAME = 200
 _LONGEST_DESCRIPTION = 2000
@@ -34,7 +35,9 @@ def titled(scenario: Scenario) -> Scenario:
         *_supply(scenario),
         *_parameters(scenario),
         *_sensors(scenario),
+        *_current_errors(scenario),
         *_failures(scenario),
+        *_beginning(scenario),
     ]
     sentence = "; ".join(trait.words for trait in traits)
     return scenario.model_copy(
@@ -154,11 +157,41 @@ def _sensors(scenario: Scenario) -> list[_Trait]:
     return [_Trait(kind, f"{kind} sensors, seed {scenario.seed}")]
 
 
+def _current_errors(scenario: Scenario) -> list[_Trait]:
+    traits = []
+    for error in scenario.current_errors:
+        sizes = [f"×{error.gain:.4g}"] if error.gain != 1.0 else []
+        sizes += [f"{error.offset_a:+.4g}A"] if error.offset_a else []
+        label, phase = "".join(sizes), f"phase {error.phase}"
+        traits.append(_Trait(f"phase{error.phase}{label}", f"current of {phase} shown as {' '.join(sizes)}"))
+    return traits
+
+
+def _beginning(scenario: Scenario) -> list[_Trait]:
+    """Tell how the run begins, how often the controller steps, and when it is restarted."""
+    traits = []
+    if (period := scenario.control_period_s) != LONGEST_CONTROL_PERIOD_S:
+        micros = f"{1e6 * period:.4g}"
+        traits.append(_Trait(f"every-{micros}us", f"a step every {micros} µs"))
+    if scenario.clock_start_s:
+        traits.append(
+            _Trait(f"clock-{scenario.clock_start_s:.7g}s", f"clock at {scenario.clock_start_s:.7g} s")
+        )
+    if scenario.initial_angle_deg:
+        degrees = f"{scenario.initial_angle_deg:.4g}"
+        traits.append(_Trait(f"rotor-{degrees}deg", f"rotor at {degrees}° at first"))
+    if scenario.restarts_s:
+        times = ", ".join(f"{time:.4g}" for time in scenario.restarts_s)
+        count = len(scenario.restarts_s)
+        traits.append(_Trait(f"restart×{count}" if count > 1 else "restart", f"restarted at {times} s"))
+    return traits
+
+
 def _failures(scenario: Scenario) -> list[_Trait]:
     lost = [
         _Trait(
-            f"{dropout.signal}-lost-{1000.0 * dropout.duration_s:.4g}ms",
-            f"{dropout.signal} lost for {1000.0 * dropout.duration_s:.4g} ms at {dropout.start_s:.4g} s",
+            f"{_lost(dropout)}-lost-{1000.0 * dropout.duration_s:.4g}ms".replace(" ", ""),
+            f"{_lost(dropout)} lost for {1000.0 * dropout.duration_s:.4g} ms at {dropout.start_s:.4g} s",
         )
         for dropout in scenario.dropouts
     ]
@@ -170,3 +203,7 @@ def _failures(scenario: Scenario) -> list[_Trait]:
         for glitch in scenario.glitches
     ]
     return lost + false_edges
+
+
+def _lost(dropout: Dropout) -> str:
+    return dropout.signal if dropout.phase is None else f"phase {dropout.phase}"

@@ -20,6 +20,7 @@ from drivegate_models.loop.observation import (
     RunObservation,
     WindowObservation,
 )
+from drivegate_models.loop.restarting import Restarts, no_restarts
 from drivegate_models.loop.schedule import Schedule
 from drivegate_models.loop.sensors import (
     Sensors,
@@ -149,6 +150,9 @@ def prepared_loop(
     control_period: float,
     duration: float,
     windows: list[tuple[float, float]],
+    initial_angle: float = 0.0,
+    clock_start: float = 0.0,
+    restarts: Restarts | None = None,
     sensors: Sensors | None = None,
     power_window: float = 0.0,
     progress: NDArray[np.int64] | None = None,
@@ -179,6 +183,12 @@ def prepared_loop(
         (s).
     windows : list of tuple of float
         Start and end of each observed window (s).
+    initial_angle : float
+        Electrical angle of the rotor at the start, 0 to 2 pi (rad).
+    clock_start : float
+        Time that the controller senses in the first step (s).
+    restarts : Restarts, optional
+        When the controller is reset in mid-run; never by default.
     sensors : Sensors, optional
         What the controller sees the plant through, made for this run; ideal by default.
     power_window : float
@@ -198,7 +208,12 @@ def prepared_loop(
     exchange = make_exchange(
         drive.phases, step_address=step_address, state_address=state_address, progress=progress, kept=kept
     )
-    timing = _timing(initial_speed, base_speed, control_period, duration, windows, trace_every)
+    timing = _timing(control_period, duration, windows, trace_every)._replace(
+        initial_speed=initial_speed,
+        initial_angle=initial_angle,
+        clock_start=clock_start,
+        base_speed=base_speed,
+    )
     traced = -(-timing.steps // trace_every) if trace_every > 0 else 0
     records = Records(
         observation.empty_run(),
@@ -216,6 +231,7 @@ def prepared_loop(
         schedule,
         ideal_sensors(drive.phases) if sensors is None else sensors,
         exchange,
+        no_restarts() if restarts is None else restarts,
         timing,
         records,
         _room(drive.phases, len(windows), round(power_window / control_period)),
@@ -224,14 +240,12 @@ def prepared_loop(
 
 
 def _timing(
-    initial_speed: float,
-    base_speed: float,
     control_period: float,
     duration: float,
     windows: list[tuple[float, float]],
     trace_every: int,
 ) -> Timing:
-    """Turn times into control periods."""
+    """Turn times into control periods; where the shaft and the clock begin is left at 0."""
     steps = [
         [round(time / control_period) for time in (start, end, max(start, end - observation.RIPPLE_TIME))]
         for start, end in windows
@@ -239,8 +253,10 @@ def _timing(
     return Timing(
         control_period,
         round(duration / control_period),
-        initial_speed,
-        base_speed,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
         max(round(observation.MEAN_TIME / control_period), 1),
         max(trace_every, 1),
         np.array(steps, np.int64).reshape(-1, 3),

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.loop.exchange import COMPLETED, Exchange, digested_command, step_controller
+from drivegate_models.loop.exchange import COMPLETED, Exchange, digested_command
 from drivegate_models.loop.observing import (
     Applied,
     observe_command,
@@ -20,6 +20,7 @@ from drivegate_models.loop.observing import (
     observe_window,
     write_trace,
 )
+from drivegate_models.loop.restarting import Restarts, step_or_restart, steps_since
 from drivegate_models.loop.ripple_watch import RippleWatch, fresh_watch, observe_ripple, widened_watch
 from drivegate_models.loop.schedule import Conditions, Schedule, conditions_at
 from drivegate_models.loop.sensors import (
@@ -73,6 +74,10 @@ class Timing(NamedTuple):
     control_period: float
     steps: int
     initial_speed: float
+    initial_angle: float
+    """Electrical angle of the rotor at the start (rad)."""
+    clock_start: float
+    """Time that the controller senses in the first step (s)."""
     base_speed: float
     block: int
     """Control periods over which the current sum is averaged."""
@@ -115,22 +120,22 @@ def _write_sense(
     sensors: Sensors,
     phases: Any,
     conditions: Conditions,
+    timing: Timing,
     time: float,
     speed: float,
     current_sum: float,
-    control_period: float,
 ) -> _Measured:
     """Write the Sense of a control period, and return what is in it."""
     measured_speed = shown_speed(sensors, time, speed)
     measured_supply = shown_supply(sensors, time, conditions.supply)
     measured_sum = show_currents(
-        sensors, time, phases.currents, phases.magnitudes, control_period, exchange.sensed_currents
+        sensors, time, phases.currents, phases.magnitudes, timing.control_period, exchange.sensed_currents
     )
-    if sensors.ideal and measured_sum > 0.0:
+    if sensors.ideal and not sensors.biased and measured_sum > 0.0:
         # The sum over the phases as the ledger has it, not the sum of its differences.
         measured_sum = current_sum
     sense = exchange.sense
-    sense[0].time = time
+    sense[0].time = timing.clock_start + time
     sense[0].speed_reference = conditions.speed_reference
     sense[0].speed = measured_speed
     sense[0].current_magnitude_sum = measured_sum
@@ -258,6 +263,7 @@ def loop_of(kernels: PlantKernels) -> Any:
         schedule: Schedule,
         sensors: Sensors,
         exchange: Exchange,
+        restarts: Restarts,
         timing: Timing,
         records: Records,
         room: Room,
@@ -268,10 +274,11 @@ def loop_of(kernels: PlantKernels) -> Any:
         inertia = drive.inertia + load.inertia
         stored = stored_energy(drive, phases.currents)
         speed = timing.initial_speed
-        angle = 0.0
+        angle = timing.initial_angle
         current_sum = 0.0
         digest = 0
         traced = 0
+        restarted = 0
         watch = fresh_watch(False)
         for k in range(timing.steps):
             time = k * length
@@ -279,13 +286,14 @@ def loop_of(kernels: PlantKernels) -> Any:
             plant = drifted(drive, conditions.resistance_factor, conditions.emf_factor)
             if load.kind == LOCKED:
                 speed = conditions.speed_reference
-            measured = _write_sense(exchange, sensors, phases, conditions, time, speed, current_sum, length)
-            status = step_controller(exchange, k)
+            measured = _write_sense(exchange, sensors, phases, conditions, timing, time, speed, current_sum)
+            status, restarted = step_or_restart(exchange, restarts, restarted, k)
             if status != COMPLETED:
                 observed.steps = k
                 return status, digest
             digest = digested_command(digest, exchange)
-            product = _mean_product(room.products, k, measured.supply * measured.current_sum)
+            since = steps_since(restarts, restarted, k)
+            product = _mean_product(room.products, since, measured.supply * measured.current_sum)
             _observe_answer(observed, exchange, time, measured, timing.base_speed, product)
             # The inverter keeps to its limits whatever it is commanded; the checks judge the command as it was.
             reference = min(max(exchange.command[0].current_reference, 0.0), drive.current_limit)

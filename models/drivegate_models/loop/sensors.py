@@ -22,6 +22,8 @@ CURRENTS: Final = 1
 """Signal that drops out: the phase currents and the sum of their magnitudes."""
 SUPPLY: Final = 2
 """Signal that drops out: the supply voltage."""
+FIRST_PHASE: Final = 3
+"""Signal that drops out: the current of the first phase alone; the other phases have the numbers after it."""
 
 _POSITION = 0
 _FALSE_COUNTS = 1
@@ -38,7 +40,9 @@ class Sensors(NamedTuple):
     """Constants of the sensors and what they remember; the arrays are updated in place."""
 
     ideal: bool
-    """Whether they show the plant as it is."""
+    """Whether they show the plant as it is, but for the errors of single phases."""
+    biased: bool
+    """Whether gains and offsets count, or the samples of single phases are lost."""
     edge_angle: float
     """Shaft angle between two edges of the encoder (rad)."""
     clock: float
@@ -73,8 +77,13 @@ class Sensors(NamedTuple):
     """Time (s) and number of edges of each burst of false edges, shape (g, 2)."""
 
 
-def ideal_sensors(phases: int, dropouts: NDArray[np.float64] | None = None) -> Sensors:
-    """Make sensors that show the plant as it is.
+def ideal_sensors(
+    phases: int,
+    dropouts: NDArray[np.float64] | None = None,
+    gains: NDArray[np.float64] | None = None,
+    offsets: NDArray[np.float64] | None = None,
+) -> Sensors:
+    """Make sensors that show the plant as it is, but for the errors that are given.
 
     Parameters
     ----------
@@ -82,14 +91,21 @@ def ideal_sensors(phases: int, dropouts: NDArray[np.float64] | None = None) -> S
         Number of phases.
     dropouts : ndarray, shape (d, 3), optional
         Signal, start and end (s) of each dropout.
+    gains, offsets : ndarray, shape (m,), optional
+        Gain (1) and offset (A) of each phase's current sensor.
 
     Returns
     -------
     Sensors
         The sensors.
     """
+    dropouts = np.zeros((0, 3)) if dropouts is None else dropouts
+    gains = np.ones(phases) if gains is None else gains
+    offsets = np.zeros(phases) if offsets is None else offsets
+    lost = bool((dropouts[:, 0] >= FIRST_PHASE).any())
     return Sensors(
         ideal=True,
+        biased=lost or bool((gains != 1.0).any() or (offsets != 0.0).any()),
         edge_angle=1.0,
         clock=1.0,
         current_step=0.0,
@@ -98,13 +114,13 @@ def ideal_sensors(phases: int, dropouts: NDArray[np.float64] | None = None) -> S
         voltage_step=0.0,
         voltage_range=np.inf,
         voltage_noise=0.0,
-        gains=np.ones(phases),
-        offsets=np.zeros(phases),
+        gains=gains,
+        offsets=offsets,
         counts=np.zeros(1, np.int64),
         ticks=np.zeros(1),
         memory=np.zeros(3),
         random=np.ones(1, np.int64),
-        dropouts=np.zeros((0, 3)) if dropouts is None else dropouts,
+        dropouts=dropouts,
         glitches=np.zeros((0, 2)),
     )
 
@@ -127,6 +143,8 @@ def real_sensors(
     seed: int,
     dropouts: NDArray[np.float64],
     glitches: NDArray[np.float64],
+    gains: NDArray[np.float64] | None = None,
+    offsets: NDArray[np.float64] | None = None,
 ) -> Sensors:
     """Make sensors with finite steps, errors and noise (paper, Fig. 8).
 
@@ -160,6 +178,8 @@ def real_sensors(
         Signal, start and end (s) of each dropout.
     glitches : ndarray, shape (g, 2)
         Time (s) and number of edges of each burst of false edges.
+    gains, offsets : ndarray, shape (m,), optional
+        Gain (1) and offset (A) that a phase's current sensor has besides those that are drawn.
 
     Returns
     -------
@@ -175,8 +195,11 @@ def real_sensors(
     whole = np.floor(positions)
     since = (positions - whole) * edge_angle / initial_speed if initial_speed > 0.0 else np.full(looks, 1.0)
     steps = 2**converter_bits
+    drawn_gains = 1.0 + current_gain_spread * generator.uniform(-1.0, 1.0, phases)
+    drawn_offsets = current_offset * generator.uniform(-1.0, 1.0, phases)
     return Sensors(
         ideal=False,
+        biased=True,
         edge_angle=edge_angle,
         clock=clock,
         current_step=2.0 * current_range / steps,
@@ -185,8 +208,8 @@ def real_sensors(
         voltage_step=voltage_range / steps,
         voltage_range=voltage_range,
         voltage_noise=voltage_noise,
-        gains=1.0 + current_gain_spread * generator.uniform(-1.0, 1.0, phases),
-        offsets=current_offset * generator.uniform(-1.0, 1.0, phases),
+        gains=drawn_gains if gains is None else gains * drawn_gains,
+        offsets=drawn_offsets if offsets is None else offsets + drawn_offsets,
         counts=whole.astype(np.int64),
         ticks=np.floor((times - since) / clock),
         memory=np.array([0.0, 0.0, initial_speed]),
@@ -223,7 +246,7 @@ def dropped(sensors: Sensors, signal: int, time: float) -> bool:
     sensors : Sensors
         The sensors.
     signal : int
-        `SPEED`, `CURRENTS` or `SUPPLY`.
+        `SPEED`, `CURRENTS`, `SUPPLY`, or `FIRST_PHASE` and up.
     time : float
         Time (s).
 
@@ -328,21 +351,24 @@ def show_currents(
     total = 0.0
     lost = dropped(sensors, CURRENTS, time)
     for phase in range(currents.size):
-        if lost:
+        if lost or dropped(sensors, FIRST_PHASE + phase, time):
             shown[phase] = 0.0
             continue
         current = currents[phase]
         mean = magnitudes[phase] / period
-        if not sensors.ideal:
+        if sensors.biased:
             gain = sensors.gains[phase]
             offset = sensors.offsets[phase]
-            step = sensors.current_step
-            greatest = sensors.current_range
             # The sensor sees the signed current, and only then is its magnitude taken.
             signed_offset = -offset if current < 0.0 else offset
-            noisy = abs(gain * mean + signed_offset) + sensors.current_noise * _noise(sensors.random)
+            mean = abs(gain * mean + signed_offset)
+            current = gain * current + offset
+        if not sensors.ideal:
+            step = sensors.current_step
+            greatest = sensors.current_range
+            noisy = mean + sensors.current_noise * _noise(sensors.random)
             mean = _converted(noisy, step, 0.0, greatest)
-            noisy = gain * current + offset + sensors.current_noise * _noise(sensors.random)
+            noisy = current + sensors.current_noise * _noise(sensors.random)
             current = _converted(noisy, step, -greatest, greatest)
         shown[phase] = current
         total += mean

@@ -10,7 +10,7 @@ class Circumstance(Enum):
     """Circumstances of a run; the later ones include what is before them."""
 
     NOMINAL = "nominal"
-    """The nominal plant through ideal sensors; load, speed reference and supply may change."""
+    """The nominal plant through ideal sensors; load, speed reference and supply may change, the controller restart."""
     PARAMETERS = "parameters"
     """A plant whose parameters are not the nameplate's."""
     SENSORS = "sensors"
@@ -23,7 +23,7 @@ def circumstance(scenario: Scenario) -> Circumstance:
     """State what is not nominal about a run."""
     if scenario.drift or scenario.imbalance or scenario.dropouts or scenario.glitches:
         return Circumstance.FAULTS
-    if scenario.sensors.kind != "ideal":
+    if scenario.sensors.kind != "ideal" or scenario.current_errors:
         return Circumstance.SENSORS
     if scenario.scales != NOMINAL:
         return Circumstance.PARAMETERS

@@ -54,7 +54,10 @@ def profile_arrays(points: Profile) -> tuple[NDArray[np.float64], NDArray[np.flo
 
 
 def dwells(scenario: Scenario) -> tuple[Dwell, ...]:
-    """Find the stretches of a scenario in which reference, load, supply, plant and sensors are all constant."""
+    """Find the stretches of a scenario in which reference, load, supply, plant and sensors are all constant.
+
+    A restart of the controller ends one, as an event that is over at once.
+    """
     profiles = (
         scenario.speed_rpm,
         scenario.load_profile,
@@ -65,6 +68,7 @@ def dwells(scenario: Scenario) -> tuple[Dwell, ...]:
     )
     failures = [(dropout.start_s, dropout.end_s) for dropout in scenario.dropouts]
     failures += [(glitch.time_s, glitch.time_s) for glitch in scenario.glitches]
+    failures += [(time, time) for time in scenario.restarts_s]
     # A failure begins at the first of its two points and is over at the second.
     events: tuple[Profile, ...] = tuple(((start, 0.0), (end, 0.0)) for start, end in failures)
     interruptions = {end for _, end in failures}
@@ -113,8 +117,9 @@ def dwell_scales(scenario: Scenario, dwell: Dwell) -> Scales:
 
 
 def is_after_change(scenario: Scenario, dwell: Dwell) -> bool:
-    """Return whether load, speed reference, supply, plant or sensors have changed before a stretch."""
+    """Return whether anything has changed before a stretch, or the controller has been restarted."""
     earlier = [other for other in dwells(scenario) if other.start < dwell.start]
     failed = any(dropout.start_s < dwell.start for dropout in scenario.dropouts)
+    failed |= any(time <= dwell.start for time in scenario.restarts_s)
     failed |= any(glitch.time_s <= dwell.start for glitch in scenario.glitches)
     return failed or any(dwell_torque(scenario, other) > 0.0 for other in earlier)

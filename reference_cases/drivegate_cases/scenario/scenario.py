@@ -1,6 +1,7 @@
 """A run as plain data: motor, plant, supply, speed reference, load, duration and seed."""
 
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
@@ -10,7 +11,7 @@ from drivegate_cases.documents.document import Document
 from drivegate_cases.documents.packaged import load_named, packaged_names
 from drivegate_cases.motor.motor import Motor, load_motor
 from drivegate_cases.motor.scales import Scales
-from drivegate_cases.scenario.disturbance import Drift, Dropout, Glitch
+from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
 from drivegate_cases.scenario.load import ConstantPowerLoad, Load, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, check_times, value_from, value_until
 from drivegate_cases.scenario.sensors import IDEAL, Sensors
@@ -22,6 +23,7 @@ SHORTEST_CONTROL_PERIOD_S = 1e-6
 _HIGHEST_SPEED_RPM = 1e6
 _HIGHEST_VOLTAGE_V = 1e5
 _GREATEST_IMBALANCE = 0.5
+_LATEST_START_S = 1e7
 _STEADY: Profile = ((0.0, 1.0),)
 
 
@@ -61,6 +63,19 @@ class Scenario(Document):
         le=_HIGHEST_SPEED_RPM,
         description="speed of the shaft at time 0, by default the first reference",
     )
+    initial_angle_deg: float = Field(
+        default=0.0, ge=0.0, lt=360.0, description="electrical angle of the rotor at time 0, in degrees"
+    )
+    clock_start_s: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=_LATEST_START_S,
+        description="what the controller's clock shows at time 0, in seconds",
+    )
+    restarts_s: tuple[float, ...] = Field(
+        default=(),
+        description="list of times at which the controller is reset while the drive runs on, in seconds",
+    )
     speed_rpm: Profile = Field(description="speed reference, a list of [time in seconds, speed in rpm]")
     supply_v: Profile | None = Field(
         default=None,
@@ -70,6 +85,9 @@ class Scenario(Document):
     sensors: Sensors = Field(
         default=IDEAL,
         description="sensors between plant and controller: the name of a kind, or a table of its keys",
+    )
+    current_errors: tuple[CurrentError, ...] = Field(
+        default=(), description="list of tables of current sensors that are wrong, one a phase"
     )
     imbalance: Profile | None = Field(
         default=None,
@@ -91,6 +109,13 @@ class Scenario(Document):
                 return {**values, "initial_speed_rpm": first}
         # The profile itself is refused, and reported, where it has no valid first speed.
         return {**values, "initial_speed_rpm": 0.0}
+
+    @field_validator("restarts_s")
+    @classmethod
+    def _restarts_in_order(cls, times: tuple[float, ...]) -> tuple[float, ...]:
+        if any(time <= 0.0 for time in times) or any(b <= a for a, b in pairwise(times)):
+            raise ValueError("must have times above 0 that increase")
+        return times
 
     @field_validator("speed_rpm")
     @classmethod
@@ -123,6 +148,7 @@ class Scenario(Document):
         self._check_profiles_end_in_time()
         self._check_disturbances_end_in_time()
         self._check_load_fits_speed()
+        self._check_phases()
         if self.glitches and self.sensors.kind == "ideal":
             raise ValueError("the key 'glitches' needs the sensors 'mcs96', since ideal ones have no encoder")
         return self
@@ -154,6 +180,7 @@ class Scenario(Document):
     def _check_disturbances_end_in_time(self) -> None:
         ends = {"dropouts": [dropout.end_s for dropout in self.dropouts]}
         ends["glitches"] = [glitch.time_s for glitch in self.glitches]
+        ends["restarts_s"] = list(self.restarts_s)
         for key, times in ends.items():
             late = [time for time in times if time > self.duration_s]
             if late:
@@ -161,6 +188,17 @@ class Scenario(Document):
                     f"the key '{key}' has one that ends at {late[0]:.9g} s, "
                     f"but must end within the run's {self.duration_s} s"
                 )
+
+    def _check_phases(self) -> None:
+        wrong = [error.phase for error in self.current_errors]
+        lost = [dropout.phase for dropout in self.dropouts if dropout.phase is not None]
+        for key, phases in (("current_errors", wrong), ("dropouts", lost)):
+            if phases and max(phases) > self.motor.phases:
+                raise ValueError(
+                    f"the key '{key}' names the phase {max(phases)}, but the motor has {self.motor.phases}"
+                )
+        if len(set(wrong)) < len(wrong):
+            raise ValueError("the key 'current_errors' must name each phase at most once")
 
     def _check_load_fits_speed(self) -> None:
         if isinstance(self.load, LockedLoad):

@@ -138,6 +138,22 @@ RAMP = [[0, 0], [0.2, 1]]
             {"load": {"kind": "locked"}, "initial_speed_rpm": 10},
             "the key 'initial_speed_rpm' is 10.0, but must be the first speed reference",
         ),
+        ({"initial_angle_deg": 360.0}, "the key 'initial_angle_deg' is 360.0"),
+        ({"clock_start_s": -1}, "the key 'clock_start_s' is -1"),
+        ({"restarts_s": [0.5, 0.5]}, "must have times above 0 that increase"),
+        ({"restarts_s": [0.0]}, "must have times above 0 that increase"),
+        ({"restarts_s": [1.5]}, "the key 'restarts_s' has one that ends at 1.5 s, but must end within"),
+        ({"current_errors": [{"phase": 1}]}, "must give a 'gain' other than 1"),
+        ({"current_errors": [{"phase": 6, "gain": 0.5}]}, "names the phase 6, but the motor has 5"),
+        ({"current_errors": [{"phase": 2, "gain": 0.5}] * 2}, "must name each phase at most once"),
+        (
+            {"dropouts": [{"signal": "speed", "phase": 1, "start_s": 0.1, "duration_s": 0.1}]},
+            "must not give 'phase' for the signal 'speed'",
+        ),
+        (
+            {"dropouts": [{"signal": "currents", "phase": 6, "start_s": 0.1, "duration_s": 0.1}]},
+            "the key 'dropouts' names the phase 6",
+        ),
     ],
 )
 def test_a_wrong_scenario_is_reported(

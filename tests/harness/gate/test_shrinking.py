@@ -17,12 +17,15 @@ from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import (
     pulsed,
     stepped,
+    with_beginning,
+    with_current_error,
     with_drift,
     with_dropout,
     with_glitch,
     with_imbalance,
     with_load_shares,
     with_mcs96,
+    with_restarts,
     with_scales,
     with_speed,
     with_supply,
@@ -112,6 +115,21 @@ def test_a_simplest_counterexample_has_three_facts_at_most(
     assert found is not None
     facts = facts_of(found.scenario)
     assert len(facts) <= 3, facts
+
+
+def test_what_has_nothing_to_do_with_a_failure_goes() -> None:
+    start = with_beginning(changing(), control_period_s=1e-4, clock_start_s=60.0, initial_angle_deg=90.0)
+    start = with_restarts(start, 9.0, 11.0)
+    found = shrunk("initial", start, "CNV-2")
+    assert found is not None
+    scenario = parse_document(found.scenario, Scenario, "the result")
+    assert scenario.control_period_s == 0.0005, scenario.description
+    assert (scenario.clock_start_s, scenario.initial_angle_deg) == (0.0, 0.0), scenario.description
+    assert scenario.restarts_s == (), scenario.description
+    wrong = with_dropout(with_current_error(start, 3, gain=0.9), "currents", 8.0, 0.0005, phase=2)
+    found = shrunk("published", wrong, "ROB-3")
+    assert found is not None
+    assert found.scenario["current_errors"] == [], "a wrong sensor is kept for nothing"
 
 
 def test_a_loaded_failure_stays_a_loaded_one() -> None:
@@ -205,6 +223,8 @@ def test_what_is_simpler_has_less_size() -> None:
         with_scales(plain, resistance=1.5, inductance=1.1),
         with_mcs96(with_scales(plain, resistance=1.5, inductance=1.1), 7),
         disturbed(),
+        with_beginning(disturbed(), control_period_s=1e-4),
+        with_restarts(with_beginning(disturbed(), control_period_s=1e-4), 4.0),
     ]
     sizes = [size_of(scenario.to_mapping()) for scenario in ladder]
     assert sizes == sorted(set(sizes)), sizes

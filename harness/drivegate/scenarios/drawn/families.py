@@ -8,6 +8,7 @@ from typing import Final, TypeAlias
 from hypothesis import strategies as st
 
 from drivegate.scenarios.building import base_speed_scenario, steady_scenario
+from drivegate.scenarios.drawn.beginnings import beginning_scenarios, phase_scenarios, restart_scenarios
 from drivegate.scenarios.drawn.changes import (
     load_step_scenarios,
     speed_step_scenarios,
@@ -15,7 +16,8 @@ from drivegate.scenarios.drawn.changes import (
     vehicle_scenarios,
 )
 from drivegate.scenarios.drawn.circumstances import fault_scenarios, parameter_scenarios, sensor_scenarios
-from drivegate.scenarios.drawn.steps import SPEED_STEP_RPM, loaded_speeds, steady_runs, steps_between
+from drivegate.scenarios.drawn.courses import load_course_scenarios, standstill_scenarios
+from drivegate.scenarios.drawn.steps import SPEED_STEP_RPM, loaded_speeds, shares, steady_runs, steps_between
 from drivegate.scenarios.speed_range import HIGHEST_LOADED, SpeedRange
 from drivegate_cases.motor.motor import Motor
 from drivegate_cases.scenario.scenario import Scenario
@@ -42,16 +44,24 @@ def constant_power_scenarios(
 
 
 def overspeed_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
-    """Draw runs at rated power beyond the required speeds."""
+    """Draw runs beyond the required speeds, at rated power or under any lighter load."""
     lowest = HIGHEST_LOADED * motor.base_speed_rpm + SPEED_STEP_RPM
     highest = HIGHEST_ADVISED * motor.base_speed_rpm
     if speed_range is not None:
         lowest, highest = max(lowest, speed_range[0]), min(highest, speed_range[1])
     if lowest > highest:
         return st.nothing()
-    return steps_between(lowest, highest).map(
-        lambda speed: steady_scenario(motor, speed, power_share=1.0, constant_power=True)
+    speeds = steps_between(lowest, highest)
+    lighter = st.builds(
+        lambda constant_power, share, speed: steady_scenario(
+            motor, speed, power_share=share, constant_power=constant_power
+        ),
+        st.booleans(),
+        shares(),
+        speeds,
     )
+    rated = speeds.map(lambda speed: steady_scenario(motor, speed, power_share=1.0, constant_power=True))
+    return st.one_of(rated, lighter)
 
 
 def base_speed_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
@@ -75,11 +85,11 @@ def base_speed_scenarios(motor: Motor, speed_range: SpeedRange | None = None) ->
 FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
     (steady_scenarios, constant_power_scenarios),
     (parameter_scenarios,),
-    (load_step_scenarios,),
-    (sensor_scenarios,),
-    (supply_scenarios,),
-    (fault_scenarios,),
-    (speed_step_scenarios,),
+    (load_step_scenarios, load_course_scenarios),
+    (sensor_scenarios, phase_scenarios),
+    (supply_scenarios, beginning_scenarios),
+    (fault_scenarios, restart_scenarios),
+    (speed_step_scenarios, standstill_scenarios),
     (base_speed_scenarios, overspeed_scenarios, vehicle_scenarios),
 )
 """Families of scenarios that a shard of the search draws from; shards take turns at them."""

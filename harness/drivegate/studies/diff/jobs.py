@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -119,7 +120,11 @@ def shadow_run(loaded: JudgedCandidate, plan: Shadowing) -> Shadowed:
     steps = GivenSteps(loaded.controller(), nameplate)
     kept: list[NDArray[np.float64]] = [np.empty((0, len(OUTPUTS)))]
     done = 0
-    for rows in recorded_rows(plan.path, nameplate.phases, plan.end):
+    restarts = {round(time / nameplate.control_period) for time in plan.scenario.restarts_s}
+    blocks = recorded_rows(plan.path, nameplate.phases, plan.end)
+    for rows in _divided(blocks, restarts):
+        if done in restarts:
+            steps.restart()
         answers, fault = _answers(steps, senses_in(rows))
         if plan.rule is not None:
             rule = plan.rule
@@ -141,3 +146,12 @@ def _answers(
         return steps.answers(senses), None
     except CandidateFault as fault:
         return steps.last_answers, fault
+
+
+def _divided(blocks: Iterable[NDArray[np.float64]], steps: set[int]) -> Iterator[NDArray[np.float64]]:
+    """Cut blocks of steps so that each of the given steps is the first of one."""
+    done = 0
+    for rows in blocks:
+        inside = sorted(step - done for step in steps if done < step < done + len(rows))
+        yield from np.split(rows, inside)
+        done += len(rows)

@@ -70,7 +70,7 @@ class _Playback:
 def plant_at(path: Path, scenario: Scenario, step: int) -> PlantState:
     """Find the plant's state at one step by giving it the recorded commands again."""
     playback = _Playback(path, scenario.motor.phases, step)
-    plain = scenario.replaced(sensors="ideal", dropouts=(), glitches=())
+    plain = scenario.replaced(sensors="ideal", dropouts=(), glitches=(), current_errors=(), restarts_s=())
     try:
         run_scenario(plain, PythonController(playback))
     except CandidateFault as ended:

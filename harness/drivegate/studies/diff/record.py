@@ -73,6 +73,9 @@ class RecordingController:
     def reset(self, nameplate: Nameplate) -> None:
         """Reset the inner controller."""
         self._inner.reset(nameplate)
+        # A reset may make a controller anew.
+        self._recorder[0]["step_address"] = self._inner.step_address
+        self._recorder[0]["state_address"] = self._inner.state_address
 
     def finish(self) -> None:
         """Write what is left."""

@@ -73,7 +73,7 @@ typedef struct drivegate_nameplate {
 /* What the controller senses at the start of a control period. */
 typedef struct drivegate_sense {
     int64_t struct_size;          /* size of this record in bytes, as the harness knows it */
-    double time;                  /* time since the run began, s */
+    double time;                  /* simulated time, which need not begin at 0, s */
     double speed_reference;       /* demanded shaft speed, rad/s */
     double speed;                 /* measured shaft speed, rad/s */
     int64_t phase_count;          /* number of phase currents that follow */

@@ -13,7 +13,7 @@ class Sense(NamedTuple):
     Attributes
     ----------
     time : float
-        Time since the run began (s).
+        Simulated time; it grows by a control period from step to step, and need not begin at 0 (s).
     speed_reference : float
         Demanded speed of the shaft (rad/s).
     speed : float

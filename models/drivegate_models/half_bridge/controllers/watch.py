@@ -34,6 +34,8 @@ LOAD_CHANGED: Final = 0.12
 
 _SETTLED = 0.01
 _CHANGED = 0.03
+# Of k1, that is 1.5 rpm, where a step of the search's own is taken back.
+_JOLT = 0.3
 _SMALLEST_POWER = 1.0
 # Of k1, that is 0.5 rpm, and over the calmest error: the steps of an encoder alone are no sign of the edge.
 _UNEASY = 0.1
@@ -178,6 +180,45 @@ def load_has_changed(state: Any, power: float, fall: float, rise: float) -> bool
 
 
 @unfused
+def is_another_load(power: float, known: float) -> bool:
+    """Return whether the current sum at one and the same angle tells of another load.
+
+    Parameters
+    ----------
+    power, known : float
+        Mean current sum of the decision interval, and the one before at this angle (A).
+
+    Returns
+    -------
+    bool
+        Whether they differ by more than a steady load's do.
+    """
+    changed: bool = abs(power - known) > _CHANGED * power + 0.2
+    return changed
+
+
+@unfused
+def has_drifted(state: Any, power: float) -> bool:
+    """Return whether the load has changed since the last good angle, next to which the search rests.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power : float
+        Mean current sum of the decision interval (A).
+
+    Returns
+    -------
+    bool
+        False as long as no good angle is known, and away from it.
+    """
+    near = abs(state.offset - state.good_offset) <= state.first_step and state.good_power < inf
+    drifted: bool = near and is_another_load(power, state.good_power)
+    return drifted
+
+
+@unfused
 def decide_holding(state: Any, power: float, change: float) -> None:
     """Watch what was found: search anew after a change of load, and keep off an edge that is too near.
 
@@ -189,7 +230,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         Mean current sum of the decision interval, and its change from the one before (A).
     """
     uneasy = is_uneasy(state)
-    changed = abs(power - state.held_power) > _CHANGED * power + 0.2
+    changed = is_another_load(power, state.held_power)
     if is_creeping(state, power):
         state.integral = state.good_integral
         walk_back(state, state.first_step if uneasy else SMALLEST_STEP, True)
@@ -199,6 +240,9 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         if not changed:
             state.held_power = power
     elif changed:
+        rearm(state)
+    elif abs(change) > _RESTLESS * power + noise_of_power(state) and has_drifted(state, power):
+        # It came on so slowly that no interval differed from the one before by enough.
         rearm(state)
     elif uneasy or abs(change) > _RESTLESS * power + noise_of_power(state):
         # The optimum may lie on the edge itself: a little above it costs less than a new search.
@@ -253,6 +297,16 @@ def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
         return WAITING, change
     settled = abs(change) <= _SETTLED * power
     if (settled or state.mode != SETTLING) and load_has_changed(state, power, fall, rise):
+        rearm(state)
+        return WAITING, change
+    # Back at the last good angle, the angle explains no more than while one is held.
+    back = abs(state.offset - state.good_offset) <= 0.5 * state.first_step and state.good_power < inf
+    if state.mode == SETTLING and settled and back and is_another_load(power, state.good_power):
+        rearm(state)
+        return WAITING, change
+    # A step of the search that costs speed is given back at once; any other jolt is the load's.
+    jolt = _JOLT * state.speed_tolerance + _CALM * state.calm_error
+    if state.mode == SEARCHING and state.worst_error > jolt:
         rearm(state)
         return WAITING, change
     if state.mode == SETTLING:

@@ -15,8 +15,9 @@ from drivegate.scenarios.drawn.families import (
     base_speed_scenarios,
     drawn_scenarios,
     overspeed_scenarios,
+    standstill_scenarios,
 )
-from drivegate.scenarios.feasibility import coasts, is_fast_while_loaded
+from drivegate.scenarios.feasibility import coasts
 from drivegate.scenarios.windows import SETTLING_TIME, SHORTEST_WINDOW, observed_windows
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.motor.motor import load_motor
@@ -48,10 +49,10 @@ def test_every_drawn_scenario_is_fair(family: Family) -> None:
         for time in breakpoints([scenario.speed_rpm, scenario.load_profile], scenario.duration_s):
             for at in (value_until, value_from):
                 speed = at(scenario.speed_rpm, time)
-                assert speed >= 500.0 or load_torque(scenario, time, at) == 0.0, (
-                    f"{scenario.name} is loaded at {speed} rpm"
-                )
-        assert is_fast_while_loaded(scenario)
+                if family is not standstill_scenarios:
+                    assert speed >= 500.0 or load_torque(scenario, time, at) == 0.0, (
+                        f"{scenario.name} is loaded at {speed} rpm"
+                    )
         assert coasts(scenario), f"{scenario.name} brakes"
 
     holds()

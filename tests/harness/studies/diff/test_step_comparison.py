@@ -23,6 +23,7 @@ from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.loop.step_recording import BLOCK_ROWS
 
+RESTARTED = load_scenario("lock-up").replaced(duration_s=1.0, restarts_s=(0.25, 0.6))
 SHORT = load_scenario("lock-up").replaced(duration_s=1.0)
 
 CONTROLLERS = """
@@ -39,6 +40,15 @@ class Later(Steady):
     def answer(self, sense):
         reference, angle, power = super().answer(sense)
         return Command(reference + (1e-9 if self.steps > 1200 else 0.0), angle)
+
+class Counting(Steady):
+    resets = 0
+    def reset(self, nameplate):
+        super().reset(nameplate)
+        self.resets += 1
+    def answer(self, sense):
+        reference, angle, power = super().answer(sense)
+        return Command(reference + (1e-9 if self.resets > 1 else 0.0), angle)
 
 class Fragile(Later):
     def answer(self, sense):
@@ -75,6 +85,15 @@ def compare(first, second, rule=None, before=2, after=1, scenario=SHORT):
 def test_a_candidate_is_equal_to_itself(candidate):
     ended = compare(candidate("Steady"), candidate("Steady"))
     assert (ended.steps, ended.difference, ended.fault) == (SHORT.control_periods, None, None)
+
+
+def test_a_restart_is_one_for_both(candidate):
+    """A second candidate that were not reset would go on counting its steps."""
+    ended = compare(candidate("Later"), candidate("Later"), scenario=RESTARTED)
+    assert (ended.steps, ended.difference, ended.fault) == (RESTARTED.control_periods, None, None)
+    apart = compare(candidate("Steady"), candidate("Counting"), scenario=RESTARTED)
+    assert apart.difference.step == 500, "the first step after the first restart is the one that differs"
+    assert apart.difference.plant.speed == apart.difference.sense.speed
 
 
 def test_the_first_difference_comes_with_inputs_commands_and_plant(candidate):

@@ -1,0 +1,81 @@
+"""Joint changes: every possible pair of levels is in some row, and every row becomes a fair run that shows it."""
+
+import subprocess
+import sys
+from itertools import combinations
+
+import pytest
+
+from drivegate.scenarios.combined import LONG_S, combined_scenarios, long_scenarios
+from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows, is_possible, possible_pairs
+from drivegate.scenarios.feasibility import is_fair
+from drivegate.scenarios.windows import observed_windows
+from drivegate_cases.motor.motor import load_motor
+
+MOTOR = load_motor("paper-5-phase")
+
+
+def test_every_possible_pair_of_levels_is_in_some_row() -> None:
+    rows = covering_rows()
+    covered = {frozenset(pair) for row in rows for pair in combinations(row.items(), 2)}
+    missing = [dict(pair) for pair in possible_pairs() if pair not in covered]
+    assert not missing, f"no row has {missing[0]}"
+    assert all(is_possible(list(row.values())) for row in rows)
+    assert not covered & set(IMPOSSIBLE)
+
+
+def test_what_is_impossible_is_of_levels_that_there_are() -> None:
+    unknown = [
+        (factor, level) for pair in IMPOSSIBLE for factor, level in pair if level not in FACTORS[factor]
+    ]
+    assert not unknown
+
+
+def test_the_rows_are_the_same_in_every_process() -> None:
+    """Whatever Python's own seed of texts' hashes is."""
+    code = "from drivegate.scenarios.covering import covering_rows; print(covering_rows())"
+    printed = [
+        subprocess.run(
+            [sys.executable, "-c", code],
+            env={"PYTHONHASHSEED": seed},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2")
+    ]
+    assert printed[0] == printed[1] == f"{covering_rows()}\n"
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_every_row_becomes_a_fair_run_that_can_be_judged(seed: int) -> None:
+    scenarios = combined_scenarios(MOTOR, None, seed)
+    assert len(scenarios) == len(covering_rows()) + 2, "a row has no fair scenario"
+    for scenario in scenarios:
+        assert is_fair(scenario), scenario.description
+        assert observed_windows(scenario), f"{scenario.name} is never judged"
+
+
+def test_parts_make_the_whole_whatever_their_number() -> None:
+    def contents(parts: int) -> set[str]:
+        return {
+            scenario.to_json()
+            for part in range(parts)
+            for scenario in combined_scenarios(MOTOR, None, 3, part, parts)
+        }
+
+    assert contents(1) == contents(8)
+    assert contents(1) != {scenario.to_json() for scenario in combined_scenarios(MOTOR, None, 4)}
+
+
+def test_long_runs_last_minutes_at_rated_power() -> None:
+    for scenario in long_scenarios(MOTOR, None, 0):
+        assert scenario.duration_s >= LONG_S >= 120.0
+        power = scenario.load.torque_nm * scenario.speed_rpm[0][1] * 0.10471975512  # type: ignore[union-attr]
+        assert power == pytest.approx(MOTOR.rated_power_w, rel=1e-3)
+        assert scenario.load_profile[1] == (0.2, 1.0)
+
+
+def test_a_declared_speed_range_holds() -> None:
+    for scenario in combined_scenarios(MOTOR, (700.0, 1200.0), 0):
+        assert all(700.0 <= speed <= 1200.0 for _, speed in scenario.speed_rpm), scenario.name
