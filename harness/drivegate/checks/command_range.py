@@ -21,8 +21,8 @@ def angle_below_base(record: RunRecord) -> Margin | None:
     angle = run.angle_below_base
     if angle == 0.0:
         return Margin("ADV-1", 1.0, "0° throughout")
-    degrees = math.degrees(angle)
-    return Margin("ADV-1", normalised(-degrees, 1.0), f"{degrees:.3g}° at {run.first_below_base:.4g} s")
+    measured = f"{_in_words(angle, 3)} at {run.first_below_base:.4g} s"
+    return Margin("ADV-1", normalised(-math.degrees(angle), 1.0), measured)
 
 
 def angle_range(record: RunRecord) -> Margin:
@@ -30,7 +30,13 @@ def angle_range(record: RunRecord) -> Margin:
     lowest = record.run.observed.angle_lowest
     highest = record.run.observed.angle_highest
     value = normalised(min(lowest, LARGEST_ANGLE - highest), LARGEST_ANGLE)
-    return Margin("ADV-2", value, f"{math.degrees(lowest):.4g}° to {math.degrees(highest):.4g}°")
+    return Margin("ADV-2", value, f"{_in_words(lowest, 4)} to {_in_words(highest, 4)}")
+
+
+def _in_words(angle: float, digits: int) -> str:
+    """Write an angle in degrees, or in radians where degrees are too large for a number."""
+    degrees = math.degrees(angle)
+    return f"{degrees:.{digits}g}°" if math.isfinite(degrees) else f"{angle:.{digits}g} rad"
 
 
 def reference_range(record: RunRecord) -> Margin:

@@ -147,6 +147,8 @@ def _excess(record: RunRecord, window: SteadyWindow) -> Margin:
     if not math.isfinite(least):
         measured = f"Σ|i| {mean:.4g} A where no angle is feasible{described(window)}"
         return Margin("CNV-2", -1.0, measured, advisory)
+    if least == 0.0:
+        return Margin("CNV-2", -1.0, f"Σ|i| {mean:.4g} A gives no torque{described(window)}", advisory)
     excess = 100.0 * (mean / least - 1.0)
     measured = f"Σ|i| {mean:.4g} A, {excess:+.2f} % of the least {least:.4g} A{described(window)}"
     allowed = OPTIMUM_TOLERANCE * least

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
+GREATEST: Final = 1e12
+"""Greatest size of a margin: beyond it a miss tells nothing more, and sums and means of margins stay finite."""
 _LEAST: Final = math.ulp(0.0)
 
 
@@ -18,7 +20,8 @@ class Margin:
     check : str
         Identifier of the check.
     value : float
-        Distance from the limit over the limit: positive or zero when the requirement is met, negative when not.
+        Distance from the limit over the limit: positive or zero when the requirement is met, negative when not;
+        within `GREATEST` of zero.
     measured : str
         The measured quantity in people's units.
     advisory : bool
@@ -39,8 +42,10 @@ class Margin:
 def normalised(distance: float, limit: float) -> float:
     """Give a distance from a limit as a share of it, without losing its sign."""
     if math.isnan(distance):
-        return -math.inf
-    return distance / limit if distance >= 0.0 else min(distance / limit, -_LEAST)
+        return -GREATEST
+    # A share of next to nothing, such as the current of an extreme command, may be no number any more.
+    share = distance / limit if limit != 0.0 else math.copysign(GREATEST, distance) if distance else 0.0
+    return min(share, GREATEST) if distance >= 0.0 else max(min(share, -_LEAST), -GREATEST)
 
 
 def at_most(measured: float, limit: float) -> float:

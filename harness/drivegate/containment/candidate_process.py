@@ -64,6 +64,7 @@ class CandidateProcess:
         self._limits = limits or WorkerLimits()
         self._handle: CandidateHandle | None = None
         self.generation = 0
+        self._is_set_up = False
         self._has_instance = False
 
     def made_instance(self) -> Reply:
@@ -133,7 +134,10 @@ class CandidateProcess:
     def _start(self) -> None:
         self._handle = CandidateHandle(self.candidate.folder)
         self.generation += 1
+        # Only before this can anything but the candidate be at fault, whatever the process tells later.
+        self._is_set_up = False
         self._replied(Setup(self.candidate, self._limits.memory_bytes), 0)
+        self._is_set_up = True
 
     def _replied(self, order: Order, steps: int) -> Reply:
         handle = self._running
@@ -160,6 +164,8 @@ class CandidateProcess:
             self.kill()
             raise InputError(bounded_text(reply.text))
         if reply.ending is Ending.BROKEN:
+            if self._is_set_up:
+                raise CandidateFault(self._garbled(self._running))
             self.kill()
             raise HarnessFault(f"the harness failed in a candidate's process: {reply.text}")
         return reply
@@ -186,7 +192,7 @@ class CandidateProcess:
         output = bounded_text(handle.last_output())
         status = handle.exit_status()
         what, error = ending_in_words(status)
-        if handle.progress.activity is Activity.STARTING:
+        if not self._is_set_up:
             self.kill()
             raise HarnessFault(f"the process {what} before it came to the candidate: {output}")
         fault = self._located(handle, Fault(FaultKind.CRASH, f"the process {what}", "loading", error=error))
@@ -207,7 +213,7 @@ class CandidateProcess:
         fault = self._located(handle, Fault(FaultKind.HANG, why, "loading"))
         stack = bounded_text(handle.stack())
         handle.end()
-        if progress.activity is Activity.STARTING:
+        if not self._is_set_up:
             self.kill()
             raise HarnessFault(f"{why}, outside the candidate: {stack}")
         return replace(fault, traceback=stack)
@@ -215,6 +221,8 @@ class CandidateProcess:
     def _located(self, handle: CandidateHandle, fault: Fault) -> Fault:
         """Add to a fault what the shared memory tells of the step in which it happened."""
         progress = handle.progress
+        if progress.activity is Activity.LETTING_GO:
+            return replace(fault, phase="step", message=f"{fault.message} in the deletion of an instance")
         if not self._has_instance or progress.activity is Activity.LOADING:
             return replace(fault, message=f"{fault.message} while loading the candidate")
         if progress.activity is not Activity.RUNNING:

@@ -21,18 +21,20 @@ class WorkerPool:
 
     def __init__(self, candidate: Candidate, *, workers: int, limits: WorkerLimits | None = None) -> None:
         self._workers = [JudgeProcess(candidate, limits) for _ in range(max(workers, 1))]
+        self._final: Fault | None = None
 
     def map(self, jobs: Iterable[Job[ResultT]]) -> Iterator[ResultT | Fault]:
         """Do jobs side by side; one that hangs is tried once more with no other beside it.
 
         Leaving the iteration ends the jobs that are still under way. A fault while loading, and a hang in the second
-        try, hold for every job that has not been started by then.
+        try, hold for every job that has not been started by then, also for those of later calls.
         """
-        schedule = _Schedule(self._workers, jobs)
+        schedule = _Schedule(self._workers, jobs, self._final)
         try:
             for index in range(schedule.total):
                 yield schedule.outcome(index)
         finally:
+            self._final = self._final or schedule.final
             schedule.abandon()
 
     def close(self) -> None:
@@ -56,7 +58,9 @@ class WorkerPool:
 class _Schedule(Generic[ResultT]):
     """Who does which job, and what has come of it."""
 
-    def __init__(self, workers: list[JudgeProcess], jobs: Iterable[Job[ResultT]]) -> None:
+    def __init__(
+        self, workers: list[JudgeProcess], jobs: Iterable[Job[ResultT]], final: Fault | None = None
+    ) -> None:
         self._workers = workers
         self._jobs = list(jobs)
         self.total = len(self._jobs)
@@ -65,6 +69,9 @@ class _Schedule(Generic[ResultT]):
         self._tried_alone: set[int] = set()
         self._running: dict[JudgeProcess, int] = {}
         self._outcomes: dict[int, ResultT | Fault] = {}
+        self.final = final
+        if final is not None:
+            self._give_up(final)
 
     def outcome(self, index: int) -> ResultT | Fault:
         while index not in self._outcomes:
@@ -116,6 +123,10 @@ class _Schedule(Generic[ResultT]):
         self._outcomes[index] = fault
         # One that cannot be loaded will not be next time; and to wait for the same hang again and again tells nothing.
         if fault.phase == "loading" or is_hang(fault):
-            for left in (self._waiting, self._suspects):
-                while left:
-                    self._outcomes[left.popleft()] = fault
+            self.final = fault
+            self._give_up(fault)
+
+    def _give_up(self, fault: Fault) -> None:
+        for left in (self._waiting, self._suspects):
+            while left:
+                self._outcomes[left.popleft()] = fault

@@ -106,9 +106,9 @@ class _Server:
         except InputError as error:
             return Reply(Ending.REFUSED, text=str(error))
         except Exception as error:
-            if self._controller is None:
+            if self._candidate is None:
                 return Reply(Ending.BROKEN, text=traceback.format_exc())
-            return _fault_reply(_disturbed(error))
+            return _fault_reply(_disturbed(error, "loading" if self._controller is None else "step"))
 
     def _done(self, length: int) -> Reply:
         memory = self._memory
@@ -138,6 +138,8 @@ class _Server:
         from drivegate.candidates.python.bridge import PythonController
 
         assert self._candidate is not None, "the first order names the candidate"
+        with self._progress.letting_go():
+            self._controller = None
         with self._progress.loading():
             self._controller = load_controller(self._candidate)
             size = getattr(self._controller, "state_size", 0)
@@ -255,14 +257,14 @@ def _fault_reply(fault: Fault) -> Reply:
     return Reply(Ending.FAULT, text=fault_text(fault))
 
 
-def _disturbed(error: Exception) -> Fault:
+def _disturbed(error: Exception, phase: Phase) -> Fault:
     """Describe an error of drivegate's own code in a process that has run the candidate's."""
-    fault = exception_fault(error, "step")
+    fault = exception_fault(error, phase)
     return Fault(
         FaultKind.CRASH,
         f"drivegate's own code failed in the candidate's process, which only the candidate could have changed: "
         f"{fault.message}",
-        "step",
+        phase,
         error=fault.error,
         traceback=fault.traceback,
     )

@@ -26,6 +26,7 @@ class Activity(IntEnum):
     WAITING = 2
     PREPARING = 3
     RUNNING = 4
+    LETTING_GO = 5
 
 
 _ACTIVITIES: Final = frozenset(int(activity) for activity in Activity)
@@ -77,6 +78,13 @@ class SharedProgress:
     def loading(self) -> Iterator[None]:
         """Mark the making of an instance of the candidate; a failure leaves the mark."""
         self.enter(Activity.LOADING)
+        yield
+        self.enter(Activity.PREPARING)
+
+    @contextmanager
+    def letting_go(self) -> Iterator[None]:
+        """Mark the deletion of an instance."""
+        self.enter(Activity.LETTING_GO)
         yield
         self.enter(Activity.PREPARING)
 

@@ -12,7 +12,7 @@ class WorkerLimits:
     Attributes
     ----------
     step_processor_seconds : float
-        Processor time of one step, the first one apart (s).
+        Processor time of one step, the first one apart, and of the deletion of an instance (s).
     start_processor_seconds : float
         Processor time without progress of all else: imports, compilation, the first step (s).
     idle_seconds : float
@@ -53,7 +53,8 @@ class StallWatch:
             self._state, self._processor, self._moved = state, processor, now
             return None
         stepping = activity is Activity.RUNNING and state[1] > 1
-        allowed = limits.step_processor_seconds if stepping else limits.start_processor_seconds
+        brief = stepping or activity is Activity.LETTING_GO
+        allowed = limits.step_processor_seconds if brief else limits.start_processor_seconds
         used, waited = processor - self._processor, now - self._moved
         if used > allowed:
             return f"no progress within {allowed:g} s of processor time"

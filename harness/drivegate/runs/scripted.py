@@ -53,7 +53,8 @@ class GivenSteps:
         if answered.status == COMPLETED:
             self._steps += len(senses)
             return commands
-        row = len(commands) - (answered.status == NOT_FINITE)
+        # A process that was killed behind its last step, or that miscounts them, has not failed behind the last Sense.
+        row = min(len(commands) - (answered.status == NOT_FINITE), len(senses) - 1)
         self.last_answers = commands[:row]
         raise CandidateFault(_placed(answered, senses[row], self._steps + row))
 

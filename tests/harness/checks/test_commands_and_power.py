@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.margin import at_most, below, normalised
+from drivegate.checks.margin import GREATEST, at_most, below, normalised
 
 TINY = math.ulp(0.0)
 RANGES = {
@@ -120,6 +120,12 @@ def test_a_margin_keeps_its_sign_where_the_division_loses_it():
     assert normalised(0.0, 1e9) == 0.0
 
 
-def test_what_is_no_number_is_far_beyond_any_limit():
-    assert at_most(math.nan, 1.0) == -math.inf
-    assert at_most(math.inf, 1.0) == -math.inf
+@pytest.mark.parametrize("measured", [math.nan, math.inf, 1.7e308])
+@pytest.mark.parametrize("limit", [1.0, 1e-9, 0.0, 5e-324, 1.7e308])
+def test_what_is_no_number_or_too_large_is_far_beyond_any_limit(measured, limit):
+    expected = 0.0 if measured == limit else -GREATEST
+    assert at_most(measured, limit) == expected
+
+
+def test_nothing_is_within_a_limit_of_nothing():
+    assert at_most(0.0, 0.0) == 0.0

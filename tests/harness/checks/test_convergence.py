@@ -259,3 +259,13 @@ def test_a_vehicle_on_a_level_road_is_a_load(record, scenario, checks):
         "drag_area_m2": 0.6,
     }
     assert checks["CNV-2"].evaluate(record(scenario(load=vehicle))) is not None
+
+
+@pytest.mark.parametrize("current_sum", [0.0, 5e-324, 1e-300, 40.0])
+def test_a_load_that_gets_no_torque_fails_and_is_told_so(record, scenario, checks, current_sum):
+    slow = scenario(speed_rpm=[[0.0, 600.0]])
+    sums = dict.fromkeys(("CURRENT_SUM", "MEAN_LOWEST", "MEAN_HIGHEST"), current_sum)
+    run = record(slow, window={**sums, "TORQUE": 0.0, "SPEED_ERROR": 100.0})
+    for check in ("CNV-1", "CNV-2"):
+        assert not checks[check].evaluate(run).met, f"{check} is met by {current_sum} A without torque"
+    assert "gives no torque" in checks["CNV-2"].evaluate(run).measured

@@ -14,6 +14,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.flowchart.judging import judge_script
 from drivegate.checks.flowchart.run import ScriptRuns, run_scripts, script_margin, shortened
 from drivegate.checks.flowchart.scripts import Event, fixed_scripts, script_of, usual_speed
+from drivegate.checks.margin import GREATEST
 from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import JudgedCandidate
 from drivegate_cases.documents.document import parse_document
@@ -226,6 +227,24 @@ def test_a_stop_is_reported_as_such():
     script = script_of("still", MOTOR, PROFILE, 1500.0, [Event(-3.0), Event(-0.5)])
     measured = judge_script(controller(k2=0.0), PROFILE, script).margin.measured
     assert "no more than k2 = 1.9" in measured, measured
+
+
+@pytest.mark.parametrize("angle", [1.7e308, -1.7e308])
+@pytest.mark.filterwarnings("error")
+def test_an_extreme_angle_departs(angle):
+    class Jumping:
+        def reset(self, nameplate):
+            self.count = 0
+
+        def step(self, sense):
+            self.count += 1
+            return Command(
+                3.0, math.copysign(angle, sense.speed - sense.speed_reference + self.count % 7 - 3.0)
+            )
+
+    script = fixed_scripts(MOTOR, PROFILE, usual_speed(MOTOR, None))[0]
+    margin = judge_script(PythonController(Jumping()), PROFILE, script).margin
+    assert -GREATEST <= margin.value < 0.0, margin
 
 
 def test_a_change_between_decisions_is_reported_as_such():

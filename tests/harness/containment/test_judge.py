@@ -298,9 +298,11 @@ def test_a_pool_gives_a_hang_in_the_second_try_to_all_jobs_that_wait(candidate, 
     steps = [NORMAL, WITH_FAULT, NORMAL, NORMAL]
     with WorkerPool(candidate("while True: pass"), workers=1, limits=QUICK) as pool:
         outcomes = list(pool.map([Job(jobs.drive, number) for number in steps]))
+        later = list(pool.map([Job(jobs.drive, NORMAL)]))
     assert outcomes[0] == 3.0
     assert outcomes[1].kind is FaultKind.HANG
     assert outcomes[2:] == [outcomes[1]] * 2, "nobody waits for the same hang again"
+    assert later == [outcomes[1]], "neither does a later part of the same check"
 
 
 def test_a_pool_tries_a_hang_again_with_nothing_beside_it(candidate, jobs, tmp_path):

@@ -2,6 +2,7 @@
 
 import os
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from textwrap import indent
 
@@ -169,9 +170,34 @@ def test_commands_written_over_are_what_is_judged(attempt, honest):
     assert fault.kind is FaultKind.MEMORY, "the plant there has had other commands than are kept"
 
 
+SERVER = "[f.f_locals['self'] for f in frames() if type(f.f_locals.get('self')).__name__ == '_Server'][0]"
+
+
 def test_counters_written_over_do_no_harm(attempt, honest):
-    found = "[f.f_locals['self'] for f in frames() if type(f.f_locals.get('self')).__name__ == '_Server'][0]"
-    assert attempt(f"{found}._progress.steps[0] = -(2**60); {found}._progress.enter(77)") == honest
+    assert attempt(f"{SERVER}._progress.steps[0] = -(2**60); {SERVER}._progress.enter(77)") == honest
+
+
+@pytest.mark.parametrize(
+    "step",
+    [
+        'connection().send(struct.pack("=8sqqqqq16s", b"drivegat", 3, 0, 0, 0, 0, b"") + b"forged")',
+        f"{SERVER}._progress.enter(0); os._exit(3)",
+        f"{SERVER}._progress.enter(0); time.sleep(1e6)",
+    ],
+    ids=["forged breakdown", "end as before the start", "hang as before the start"],
+)
+def test_nothing_of_a_candidate_is_a_fault_of_the_harness(attempt, step):
+    fault = attempt(step, limits=replace(LIMITS, idle_seconds=4.0))
+    assert isinstance(fault, Fault), fault
+    assert fault.kind in (FaultKind.CRASH, FaultKind.HANG), fault
+
+
+def test_what_breaks_drivegates_own_code_while_loading_is_the_candidates_fault(attempt):
+    fault = attempt(
+        top="import drivegate.candidates.python.loading as l; l.PythonController = None; l.exception_fault = None"
+    )
+    assert isinstance(fault, Fault), fault
+    assert (fault.kind, fault.phase) == (FaultKind.CRASH, "loading"), fault
 
 
 CHANGED_PLANT = """
@@ -214,10 +240,10 @@ def test_a_closed_connection_is_a_crash(attempt):
 
 
 def test_endless_deletion_is_a_hang(attempt):
-    limits = WorkerLimits(start_processor_seconds=3.0)
-    fault = attempt(deletion="while True: pass", target=digests_of_two, limits=limits)
+    fault = attempt(deletion="while True: pass", target=digests_of_two)
     assert isinstance(fault, Fault)
     assert fault.kind is FaultKind.HANG
+    assert fault.message == "no progress within 0.5 s of processor time in the deletion of an instance", fault
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from drivegate.checks.flowchart.chart import (
     described,
 )
 from drivegate.checks.flowchart.scripts import probe
-from drivegate.checks.margin import Margin
+from drivegate.checks.margin import GREATEST, Margin
 from drivegate.containment.messages import AnyController
 from drivegate.runs.scripted import scripted_angles
 from drivegate_cases.scenario.script import Script, ScriptRow
@@ -39,6 +39,7 @@ FREE_DECISIONS: Final = 2
 """Decisions within the first row, which are the beginning of a search; the first may fall into its first step."""
 _AWAY_RPM: Final = 10.0
 _DIGITS: Final = 9
+_FAR_OUT: Final = 1e6
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,9 @@ class _Runner:
         lengths = np.full(len(rows), self.interval)
         lengths[0] += decision + 1
         signals = np.repeat(values, lengths, axis=0)
-        return scripted_angles(self.controller, self.script.nameplate(), signals)
+        angles = scripted_angles(self.controller, self.script.nameplate(), signals)
+        # An angle so far out departs from any flowchart, and differences of angles stay finite.
+        return np.clip(angles, -_FAR_OUT, _FAR_OUT)
 
 
 @dataclass(frozen=True)
@@ -183,7 +186,7 @@ def _nearest(run: _ScriptRun, options: frozenset[SearchState], begin: int, end: 
 
 def _departure(run: _ScriptRun, number: int, deviation: float, measured: str) -> ScriptVerdict:
     row = run.row(number)
-    steps = deviation / run.profile.step
+    steps = min(deviation / run.profile.step, GREATEST)
     return ScriptVerdict(
         Margin(CHECK, -(round(steps, _DIGITS) or steps), f"row {row + 1}, {measured}"), row + 1
     )
