@@ -54,7 +54,15 @@ def markdown(result: dict[str, Any]) -> str:
         lines.append(
             f"- {escaped(check['id'])}: {escaped(check['counterexample']['name'])}, in [{file}]({file})"
         )
+        lines += _account(result, check)
     return "\n".join(lines) + "\n"
+
+
+def _account(result: dict[str, Any], check: dict[str, Any]) -> list[str]:
+    # It brings the oracle, which a result without failures does not need.
+    from drivegate.output.account import account_of
+
+    return [f"  {escaped(sentence)}" for sentence in account_of(result, check)]
 
 
 def _comparisons(entries: list[dict[str, Any]]) -> list[str]:

@@ -39,7 +39,7 @@ def show_checked(console: Console, checked: Checked) -> None:
         _show_fault(console, fault, count)
     failed = [check for check in document["checks"] if check["counterexample"] is not None]
     for check in failed:
-        _show_counterexample(console, check, folder)
+        _show_counterexample(console, document, check, folder)
     heading = plain(f"{document['candidate']['name']}: ")
     heading.append_text(verdict_text(document["verdict"]))
     heading.append(f", {runs_in_short(document)}")
@@ -67,13 +67,20 @@ def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
         console.print(plain(f"  {line}", "dim"))
 
 
-def _show_counterexample(console: Console, check: dict[str, Any], folder: Path) -> None:
+def _show_counterexample(
+    console: Console, document: dict[str, Any], check: dict[str, Any], folder: Path
+) -> None:
+    # It brings the oracle, which a check without failures does not need.
+    from drivegate.output.account import account_of
+
     outcome = "fails" if check["verdict"] == "fail" else f"fails, {check['verdict']}"
     console.print(plain(f"{check['id']} {outcome} ({check['level']}): {check['requirement']}", "bold"))
     measured = check["measured"] if check["found"] is None else check["found"]["measured"]
     console.print(plain(f"  measured {measured}; limit {check['limit']}"))
     console.print(plain(f"  in {scenario_in_short(check['counterexample'])}"))
     console.print(plain(f"  facts {facts_in_short(check['counterexample'])}"))
+    for sentence in account_of(document, check):
+        console.print(plain(f"  {sentence}"))
     console.print(plain(f"  file {folder / counterexample_name(check['id'])}"))
 
 

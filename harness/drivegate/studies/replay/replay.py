@@ -24,7 +24,9 @@ from drivegate.drives.repeating import with_repetitions
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import Repetition, different_elsewhere, explanation_jobs, repetition_job
+from drivegate.output.account import account
 from drivegate.output.compiled_kernels import with_compiled_kernels
+from drivegate.output.run_signals import RunSignals, signals_of_run
 from drivegate.results.counterexample import Counterexample
 from drivegate.runs.parting import room_for_commands
 from drivegate.studies.simulate.simulate import MOST_ROWS
@@ -146,6 +148,15 @@ def check_of(stored: Counterexample) -> Check:
     return next(check for check in CHECKS if check.id == stored.check)
 
 
+def signals_shown(stored: Counterexample, ended: Replay | Fault) -> RunSignals | None:
+    """Take the signals that an account is given of; None where nothing was run on a plant."""
+    if isinstance(ended, Fault) or ended.run is None or ended.window is None:
+        return None
+    if isinstance(stored.scenario, Script):
+        return None
+    return signals_of_run(stored.scenario, ended.run, ended.window)
+
+
 def verdict_on(ended: Replay | Fault) -> str:
     """Tell whether a check still fails."""
     if isinstance(ended, Fault):
@@ -160,6 +171,7 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
     check, verdict = check_of(stored), verdict_on(ended)
     margin = None if isinstance(ended, Fault) else ended.margin
     fault = asdict(ended) | {"kind": ended.kind.value} if isinstance(ended, Fault) else None
+    signals = signals_shown(stored, ended)
     failed_code = 3 if check.subject == "plant" and fault is None else 1
     return {
         "schema": SCHEMA,
@@ -176,6 +188,7 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
         "now": None if margin is None else {"margin": margin.value, "measured": margin.measured},
         "window_s": None if isinstance(ended, Fault) or ended.window is None else list(ended.window),
         "rows": None if isinstance(ended, Fault) or ended.rows is None else list(ended.rows),
+        "account": [] if signals is None else list(account(signals)),
         "reason": _reason(check, candidate, verdict),
         "fault": fault,
         "files": [],

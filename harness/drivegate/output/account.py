@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Mapping
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.output.judged_point import JudgedPoint, judged_point
+from drivegate.output.run_signals import RunSignals, signals_of
 from drivegate.scenarios.title import titled
-from drivegate_reports.conformance.judged_point import JudgedPoint, judged_point
-from drivegate_reports.conformance.signals import RunSignals
 
 BAND_RPM: Final = 5.0
 """k1: the speed error that the checks of convergence allow (rpm)."""
@@ -18,6 +19,12 @@ LASTING_S: Final = 0.2
 _SHORTFALL: Final = 0.98
 _MOVED_DEG: Final = 0.02
 _AT_EDGE_DEG: Final = 0.2
+
+
+def account_of(document: Mapping[str, Any], check: Mapping[str, Any]) -> tuple[str, ...]:
+    """Give an account of the run that a result shows for a check; nothing where its signals were not kept."""
+    signals = signals_of(document, check)
+    return () if signals is None else account(signals)
 
 
 def account(signals: RunSignals) -> tuple[str, ...]:

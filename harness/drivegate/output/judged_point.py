@@ -9,11 +9,11 @@ from functools import lru_cache
 import numpy as np
 
 from drivegate.drives.kinds import kind_of
+from drivegate.output.run_signals import RunSignals
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
-from drivegate_reports.conformance.signals import RunSignals
 
 
 @dataclass(frozen=True)
