@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,17 @@ def test_a_lost_speed_is_reported_as_it_happened(locked: RunSignals) -> None:
     assert places == sorted(places), f"the events are reported out of order: {sentences}"
     assert "236 rpm below the reference" in sentences[-2]
     assert sentences[-1].endswith("at 51.9°, which is the feasible edge.")
+
+
+@pytest.mark.parametrize(("start", "acquitted"), [(18.0, True), (0.5, False)])
+def test_a_dropout_after_the_loss_is_not_blamed(locked: RunSignals, start: float, acquitted: bool) -> None:
+    dropout = {"signal": "currents", "start_s": start, "duration_s": 0.1}
+    disturbed = replace(locked, scenario=locked.scenario.replaced(dropouts=[dropout]))
+    words = f"The speed was lost before the first disturbance of the sensors, at {start:g} s, which is not the cause."
+    sentences = account(disturbed)
+    assert (words in sentences) is acquitted, sentences
+    told = [sentence for sentence in account(locked) if "left its band" in sentence]
+    assert set(told) <= set(sentences), "the speed left its band when it did, whatever came later"
 
 
 @pytest.mark.parametrize("output", ["terminal", "Markdown", "JUnit"])
