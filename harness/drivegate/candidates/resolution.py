@@ -15,6 +15,8 @@ from drivegate_models.errors import InputError
 
 ENTRY_POINT_GROUP = "drivegate.controllers"
 
+_OTHER_TABLES = (".yaml", ".yml", ".json")
+
 _WAYS = (
     f"{', '.join(way for kind in KINDS.values() for way in kind.ways)}, candidate{MANIFEST_SUFFIX} or the name of a "
     "built-in or installed controller"
@@ -39,9 +41,50 @@ def resolve_candidate(text: str) -> Candidate:
     for kind in KINDS.values():
         if kind.suffix and suffix == kind.suffix:
             return kind.from_text(specification)
+    if suffix in _OTHER_TABLES or (_is_folder(specification) and not _is_name(specification)):
+        raise InputError(_instead_of(specification))
     if suffix == ".py" or ":" in specification:
         return KINDS["python"].from_text(specification)
     return _from_bare_name(specification)
+
+
+def _is_name(specification: str) -> bool:
+    """Tell whether a string names a known controller, even where a folder is called the same."""
+    installed = {point.name for point in entry_points(group=ENTRY_POINT_GROUP)}
+    return specification in BUILTIN_CANDIDATES or specification in installed
+
+
+def _instead_of(specification: str) -> str:
+    """Tell what to write instead of a folder, or of a manifest in another language."""
+    named = one_line(specification)
+    if not _is_folder(specification):
+        manifest = one_line(Path(specification).with_suffix(MANIFEST_SUFFIX).name)
+        return f"the candidate '{named}' is no manifest that drivegate reads; write it as TOML, such as {manifest}"
+    folder = Path(specification)
+    endings = {MANIFEST_SUFFIX, ".py", *(kind.suffix for kind in KINDS.values() if kind.suffix)}
+    inside = [name for name in _readable(specification) if Path(name).suffix.lower() in endings]
+    manifests = [name for name in inside if name.endswith(MANIFEST_SUFFIX)]
+    chosen = next(iter([*manifests, *inside]), f"candidate{MANIFEST_SUFFIX}")
+    ending = ":Class" if chosen.endswith(".py") else ""
+    return (
+        f"the candidate '{named}' is a folder, but must be a file in it or a name; write "
+        f"{one_line(str(folder / chosen))}{ending}"
+    )
+
+
+def _is_folder(specification: str) -> bool:
+    try:
+        return Path(specification).is_dir()
+    except OSError:
+        # A name that is too long for any file.
+        return False
+
+
+def _readable(folder: str) -> list[str]:
+    try:
+        return sorted(path.name for path in Path(folder).iterdir() if path.name != "pyproject.toml")
+    except OSError:
+        return []
 
 
 def _from_bare_name(name: str) -> Candidate:

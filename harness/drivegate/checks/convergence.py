@@ -150,7 +150,8 @@ def _excess(record: RunRecord, window: SteadyWindow) -> Margin:
     if least == 0.0:
         return Margin("CNV-2", -1.0, f"Σ|i| {mean:.4g} A gives no torque{described(window)}", advisory)
     excess = 100.0 * (mean / least - 1.0)
-    measured = f"Σ|i| {mean:.4g} A, {excess:+.2f} % of the least {least:.4g} A{described(window)}"
+    side = "above" if excess >= 0.0 else "below"
+    measured = f"Σ|i| {mean:.4g} A, {abs(excess):.2f} % {side} the least {least:.4g} A{described(window)}"
     allowed = OPTIMUM_TOLERANCE * least
     return Margin("CNV-2", at_most(mean - least, allowed), measured, advisory)
 

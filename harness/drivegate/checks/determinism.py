@@ -14,7 +14,8 @@ def repeats_itself(record: RunRecord) -> Margin | None:
     different = sum(digest != record.run.digest for digest in record.repeated_digests)
     if different == 0:
         return Margin("DET-1", 1.0, f"{len(record.repeated_digests)} repetitions are the same")
-    return Margin("DET-1", -1.0, f"{different} of {len(record.repeated_digests)} repetitions differ")
+    counted = f"{different} of {len(record.repeated_digests)} repetitions differ"
+    return Margin("DET-1", -1.0, record.parting or counted)
 
 
 DET_1 = Check(

@@ -45,6 +45,11 @@ _AROUND_IN_FIGURE = 100
     help="Steps to show before the first difference.",
 )
 @click.option(
+    "--again",
+    is_flag=True,
+    help="Have the instance of SECOND run the scenario once before: against itself, what reset keeps.",
+)
+@click.option(
     "--plot",
     type=click.Path(path_type=Path),
     metavar="FILE",
@@ -59,6 +64,7 @@ def command(
     tolerance: float | None,
     ignore: tuple[str, ...],
     before: int,
+    again: bool,
     plot: Path | None,
     motor: str | None,
     settings: tuple[str, ...],
@@ -85,7 +91,7 @@ def command(
     judged = tuple(name for name in _FIELDS if name not in ignore)
     rule = Rule(BITWISE if tolerance is None else tolerance, judged)
     around = 0 if plot is None else _AROUND_IN_FIGURE
-    comparison = compared(*candidates, scenario, rule, before=max(before, around), after=around)
+    comparison = compared(*candidates, scenario, rule, before=max(before, around), after=around, again=again)
     document = document_of(candidates, scenario, rule, comparison)
     found = document["difference"]
     if found is not None:
@@ -97,7 +103,7 @@ def command(
         names = (candidates[0].name, candidates[1].name)
         draw(comparison.difference, names, plot, f"{names[0]} and {names[1]}: {scenario.name}")
         document["files"] = [str(plot)]
-    words = " ".join(quote(word) for word in (first, second, "--case", case))
+    words = " ".join(quote(word) for word in (first, second, "--case", case, *(["--again"] if again else [])))
 
     def show(console: Console) -> None:
         from drivegate.studies.diff.display import show_difference

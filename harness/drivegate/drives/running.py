@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from numpy.typing import NDArray
+
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.drives.kinds import kind_of
 from drivegate.runs.record import RunRecord
@@ -17,6 +21,7 @@ def run_scenario(
     power_window: float = 0.0,
     trace_every: int = 0,
     wrap: Wrap | None = None,
+    kept: NDArray[Any] | None = None,
 ) -> ClosedLoopRun:
     """Reset a controller and run it through a scenario."""
     return run_in_closed_loop(
@@ -26,13 +31,25 @@ def run_scenario(
         power_window=power_window,
         trace_every=trace_every,
         wrap=wrap,
+        kept=kept,
     )
 
 
 def recorded(
-    loaded: JudgedCandidate, scenario: Scenario, controller: AnyController, *, trace_every: int = 0
+    loaded: JudgedCandidate,
+    scenario: Scenario,
+    controller: AnyController,
+    *,
+    trace_every: int = 0,
+    kept: NDArray[Any] | None = None,
 ) -> RunRecord:
     """Run a candidate through a scenario for the checks, observed as its declaration requires."""
     declaration = loaded.candidate.declaration
-    run = run_scenario(scenario, controller, trace_every=trace_every, power_window=declaration.power_window_s)
+    run = run_scenario(
+        scenario,
+        controller,
+        trace_every=trace_every,
+        power_window=declaration.power_window_s,
+        kept=kept,
+    )
     return RunRecord(scenario, run, declaration)

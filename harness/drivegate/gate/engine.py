@@ -106,9 +106,10 @@ def check_candidate(
         )
         outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)
         outcomes, traces = _record(pool, outcomes, progress)
-    if any(outcome.id == REPEATED and outcome.verdict == "fail" for outcome in outcomes):
-        message = "the same scenario was answered differently when it was repeated"
-        progress.add_fault(Fault(FaultKind.NON_DETERMINISTIC, message, "step"))
+    for outcome in outcomes:
+        if outcome.id == REPEATED and outcome.verdict == "fail":
+            message = f"the same scenario was answered differently when it was repeated: {outcome.measured}"
+            progress.add_fault(Fault(FaultKind.NON_DETERMINISTIC, message, "step"))
     if today is not None:
         outcomes = under_waivers(outcomes, candidate.name, waivers, today)
     comparisons = None if baseline is None else compared(baseline, runs)

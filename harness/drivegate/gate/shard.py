@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
 from hypothesis import HealthCheck, Phase, assume, given, seed, settings, target
@@ -18,7 +18,9 @@ from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.kinds import kind_of
+from drivegate.drives.repeating import with_repetitions
 from drivegate.drives.running import recorded
+from drivegate.runs.parting import room_for_commands
 from drivegate.scenarios.drawn.isolation import from_the_seed_alone
 from drivegate_cases.motor.motor import Motor, load_motor
 from drivegate_cases.scenario.scenario import Scenario
@@ -80,12 +82,11 @@ def content_key(scenario: Mapping[str, Any]) -> str:
 def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
     """Run scenarios as they are."""
     controller = loaded.controller()
-    records = [recorded(loaded, scenario, controller) for scenario in plan.scenarios]
-    if plan.repeat:
-        first = plan.scenarios[0]
-        again = recorded(loaded, first, controller).run.digest
-        afresh = recorded(loaded, first, loaded.controller()).run.digest
-        records[0] = replace(records[0], repeated_digests=(again, afresh))
+    kept = room_for_commands(plan.scenarios[0]) if plan.repeat else None
+    first = recorded(loaded, plan.scenarios[0], controller, kept=kept)
+    records = [first, *(recorded(loaded, scenario, controller) for scenario in plan.scenarios[1:])]
+    if kept is not None:
+        records[0] = with_repetitions(loaded, first, kept, controller)
     return ShardOutcome(tuple(judged(record, kind_of(record.scenario.motor).checks()) for record in records))
 
 

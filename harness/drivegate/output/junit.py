@@ -33,6 +33,7 @@ def junit_xml(result: dict[str, Any]) -> bytes:
     for check in result["checks"]:
         case = _case(suite, name, check["id"])
         _judge(case, check, counted)
+        _tell_what_happened(case, result, check)
     for entry in result["baseline"] or ():
         _compare(_case(suite, name, f"{entry['check']} against the baseline"), entry, counted)
     for number, (fault, count) in enumerate(distinct_faults(result["faults"]), start=1):
@@ -74,6 +75,17 @@ def _judge(case: ElementTree.Element, check: dict[str, Any], counted: Collection
     else:
         output = ElementTree.SubElement(case, "system-out")
         output.text = one_line(f"{check['level']}, {verdict}: {check['message']}")
+
+
+def _tell_what_happened(case: ElementTree.Element, result: dict[str, Any], check: dict[str, Any]) -> None:
+    """Add the account of the counterexample to a failure."""
+    failure = case.find("failure")
+    if failure is None or check["counterexample"] is None:
+        return
+    # It brings the oracle, which a result without failures does not need.
+    from drivegate.output.account import account_of
+
+    failure.text = "\n".join([failure.text or "", *map(one_line, account_of(result, check))]).rstrip("\n")
 
 
 def _compare(case: ElementTree.Element, entry: dict[str, Any], counted: Collection[str]) -> None:

@@ -37,6 +37,7 @@ def markdown(result: dict[str, Any]) -> str:
         f"{runs_in_short(result)}, effort {escaped(result['effort'])}, "
         f"seed {result['seed']}, drivegate {escaped(result['provenance']['drivegate'])}.",
         "",
+        *_causes(result),
         "| check | level | verdict | margin | message |",
         "|---|---|---|---:|---|",
     ]
@@ -54,7 +55,25 @@ def markdown(result: dict[str, Any]) -> str:
         lines.append(
             f"- {escaped(check['id'])}: {escaped(check['counterexample']['name'])}, in [{file}]({file})"
         )
+        lines += _account(result, check)
     return "\n".join(lines) + "\n"
+
+
+def _causes(result: dict[str, Any]) -> list[str]:
+    if all(check["counterexample"] is None for check in result["checks"]):
+        return []
+    # It brings the oracle, which a result without failures does not need.
+    from drivegate.output.causes import causes_of
+
+    lines = [f"- {escaped(cause)}" for cause in causes_of(result)]
+    return [*lines, ""] if lines else []
+
+
+def _account(result: dict[str, Any], check: dict[str, Any]) -> list[str]:
+    # It brings the oracle, which a result without failures does not need.
+    from drivegate.output.account import account_of
+
+    return [f"  {escaped(sentence)}" for sentence in account_of(result, check)]
 
 
 def _comparisons(entries: list[dict[str, Any]]) -> list[str]:

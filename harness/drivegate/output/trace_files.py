@@ -78,9 +78,14 @@ def write_trace(frame: pandas.DataFrame, csv: Path | None, parquet: Path | None)
 
 
 def write_plot(
-    frame: pandas.DataFrame, plot: Path, title: str, *, shaded: tuple[float, float] | None = None
+    frame: pandas.DataFrame,
+    plot: Path,
+    title: str,
+    *,
+    shaded: tuple[float, float] | None = None,
+    edge: tuple[float, float] | None = None,
 ) -> None:
-    """Draw a trace: speed, angle, currents and torque over time."""
+    """Draw a trace: speed, angle, currents and torque over time, with the feasible edge from a time on (s, deg)."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -94,6 +99,12 @@ def write_plot(
         for axes, (first, second, label) in zip(all_axes, _PANELS, strict=True):
             for column, name in (line for line in (first, second) if line is not None):
                 axes.plot(thinned["time_s"], thinned[column], label=name, linewidth=1.0)
+            if edge is not None and first[0] == "advance_deg":
+                begin, angle = edge
+                reach = [begin, float(frame["time_s"].iloc[-1]) if shaded is None else shaded[1]]
+                axes.plot(
+                    reach, [angle] * 2, label="feasible edge", linewidth=1.2, linestyle="--", color="tab:red"
+                )
             if shaded is not None:
                 axes.axvspan(*shaded, color="tab:orange", alpha=0.15, label="judged here")
             axes.set_ylabel(label)

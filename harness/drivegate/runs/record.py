@@ -93,12 +93,15 @@ class RunRecord:
         What the candidate declares of itself.
     repeated_digests : tuple of int
         Digests of further runs of the same scenario; empty where it ran once.
+    parting : str
+        Where one of these runs parts from the first one, in words; empty where none does.
     """
 
     scenario: Scenario
     run: ClosedLoopRun
     declaration: Declaration
     repeated_digests: tuple[int, ...] = ()
+    parting: str = ""
 
     @cached_property
     def drive(self) -> Drive:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, refused_command
@@ -135,11 +136,12 @@ def run_in_closed_loop(
     power_window: float = 0.0,
     trace_every: int = 0,
     wrap: Wrap | None = None,
+    kept: NDArray[Any] | None = None,
 ) -> ClosedLoopRun:
     """Reset a controller and run it through a scenario, against the plant of a closed loop.
 
     A candidate's instance runs in its own process, beside a plant that is there to close the loop; what is observed is
-    what the plant here comes to by the same commands.
+    what the plant here comes to by the same commands. `kept` receives the command of each step.
     """
     nameplate = scenario.nameplate()
     plant = (scenario.motor.drive(scenario.scales), plant_load(scenario), plant_schedule(scenario))
@@ -171,6 +173,7 @@ def run_in_closed_loop(
         windows=observed_windows(scenario),
         power_window=power_window,
         trace_every=trace_every,
+        kept=kept,
     )
     run = prepared.run()
     if restarter.failure is not None:

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from drivegate.output.account import account
+from drivegate.output.run_signals import RunSignals, signals_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
-from drivegate_reports.conformance.account import account
 from drivegate_reports.conformance.figures import margin_distribution, recorded_run
 from drivegate_reports.conformance.figures import script as script_figure
-from drivegate_reports.conformance.signals import RunSignals, signals_of
 from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.printable import clean
 from drivegate_reports.page.style import house_style, inline_svg

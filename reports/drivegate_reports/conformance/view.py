@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from shlex import quote
 from typing import Any, Final
 
+from drivegate.output.causes import causes_of, first_to_mend
 from drivegate.output.result_file import counterexample_name
 from drivegate.results.result import RESULT_SCHEMA
 from drivegate.results.signature import fingerprint
@@ -129,7 +130,7 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
         candidate_hash=clean(candidate["hash"]),
         verdict=verdict,
         tone=TONES.get(verdict, "fail"),
-        meaning=_meaning(verdict, failing),
+        meaning=" ".join([_meaning(verdict, failing), *_causes(document)]).strip(),
         exit_code=int(document["exit_code"]),
         seed=int(document["seed"]),
         runs=int(document["runs"]),
@@ -185,6 +186,11 @@ def _meaning(verdict: str, failing: Sequence[str]) -> str:
     return meanings.get(verdict, "")
 
 
+def _causes(document: Mapping[str, Any]) -> list[str]:
+    causes = (clean(str(cause)) for cause in causes_of(document))
+    return [f"{cause[0].upper()}{cause[1:]}." for cause in causes]
+
+
 def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[str, ...]:
     sentences = []
     for level in ("required", "advisory"):
@@ -217,7 +223,8 @@ def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[
 def _next_step(document: Mapping[str, Any], failing: Sequence[str]) -> str:
     specification = quote(str(document["candidate"]["specification"]))
     if failing:
-        first = failing[0]
+        begin = first_to_mend(document)
+        first = failing[0] if begin is None else clean(begin["id"])
         file = counterexample_name(first)
         return f"drivegate replay {file} --candidate {specification} --plot {first}.svg"
     if document["verdict"] == "pass" and document["effort"] != "nightly":

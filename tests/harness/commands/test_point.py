@@ -81,6 +81,16 @@ def test_out_of_reach_it_gives_the_values_at_the_limit(command):
     assert "not feasible" in ended.out
 
 
+def test_a_torque_that_only_less_than_the_limit_gives_is_told_in_plain_words(command):
+    words = ("point", "--speed-rpm", 1000, "--advance-deg", 32, "--torque-nm", 14.324)
+    told = "13.9 A gives the torque, but a regulator at its limit may lose it"
+    assert told in command(*words).out
+    document = command(*words, "--json").document
+    assert document["reference_below_limit_a"] == pytest.approx(13.934, abs=1e-3)
+    out_of_reach = command("point", "--speed-rpm", 1500, "--advance-deg", 45, "--torque-nm", 9.8)
+    assert "gives the torque" not in out_of_reach.out
+
+
 def test_a_current_above_the_limit_is_not_feasible(command):
     assert command(*AT_1500, "--current-a", "26.01", "--json").document["feasible"] is False
 

@@ -42,16 +42,18 @@ def test_the_published_search_still_fails_and_its_signals_are_drawn(command, fil
     assert "CNV-1 STILL FAILS" in ended.out
     assert "then margin -2.5 (speed error 17.5 rpm), by published" in ended.out
     assert f"next: look at the signals: drivegate replay {file()} --plot CNV-1.svg" in ended.out
+    assert "the angle passed 51.9°, the smallest at which the motor can give" in ended.out
     drawn = command("replay", file(), "--plot", "run.svg", "--json")
     document = drawn.document
     assert (drawn.code, document["exit_code"], document["verdict"]) == (1, 1, "still fails")
     assert document["now"]["margin"] < 0.0
+    assert document["account"][0] == "Run: 1500 rpm; constant torque of 9.8 N·m; 12 s."
     assert document["then"] == {"margin": -2.5, "measured": "speed error 17.5 rpm"}
     assert document["window_s"][1] == SCENARIO.duration_s, "the stretch that was judged ends with the run"
     assert document["window_s"][0] > 6.0, "what comes before the stretch is not judged"
     assert document["files"] == ["run.svg"]
     drawing = (tmp_path / "run.svg").read_text(encoding="utf-8")
-    for words in ("judged here", "speed", "advance angle", "current reference", "load"):
+    for words in ("judged here", "speed", "advance angle", "current reference", "load", "feasible edge"):
         assert words in drawing
 
 

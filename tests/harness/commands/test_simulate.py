@@ -41,6 +41,42 @@ def test_people_get_tables_and_the_way_to_a_plot(command, short):
     assert "--plot" in ended.out
 
 
+def test_commands_out_of_range_and_a_wrong_unit_are_told(command, short, tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "from drivegate import Command\n"
+        "class Degrees:\n def reset(self, nameplate): pass\n def step(self, sense): return Command(5000.0, 57.0)\n"
+        "class Less:\n def reset(self, nameplate): pass\n def step(self, sense): return Command(-1.0, -0.02)\n",
+        encoding="utf-8",
+    )
+    short.write_text(load_scenario("lock-up").replaced(duration_s=0.5).to_json(), encoding="utf-8")
+    more = command("simulate", f"{tmp_path / 'mine.py'}:Degrees", "--case", short).out
+    assert "advance angle clamped to 90°: up to 57 rad: degrees?" in more, more
+    assert "current reference clamped to its limit of 26 A: up to 5000 A: milliamperes?" in more, more
+    less = command("simulate", f"{tmp_path / 'mine.py'}:Less", "--case", short, "--json").document
+    assert less["clamped"] == [
+        "advance angle clamped to 0: down to -0.02 rad (-1.146°)",
+        "current reference clamped to 0: down to -1 A",
+    ]
+    assert command("simulate", "reference", "--case", short, "--json").document["clamped"] == []
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("mine.yaml", "is no manifest that drivegate reads; write it as TOML, such as mine.toml"),
+        ("empty", "is a folder, but must be a file in it or a name; write empty/candidate.toml"),
+        ("full", "is a folder, but must be a file in it or a name; write full/controller.py:Class"),
+    ],
+)
+def test_a_folder_or_another_manifest_names_what_to_write(command, tmp_path, name, expected):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "controller.py").touch()
+    ended = command("simulate", name, "--case", "lock-up")
+    assert ended.code == 2
+    assert expected in ended.err, ended.err
+
+
 def test_a_python_candidate_runs_and_a_motor_can_be_altered(command, short, controllers, tmp_path):
     words = ("simulate", f"{controllers}:Steady", "--case", short, "--json")
     nominal = command(*words).document
@@ -58,6 +94,7 @@ def test_a_candidate_that_raises_ends_with_1_and_cannot_write_to_the_terminal(co
     assert (text.code, data.code) == (1, 1)
     assert "\x1b" not in text.out
     assert "[bold]x[/bold]" in text.out
+    assert "  in step " in text.out, text.out
     assert data.document["fault"]["kind"] == "exception"
     assert data.document["fault"]["step"] == 0
 

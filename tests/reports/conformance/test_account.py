@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import copy
+import io
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from drivegate_reports.conformance.account import account
+from drivegate.output.account import account
+from drivegate.output.console import console_for
+from drivegate.output.judged_point import judged_point
+from drivegate.output.junit import junit_xml
+from drivegate.output.markdown import markdown
+from drivegate.output.run_signals import RunSignals, signals_of
+from drivegate.studies.check.checked import Checked
+from drivegate.studies.check.display import show_checked
 from drivegate_reports.conformance.figures import recorded_run
-from drivegate_reports.conformance.judged_point import judged_point
-from drivegate_reports.conformance.signals import RunSignals, signals_of
 from drivegate_reports.page.style import house_style
 
 
@@ -36,6 +44,29 @@ def test_a_lost_speed_is_reported_as_it_happened(locked: RunSignals) -> None:
     assert places == sorted(places), f"the events are reported out of order: {sentences}"
     assert "236 rpm below the reference" in sentences[-2]
     assert sentences[-1].endswith("at 51.9°, which is the feasible edge.")
+
+
+@pytest.mark.parametrize(("start", "acquitted"), [(18.0, True), (0.5, False)])
+def test_a_dropout_after_the_loss_is_not_blamed(locked: RunSignals, start: float, acquitted: bool) -> None:
+    dropout = {"signal": "currents", "start_s": start, "duration_s": 0.1}
+    disturbed = replace(locked, scenario=locked.scenario.replaced(dropouts=[dropout]))
+    words = f"The speed was lost before the first disturbance of the sensors, at {start:g} s, which is not the cause."
+    sentences = account(disturbed)
+    assert (words in sentences) is acquitted, sentences
+    told = [sentence for sentence in account(locked) if "left its band" in sentence]
+    assert set(told) <= set(sentences), "the speed left its band when it did, whatever came later"
+
+
+@pytest.mark.parametrize("output", ["terminal", "Markdown", "JUnit"])
+def test_what_happened_is_told_on_every_output(recorded: dict[str, Any], output: str, tmp_path: Path) -> None:
+    if output == "terminal":
+        stream = io.StringIO()
+        show_checked(console_for(stream), Checked("mine.py:Mine", None, recorded, tmp_path))
+        text = stream.getvalue()
+    else:
+        text = markdown(recorded) if output == "Markdown" else junit_xml(recorded).decode()
+    assert "the angle passed 51.9°, the smallest at which" in text, text
+    assert text.count("At the end the speed was") == 1, "only a failed check has an account"
 
 
 def test_times_are_those_of_the_signals(locked: RunSignals) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
+from drivegate.output.causes import by_urgency, causes_of, first_to_mend
 from drivegate.output.console import plain, table, verdict_text
 from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.output.result_file import counterexample_name
@@ -20,26 +21,25 @@ if TYPE_CHECKING:
 
     from drivegate.studies.check.checked import Checked
 
-_TO_BE_MET = ("fail", "waiver expired")
-
 
 def show_checked(console: Console, checked: Checked) -> None:
     """Print the verdict on each check, what failed and where the report is."""
     document, folder = checked.document, checked.folder
     assert document is not None, "only a candidate with a result is shown"
     assert folder is not None, "a result has its folder"
+    for fault, count in distinct_faults(document["faults"]):
+        _show_fault(console, fault, count)
+    _show_causes(console, document)
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
-    for check in document["checks"]:
+    for check in by_urgency(document["checks"]):
         verdict, margin = verdict_text(check["verdict"]), printed_margin(document, check)
         listed.add_row(plain(check["id"]), plain(check["level"]), verdict, margin, plain(check["message"]))
     console.print(listed)
     if document["baseline"]:
         _show_comparisons(console, document["baseline"])
-    for fault, count in distinct_faults(document["faults"]):
-        _show_fault(console, fault, count)
     failed = [check for check in document["checks"] if check["counterexample"] is not None]
     for check in failed:
-        _show_counterexample(console, check, folder)
+        _show_counterexample(console, document, check, folder)
     heading = plain(f"{document['candidate']['name']}: ")
     heading.append_text(verdict_text(document["verdict"]))
     heading.append(f", {runs_in_short(document)}")
@@ -48,7 +48,7 @@ def show_checked(console: Console, checked: Checked) -> None:
         console.print(plain(f"signed by the key {fingerprint(document['signature']['public_key'])}"))
     for page in checked.pages or (folder,):
         console.print(plain(f"report: {page}"))
-    console.print(plain(f"next: {_next_step(checked.specification, failed, folder)}", "dim"))
+    console.print(plain(f"next: {_next_step(checked.specification, document, folder)}", "dim"))
 
 
 def _show_comparisons(console: Console, entries: list[dict[str, Any]]) -> None:
@@ -59,6 +59,13 @@ def _show_comparisons(console: Console, entries: list[dict[str, Any]]) -> None:
     console.print(listed)
 
 
+def _show_causes(console: Console, document: dict[str, Any]) -> None:
+    if all(check["counterexample"] is None for check in document["checks"]):
+        return
+    for cause in causes_of(document):
+        console.print(plain(str(cause), "bold red"))
+
+
 def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
     console.print(plain(f"{fault['kind']}{in_runs(count)}: {fault['message']}", "bold red"))
     if fault["time_s"] is not None:
@@ -67,20 +74,30 @@ def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
         console.print(plain(f"  {line}", "dim"))
 
 
-def _show_counterexample(console: Console, check: dict[str, Any], folder: Path) -> None:
+def _show_counterexample(
+    console: Console, document: dict[str, Any], check: dict[str, Any], folder: Path
+) -> None:
+    # It brings the oracle, which a check without failures does not need.
+    from drivegate.output.account import account_of
+
     outcome = "fails" if check["verdict"] == "fail" else f"fails, {check['verdict']}"
     console.print(plain(f"{check['id']} {outcome} ({check['level']}): {check['requirement']}", "bold"))
     measured = check["measured"] if check["found"] is None else check["found"]["measured"]
     console.print(plain(f"  measured {measured}; limit {check['limit']}"))
     console.print(plain(f"  in {scenario_in_short(check['counterexample'])}"))
     console.print(plain(f"  facts {facts_in_short(check['counterexample'])}"))
+    for sentence in account_of(document, check):
+        console.print(plain(f"  {sentence}"))
     console.print(plain(f"  file {folder / counterexample_name(check['id'])}"))
 
 
-def _next_step(specification: str, failed: list[dict[str, Any]], folder: Path) -> str:
-    required = [check for check in failed if check["level"] == "required" and check["verdict"] in _TO_BE_MET]
-    if not required:
+def _next_step(specification: str, document: dict[str, Any], folder: Path) -> str:
+    first = first_to_mend(document)
+    if first is None and document["faults"]:
+        kind = document["faults"][0]["kind"]
+        return f"mend what is named first ({kind}), then drivegate check {quote(specification)}"
+    if first is None:
         return "open the report; drivegate checks lists what was required"
-    check = required[0]["id"]
+    check = first["id"]
     file = str(folder / counterexample_name(check))
     return f"drivegate replay {quote(file)} --candidate {quote(specification)} --plot {check}.svg"

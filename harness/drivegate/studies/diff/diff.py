@@ -88,12 +88,20 @@ class StepComparison:
 
 
 def compared(
-    first: Candidate, second: Candidate, scenario: Scenario, rule: Rule, *, before: int, after: int
+    first: Candidate,
+    second: Candidate,
+    scenario: Scenario,
+    rule: Rule,
+    *,
+    before: int,
+    after: int,
+    again: bool = False,
 ) -> StepComparison:
     """Compare two candidates step by step.
 
     The first one drives the plant, and every step is recorded. The second one is then given the same, until it answers
     otherwise. Both are alike up to there, so nothing is lost by asking one after the other.
+    With `again` the second one's instance has run the scenario before: against itself, that shows what reset keeps.
     """
     with_compiled_kernels()
     with tempfile.TemporaryDirectory(prefix="drivegate") as name:
@@ -109,7 +117,7 @@ def compared(
             if isinstance(led, Fault):
                 return StepComparison(led.step or 0, fault=led, faulted=FIRST)
             end = row_count(path, scenario.motor.phases)
-            plan = Shadowing(path, scenario, rule, end, end)
+            plan = Shadowing(path, scenario, rule, end, end, again)
             ended = following.run(Job(shadow_run, plan))
             if isinstance(ended, Fault):
                 return StepComparison(ended.step or 0, fault=ended, faulted=SECOND)
@@ -122,10 +130,11 @@ def compared(
 def _difference(following: Judge, plan: Shadowing, step: int, before: int, after: int) -> Difference:
     scenario, phases = plan.scenario, plan.scenario.motor.phases
     begin, end = max(step - before, 0), min(step + 1 + after, plan.end)
-    around = following.run(Job(shadow_run, Shadowing(plan.path, scenario, None, begin, end)))
+    around = following.run(Job(shadow_run, Shadowing(plan.path, scenario, None, begin, end, plan.again)))
     if isinstance(around, Fault):
         # It does not survive what comes after its different answer, but comes as far as that again.
-        around = following.run(Job(shadow_run, Shadowing(plan.path, scenario, None, begin, step + 1)))
+        shorter = Shadowing(plan.path, scenario, None, begin, step + 1, plan.again)
+        around = following.run(Job(shadow_run, shorter))
     answers = np.empty((0, len(OUTPUTS))) if isinstance(around, Fault) else around.answers
     rows = some_rows(plan.path, phases, begin, end)
     return Difference(

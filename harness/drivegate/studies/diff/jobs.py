@@ -71,6 +71,8 @@ class Shadowing:
         When to stop; None to go on to the end whatever it answers.
     begin, end : int
         The first step whose answer is kept, and the one to stop before.
+    again : bool
+        Whether the instance has run the scenario once before, and was reset.
     """
 
     path: Path
@@ -78,6 +80,7 @@ class Shadowing:
     rule: Rule | None
     begin: int
     end: int
+    again: bool = False
 
 
 @dataclass(frozen=True)
@@ -117,7 +120,10 @@ def record_run(loaded: JudgedCandidate, plan: RecordRequest) -> None:
 def shadow_run(loaded: JudgedCandidate, plan: Shadowing) -> Shadowed:
     """Give a candidate what the record has sensed, until it answers otherwise."""
     nameplate = plan.scenario.nameplate()
-    steps = GivenSteps(loaded.controller(), nameplate)
+    controller = loaded.controller()
+    if plan.again:
+        run_scenario(plan.scenario, controller)
+    steps = GivenSteps(controller, nameplate)
     kept: list[NDArray[np.float64]] = [np.empty((0, len(OUTPUTS)))]
     done = 0
     restarts = {round(time / nameplate.control_period) for time in plan.scenario.restarts_s}

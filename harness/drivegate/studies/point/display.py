@@ -34,9 +34,15 @@ def show_point(console: Console, document: dict[str, Any], drive: Drive, torque:
         values.add_row(name, number(document[key]), unit)
     console.print(values)
     if not document["feasible"]:
+        below = document.get("reference_below_limit_a")
+        lost = (
+            ""
+            if below is None
+            else f"; {below:.3g} A gives the torque, but a regulator at its limit may lose it"
+        )
         reason = (
             f"{torque:g} N·m cannot be produced here at the current limit of {drive.current_limit:g} A; "
-            "the values are those at the limit"
+            f"the values are those at the limit{lost}"
             if torque is not None
             else f"the current reference exceeds the limit of {drive.current_limit:g} A"
         )

@@ -57,7 +57,8 @@ def _values_at_torque(drive: Drive, speed: float, advance: float, torque: float)
     point = point_at_torque(drive, speed, advance, torque)
     if not point.robust:
         at_limit = _values_at_current(drive, speed, advance, drive.current_limit, None)
-        return at_limit | {"feasible": False, "feasible_below_limit": point.static}
+        below = {"reference_below_limit_a": point.reference} if point.static else {}
+        return at_limit | {"feasible": False, "feasible_below_limit": point.static} | below
     values = _values(point.reference, True, point, point.input_power)
     return values | {"certified": point.certified, "feasible_below_limit": point.static}
 

@@ -45,6 +45,8 @@ def show_replay(console: Console, document: dict[str, Any], hint: str) -> None:
     else:
         console.print(plain(f"  now  {_margin_text(document['now'])}, by {name}"))
         console.print(plain(f"  limit {document['limit']}; in {document['scenario']}, {_where(document)}"))
+    for sentence in document["account"]:
+        console.print(plain(f"  {sentence}"))
     for path in document["files"]:
         console.print(plain(f"written: {path}"))
     console.print(plain(f"next: {hint}", "dim"))

@@ -20,11 +20,15 @@ from drivegate.checks.judged_window import judged_window
 from drivegate.checks.margin import Margin
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.drives.repeating import with_repetitions
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
-from drivegate.gate.repetition import DIFFERENT, repetition_job
+from drivegate.gate.repetition import Repetition, different_elsewhere, explanation_jobs, repetition_job
+from drivegate.output.account import account
 from drivegate.output.compiled_kernels import with_compiled_kernels
+from drivegate.output.run_signals import RunSignals, signals_of_run
 from drivegate.results.counterexample import Counterexample
+from drivegate.runs.parting import room_for_commands
 from drivegate.studies.simulate.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.scenario.scenario import Scenario
@@ -94,14 +98,20 @@ def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
         replay = judge.run(Job(run_replay, stored))
         if isinstance(replay, Fault) or isinstance(stored.scenario, Script) or stored.check != REPEATED:
             return replay
-        elsewhere = judge.run(repetition_job(stored.scenario))
-    return elsewhere if isinstance(elsewhere, Fault) else _compared(replay, elsewhere)
+        return _repeated_elsewhere(judge, replay, stored.scenario)
 
 
-def _compared(replay: Replay, elsewhere: int) -> Replay:
+def _repeated_elsewhere(judge: Judge, replay: Replay, scenario: Scenario) -> Replay | Fault:
     if replay.margin is None or not replay.margin.met or replay.run is None:
         return replay
-    return replay if replay.run.digest == elsewhere else replace(replay, margin=DIFFERENT)
+    elsewhere = judge.run(repetition_job(scenario))
+    if isinstance(elsewhere, Fault) or elsewhere.digest == replay.run.digest:
+        return elsewhere if isinstance(elsewhere, Fault) else replay
+    endings: list[Repetition | Fault] = []
+    for job in explanation_jobs(scenario):
+        ending = judge.run(job)
+        endings.append(ending)
+    return replace(replay, margin=different_elsewhere(scenario, endings))
 
 
 def run_replay(loaded: JudgedCandidate, stored: Counterexample) -> Replay:
@@ -114,11 +124,10 @@ def run_replay(loaded: JudgedCandidate, stored: Counterexample) -> Replay:
 def _scenario_again(loaded: JudgedCandidate, scenario: Scenario, check: Check) -> Replay:
     controller = loaded.controller()
     every = -(-scenario.control_periods // MOST_ROWS)
-    record = recorded(loaded, scenario, controller, trace_every=every)
-    if check.id == REPEATED:
-        again = recorded(loaded, scenario, controller).run.digest
-        afresh = recorded(loaded, scenario, loaded.controller()).run.digest
-        record = replace(record, repeated_digests=(again, afresh))
+    kept = room_for_commands(scenario) if check.id == REPEATED else None
+    record = recorded(loaded, scenario, controller, trace_every=every, kept=kept)
+    if kept is not None:
+        record = with_repetitions(loaded, record, kept, controller)
     applies = check.reason_not_applicable(record.declaration) is None
     margin = check.evaluate(record) if applies else None
     return Replay(margin, record.run, judged_window(check, record, margin))
@@ -139,6 +148,15 @@ def check_of(stored: Counterexample) -> Check:
     return next(check for check in CHECKS if check.id == stored.check)
 
 
+def signals_shown(stored: Counterexample, ended: Replay | Fault) -> RunSignals | None:
+    """Take the signals that an account is given of; None where nothing was run on a plant."""
+    if isinstance(ended, Fault) or ended.run is None or ended.window is None:
+        return None
+    if isinstance(stored.scenario, Script):
+        return None
+    return signals_of_run(stored.scenario, ended.run, ended.window)
+
+
 def verdict_on(ended: Replay | Fault) -> str:
     """Tell whether a check still fails."""
     if isinstance(ended, Fault):
@@ -153,6 +171,7 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
     check, verdict = check_of(stored), verdict_on(ended)
     margin = None if isinstance(ended, Fault) else ended.margin
     fault = asdict(ended) | {"kind": ended.kind.value} if isinstance(ended, Fault) else None
+    signals = signals_shown(stored, ended)
     failed_code = 3 if check.subject == "plant" and fault is None else 1
     return {
         "schema": SCHEMA,
@@ -169,6 +188,7 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
         "now": None if margin is None else {"margin": margin.value, "measured": margin.measured},
         "window_s": None if isinstance(ended, Fault) or ended.window is None else list(ended.window),
         "rows": None if isinstance(ended, Fault) or ended.rows is None else list(ended.rows),
+        "account": [] if signals is None else list(account(signals)),
         "reason": _reason(check, candidate, verdict),
         "fault": fault,
         "files": [],

@@ -51,6 +51,8 @@ def show_run(console: Console, document: dict[str, Any], hint: str) -> None:
             values = (number(row[key]) for key, _ in _WINDOW_COLUMNS)
             windows.add_row(number(row["start_s"], 1), number(row["end_s"], 1), *values)
         console.print(windows)
+    for words in document["clamped"]:
+        console.print(plain(words, "bold yellow"))
     for path in document["files"]:
         console.print(plain(f"written: {path}"))
     if hint:
@@ -61,5 +63,7 @@ def show_fault(console: Console, document: dict[str, Any]) -> None:
     """Print what ended the run."""
     fault = document["fault"]
     console.print(plain(f"{document['candidate']['name']}: {fault['kind']}: {fault['message']}", "bold red"))
+    if fault["time"] is not None:
+        console.print(plain(f"  in step {fault['step']}, at {fault['time']:g} s"))
     for line in fault["traceback"].splitlines():
         console.print(plain(f"  {line}", "dim"))

@@ -13,6 +13,7 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.running import run_scenario
 from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.scenarios.windows import observed_windows
+from drivegate.studies.simulate.clamping import clamped_in_words
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.machine import ledger
@@ -60,7 +61,11 @@ def document_of(candidate: Candidate, scenario: Scenario, ended: ClosedLoopRun |
     }
     if isinstance(ended, Fault):
         return document | {"fault": asdict(ended) | {"kind": ended.kind.value}}
-    return document | {"summary": _summary(scenario, ended), "windows": _windows(scenario, ended)}
+    return document | {
+        "summary": _summary(scenario, ended),
+        "windows": _windows(scenario, ended),
+        "clamped": clamped_in_words(scenario, ended),
+    }
 
 
 def _summary(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from drivegate_reports.conformance.judged_point import judged_point
-from drivegate_reports.conformance.signals import RunSignals
+from drivegate.output.judged_point import judged_point
+from drivegate.output.run_signals import RunSignals
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label_ends, new_figure
 
 if TYPE_CHECKING:

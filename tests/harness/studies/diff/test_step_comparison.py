@@ -36,6 +36,13 @@ class Steady:
         return self.answer(sense)
     def answer(self, sense): return Command(5.0 + 1e-3 * sense.phase_currents[2], 0.0)
 
+class Counting(Steady):
+    runs = 0
+    def reset(self, nameplate):
+        super().reset(nameplate)
+        self.runs += 1
+    def answer(self, sense): return Command(5.0, 0.61 if self.runs > 1 and self.steps > 12 else 0.58)
+
 class Later(Steady):
     def answer(self, sense):
         reference, angle, power = super().answer(sense)
@@ -109,6 +116,14 @@ def test_the_first_difference_comes_with_inputs_commands_and_plant(candidate):
     # Ideal sensors show the plant as it is.
     assert found.plant.speed == found.sense.speed
     assert found.plant.phase_currents == found.sense.phase_currents
+
+
+def test_an_instance_that_has_run_before_shows_what_reset_keeps(candidate):
+    counting, steady = candidate("Counting"), candidate("Steady")
+    assert compare(counting, counting).difference is None, "each instance runs once"
+    found = compared(counting, counting, SHORT, Rule(), before=0, after=0, again=True).difference
+    assert (found.step, found.answers[0, 1]) == (12, 0.61)
+    assert compared(steady, steady, SHORT, Rule(), before=0, after=0, again=True).difference is None
 
 
 def test_a_tolerance_and_an_ignored_field_let_differences_pass(candidate):

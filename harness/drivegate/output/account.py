@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Mapping
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.output.judged_point import JudgedPoint, judged_point
+from drivegate.output.run_signals import RunSignals, signals_of
 from drivegate.scenarios.title import titled
-from drivegate_reports.conformance.judged_point import JudgedPoint, judged_point
-from drivegate_reports.conformance.signals import RunSignals
 
 BAND_RPM: Final = 5.0
 """k1: the speed error that the checks of convergence allow (rpm)."""
@@ -20,15 +21,33 @@ _MOVED_DEG: Final = 0.02
 _AT_EDGE_DEG: Final = 0.2
 
 
+def account_of(document: Mapping[str, Any], check: Mapping[str, Any]) -> tuple[str, ...]:
+    """Give an account of the run that a result shows for a check; nothing where its signals were not kept."""
+    signals = signals_of(document, check)
+    return () if signals is None else account(signals)
+
+
 def account(signals: RunSignals) -> tuple[str, ...]:
     """Give an account of a run."""
     point = judged_point(signals)
     sentences = [_what_was_run(signals)]
-    if _lasting(signals, np.abs(signals.speed_error_rpm) > BAND_RPM, _loaded_from(signals, point)) is None:
+    if lost_at(signals) is None:
         sentences += _held(signals)
     else:
-        sentences += _lost(signals, point)
+        sentences += [*_lost(signals, point), *_not_to_blame(signals)]
     return (*sentences, *_optimum(point))
+
+
+def lost_at(signals: RunSignals) -> float | None:
+    """Find when the speed left its band for long; None where it was held (s)."""
+    begin = _loaded_from(signals, judged_point(signals))
+    return _lasting(signals, np.abs(signals.speed_error_rpm) > BAND_RPM, begin)
+
+
+def passes_edge(signals: RunSignals) -> bool:
+    """Tell whether the angle passed the smallest one that gives the judged load."""
+    point = judged_point(signals)
+    return point is not None and bool(_edge_passed(signals, point))
 
 
 def _what_was_run(signals: RunSignals) -> str:
@@ -60,6 +79,19 @@ def _lost(signals: RunSignals, point: JudgedPoint | None) -> list[str]:
     events += _rest(signals)
     sentences = [_sentence(text) for _, text in sorted(events, key=lambda event: event[0])]
     return [*sentences, _end(signals)]
+
+
+def _not_to_blame(signals: RunSignals) -> list[str]:
+    """Say so where the speed was lost before anything disturbed the sensors."""
+    disturbed = [lost.start_s for lost in signals.scenario.dropouts]
+    disturbed += [glitch.time_s for glitch in signals.scenario.glitches]
+    when = lost_at(signals)
+    if not disturbed or when is None or min(disturbed) <= when:
+        return []
+    first = f"{min(disturbed):g} s"
+    return [
+        f"The speed was lost before the first disturbance of the sensors, at {first}, which is not the cause."
+    ]
 
 
 def _edge_passed(signals: RunSignals, point: JudgedPoint) -> list[tuple[float, str]]:

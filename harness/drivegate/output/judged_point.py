@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from drivegate.drives.kinds import kind_of
+from drivegate.output.run_signals import RunSignals
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
-from drivegate_reports.conformance.signals import RunSignals
 
 
 @dataclass(frozen=True)
@@ -43,10 +44,23 @@ class JudgedPoint:
 def judged_point(signals: RunSignals) -> JudgedPoint | None:
     """Evaluate the oracle at the conditions at the end of the judged stretch."""
     end = signals.judged_s[1]
-    held = [dwell for dwell in dwells(signals.scenario) if dwell.start < end <= dwell.end + 1e-9]
-    if not held:
+    held = [dwell for dwell in dwells(signals.scenario) if dwell.start < end]
+    if not held or held[-1].end + 1e-9 < end:
         return None
-    return _answers(signals.scenario, held[-1])
+    return _answers(signals.scenario, _from_its_begin(signals.scenario, held))
+
+
+def _from_its_begin(scenario: Scenario, held: Sequence[Dwell]) -> Dwell:
+    """Give the last stretch, from where its conditions began: a sensor that fails meanwhile changes none of them."""
+    failures = {(lost.start_s, lost.end_s) for lost in scenario.dropouts}
+    whole = held[-1]
+    for earlier in reversed(held[:-1]):
+        resumed = replace(earlier, start=whole.start, end=whole.end) == whole
+        joined = earlier.end == whole.start or (earlier.end, whole.start) in failures
+        if not (resumed and joined):
+            break
+        whole = replace(whole, start=earlier.start)
+    return whole
 
 
 @lru_cache(maxsize=200)

@@ -10,9 +10,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.gate.recording import thinned
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
+from drivegate_models.loop.closed_loop import ClosedLoopRun
 
 _NEEDED: Final = (
     "time_s",
@@ -90,6 +92,14 @@ def signals_of(document: Mapping[str, Any], check: Mapping[str, Any]) -> RunSign
     except InputError:
         return None
     return RunSignals(scenario=run, judged_s=(float(judged[0] or 0.0), float(judged[1] or 0.0)), **columns)
+
+
+def signals_of_run(
+    scenario: Scenario, run: ClosedLoopRun, judged_s: tuple[float, float]
+) -> RunSignals | None:
+    """Take the signals of a run with a trace, as a result would keep them."""
+    columns = _columns(thinned(run.trace))
+    return None if columns is None else RunSignals(scenario=scenario, judged_s=judged_s, **columns)
 
 
 def _columns(trace: object) -> dict[str, NDArray[np.float64]] | None:
