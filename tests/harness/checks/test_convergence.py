@@ -259,3 +259,16 @@ def test_a_vehicle_on_a_level_road_is_a_load(record, scenario, checks):
         "drag_area_m2": 0.6,
     }
     assert checks["CNV-2"].evaluate(record(scenario(load=vehicle))) is not None
+
+
+@pytest.mark.parametrize(
+    ("error_rpm", "words"),
+    [
+        (1500.0, "stalled where 1500 rpm are demanded"),
+        (1400.0, "speed error 1400 rpm at 1500 rpm, "),
+    ],
+)
+def test_a_shaft_that_stands_has_stalled(record, checks, error_rpm, words):
+    margin = checks["CNV-1"].evaluate(record(windows=[{"SPEED_ERROR": error_rpm * math.pi / 30.0}]))
+    assert margin.measured.startswith(words), margin
+    assert not margin.met
