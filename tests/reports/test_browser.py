@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page
 
-A4_WIDTH = 718
+A4_WIDTH = 703
 """Width between the margins of a printed page (CSS pixels)."""
 MISSING = """() => [...document.querySelectorAll('a[href]')]
   .map(anchor => anchor.getAttribute('href'))
@@ -19,7 +19,7 @@ FILES = """() => [...document.querySelectorAll('a[href], img[src]')]
   .map(item => item.getAttribute('href') ?? item.getAttribute('src')).filter(to => !to.startsWith('#'))"""
 CUT = """() => [...document.querySelectorAll('table, figure svg')]
   .filter(item => item.getClientRects().length && item.getBoundingClientRect().right > innerWidth + 1)
-  .map(item => item.outerHTML.slice(0, 80))"""
+  .map(item => `${Math.round(item.getBoundingClientRect().right)} px: ${item.outerHTML.slice(0, 80)}`)"""
 
 
 Open = Callable[..., Page]
