@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Sequence
+import json
+import shutil
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
+from playwright.sync_api import Browser, sync_playwright
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
 from drivegate.gate.recording import thinned
+from drivegate.output.result_reports import report_formats, write_result
+from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
 from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.engine import Compared
 from drivegate.studies.compare.plan import EFFORTS, PlannedRun, planned_runs
@@ -22,10 +27,22 @@ from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
+from drivegate_reports.comparison import report as comparison
 from drivegate_reports.conformance.report import page
-from drivegate_reports.paper.report import reproduce
+from drivegate_reports.paper.report import PAGE_FILE, reproduce
 
 Document = dict[str, Any]
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+BROWSER_OPTIONS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
 MOTOR, CYCLE = load_motor("paper-5-phase"), load_drive_cycle("ece-15")
 PLAN = planned_runs(MOTOR, CYCLE, "quick", 0)
 
@@ -269,3 +286,38 @@ def reproduction(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Docume
 def made_up() -> Callable[..., Document]:
     """Return the factory of comparison documents; it takes the candidates' names."""
     return _made_up_comparison
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """Open a browser."""
+    found = [path for path in map(shutil.which, BROWSERS) if path]
+    assert found, (
+        f"these tests need a browser: install the package chromium, which brings one of {', '.join(BROWSERS)}"
+    )
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=found[0], args=BROWSER_OPTIONS)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture(scope="session")
+def pages(
+    tmp_path_factory: pytest.TempPathFactory,
+    recorded: dict[str, Any],
+    reproduction: tuple[Path, dict[str, Any]],
+    made_up: Callable[..., dict[str, Any]],
+) -> dict[str, Path]:
+    """Return each page that is written."""
+    folder = tmp_path_factory.mktemp("pages")
+    conformance = folder / "conformance"
+    conformance.mkdir()
+    page = write_result(recorded, conformance, report_formats(["conformance"])).pages["conformance"]
+    document = json.loads(json.dumps(made_up(faulted=True)))
+    write_tables(document, folder)
+    (folder / COMPARISON_FILE).write_text(json.dumps(document), encoding="utf-8")
+    return {
+        "conformance": conformance / page,
+        "reproduction": reproduction[0] / PAGE_FILE,
+        "comparison": comparison.write(document, folder),
+    }

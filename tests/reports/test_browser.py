@@ -2,33 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import shutil
 from collections.abc import Callable, Iterator
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
-from drivegate.output.result_reports import report_formats, write_result
-from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
-from drivegate_reports.comparison import report as comparison
-from drivegate_reports.paper.report import PAGE_FILE
-
-NAMES = ("chromium", "chromium-browser", "google-chrome")
-OPTIONS = [
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
-A4_WIDTH = 718
+A4_WIDTH = 703
 """Width between the margins of a printed page (CSS pixels)."""
 MISSING = """() => [...document.querySelectorAll('a[href]')]
   .map(anchor => anchor.getAttribute('href'))
@@ -37,40 +19,7 @@ FILES = """() => [...document.querySelectorAll('a[href], img[src]')]
   .map(item => item.getAttribute('href') ?? item.getAttribute('src')).filter(to => !to.startsWith('#'))"""
 CUT = """() => [...document.querySelectorAll('table, figure svg')]
   .filter(item => item.getClientRects().length && item.getBoundingClientRect().right > innerWidth + 1)
-  .map(item => item.outerHTML.slice(0, 80))"""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    found = [path for path in map(shutil.which, NAMES) if path]
-    assert found, (
-        f"these tests need a browser: install the package chromium, which brings one of {', '.join(NAMES)}"
-    )
-    with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=found[0], args=OPTIONS)
-        yield opened
-        opened.close()
-
-
-@pytest.fixture(scope="module")
-def pages(
-    tmp_path_factory: pytest.TempPathFactory,
-    recorded: dict[str, Any],
-    reproduction: tuple[Path, dict[str, Any]],
-    made_up: Callable[..., dict[str, Any]],
-) -> dict[str, Path]:
-    folder = tmp_path_factory.mktemp("pages")
-    conformance = folder / "conformance"
-    conformance.mkdir()
-    page = write_result(recorded, conformance, report_formats(["conformance"])).pages["conformance"]
-    document = json.loads(json.dumps(made_up(faulted=True)))
-    write_tables(document, folder)
-    (folder / COMPARISON_FILE).write_text(json.dumps(document), encoding="utf-8")
-    return {
-        "conformance": conformance / page,
-        "reproduction": reproduction[0] / PAGE_FILE,
-        "comparison": comparison.write(document, folder),
-    }
+  .map(item => `${Math.round(item.getBoundingClientRect().right)} px: ${item.outerHTML.slice(0, 80)}`)"""
 
 
 Open = Callable[..., Page]

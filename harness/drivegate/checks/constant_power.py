@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 
 from drivegate.checks.check import Check
-from drivegate.checks.convergence import SPEED_TOLERANCE, described
+from drivegate.checks.convergence import SPEED_TOLERANCE, described, speed_in_words
 from drivegate.checks.declared_speeds import unless_speeds_from
 from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.record import RunRecord, SteadyWindow
 from drivegate_cases.scenario.circumstance import Circumstance
-from drivegate_models.units import RADIANS_PER_RPM
 
 LOWEST_RPM = 550.0
 """Speed from which constant power is required (rpm)."""
@@ -44,7 +43,7 @@ def _held(check: str, record: RunRecord, windows: list[SteadyWindow]) -> Margin 
         return None
     worst = max(loaded, key=_speed_error)
     error = _speed_error(worst)
-    measured = f"speed error {error / RADIANS_PER_RPM:.4g} rpm{described(worst)}"
+    measured = f"{speed_in_words(worst)}{described(worst)}"
     return Margin(check, at_most(error, SPEED_TOLERANCE), measured)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Final
 
 from drivegate.checks.check import Check
 from drivegate.checks.declared_speeds import unless_speeds_from
@@ -15,6 +16,9 @@ from drivegate_cases.scenario.sensors import IdealSensors
 from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum
 from drivegate_models.loop import observation
 from drivegate_models.units import RADIANS_PER_RPM
+
+_STALLED_SHARE: Final = 0.999
+"""From this share of the reference on, a speed error is that of a shaft that stands (1)."""
 
 SPEED_TOLERANCE = 5.0 * RADIANS_PER_RPM
 """k1 (rad/s)."""
@@ -34,9 +38,25 @@ ABOVE_BASE_SPEED = unless_speeds_from(500.0, math.inf)
 
 
 def described(window: SteadyWindow) -> str:
-    """Tell where a window was observed."""
+    """Tell where a window was observed; the torque of a shaft that stands means nothing."""
+    if is_stalled(window):
+        return f" where {window.dwell.speed_rpm:.4g} rpm are demanded"
     torque = window.values.torque
     return f" at {window.dwell.speed_rpm:.4g} rpm, {torque:.3g} N·m"
+
+
+def is_stalled(window: SteadyWindow) -> bool:
+    """Tell whether the shaft stood."""
+    return window.speed > 0.0 and window.values.speed_error >= _STALLED_SHARE * window.speed
+
+
+def speed_in_words(window: SteadyWindow) -> str:
+    """Tell how far the speed was off, or that the shaft stood."""
+    return (
+        "stalled"
+        if is_stalled(window)
+        else f"speed error {window.values.speed_error / RADIANS_PER_RPM:.4g} rpm"
+    )
 
 
 def unseen_share(window: SteadyWindow) -> float:
@@ -76,7 +96,7 @@ def window_convergence(window: SteadyWindow) -> tuple[float, str]:
     moved = values.angle_highest - values.angle_lowest
     error = values.speed_error
     judged = [
-        (at_most(error, SPEED_TOLERANCE), f"speed error {error / RADIANS_PER_RPM:.4g} rpm"),
+        (at_most(error, SPEED_TOLERANCE), speed_in_words(window)),
         (at_most(moved, ANGLE_TOLERANCE), f"angle moves by {math.degrees(moved):.3g}°"),
     ]
     if mean > 0.0:

@@ -71,7 +71,7 @@ MAPS: Final = (
         "Angle above the feasible edge",
         "How far each candidate stays from the smallest angle that gives the torque: little is efficient, "
         "and less is lost.",
-        "angle above edge (el. deg)",
+        "angle above edge (°)",
         1,
     ),
 )
@@ -181,6 +181,15 @@ def _draw_panel(panel: Axes, drawn: CandidateMap, levels: NDArray[np.float64]) -
         norm=BoundaryNorm(levels.tolist(), colours.N, extend="both"),
         cmap=colours,
     )
+    if min(drawn.values.shape) > 1 and np.isfinite(drawn.values).sum() > 3:
+        panel.contour(
+            np.tile(drawn.speed_rpm, (len(drawn.torque_nm), 1)),
+            drawn.torque_nm,
+            np.ma.masked_invalid(drawn.values),
+            levels=levels.tolist(),
+            colors="white",
+            linewidths=0.9,
+        )
     columns = np.nonzero(drawn.lost)[1]
     panel.plot(
         drawn.speed_rpm[columns],

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.scenario_words import scenario_in_short
-from drivegate_reports.page.printable import LONGEST_BLOCK, clean, plain_data
+from drivegate_reports.page.printable import LONGEST_BLOCK, clean, plain_data, plain_number
 
 TONES: Final = {
     "pass": "pass",
@@ -155,7 +155,7 @@ def check_row(check: Mapping[str, Any]) -> CheckRow:
         level=level,
         verdict=verdict,
         tone=tone,
-        margin=f"{margin:+.3g}".replace("-", "−") if known else "–",
+        margin=plain_number(margin) if known else "–",
         bar=margin_bar(float(margin)) if known else None,
         measured=clean(check["measured"]),
         limit=clean(check["limit"]),
@@ -188,7 +188,7 @@ def _spread(margins: object) -> str:
     if len(known) < len(margins) or not known:
         return ""
     listed = (min(known), median(known), max(known))
-    least, middle, greatest = (f"{value:+.3g}".replace("-", "−") for value in listed)
+    least, middle, greatest = map(plain_number, listed)
     return f"least {least}, median {middle}, greatest {greatest}"
 
 

@@ -24,6 +24,12 @@ def clean(value: object, longest: int = LONGEST_TEXT) -> str:
     return shown if len(shown) <= longest else shown[: longest - 1] + "…"
 
 
+def plain_number(value: float, digits: int = 3) -> str:
+    """Write a number with its sign and never in powers of ten: people read −399, not −4e+02."""
+    text = f"{value:+.{digits}g}"
+    return (f"{value:+.0f}" if "e" in text else text).replace("-", "−")
+
+
 def plain_data(value: object, indent: int = 0) -> str:
     """Write plain data so that it reads well: a line for each key, lists on one line."""
     if not isinstance(value, Mapping) or not value:

@@ -84,7 +84,12 @@ def house_style() -> Iterator[None]:
 
 
 def new_figure(
-    height: float, rows: int, ratios: tuple[float, ...] | None = None, *, fitted: bool = True
+    height: float,
+    rows: int,
+    ratios: tuple[float, ...] | None = None,
+    *,
+    fitted: bool = True,
+    apart: float = 0.42,
 ) -> tuple[Figure, list[Axes]]:
     """Make a figure of stacked panels; to be called in `house_style`."""
     from matplotlib.figure import Figure as NewFigure
@@ -92,7 +97,7 @@ def new_figure(
     figure = NewFigure(figsize=(WIDTH_INCH, height), layout="constrained" if fitted else None)
     if not fitted:
         figure.subplots_adjust(
-            left=0.1, right=0.995, top=1.0 - 0.3 / height, bottom=0.5 / height, hspace=0.42
+            left=0.1, right=0.995, top=1.0 - 0.3 / height, bottom=0.5 / height, hspace=apart
         )
     panels = figure.subplots(rows, 1, squeeze=False, height_ratios=ratios)
     return figure, list(panels[:, 0])

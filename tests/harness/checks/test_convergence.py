@@ -269,3 +269,16 @@ def test_a_load_that_gets_no_torque_fails_and_is_told_so(record, scenario, check
     for check in ("CNV-1", "CNV-2"):
         assert not checks[check].evaluate(run).met, f"{check} is met by {current_sum} A without torque"
     assert "gives no torque" in checks["CNV-2"].evaluate(run).measured
+
+
+@pytest.mark.parametrize(
+    ("error_rpm", "words"),
+    [
+        (1500.0, "stalled where 1500 rpm are demanded"),
+        (1400.0, "speed error 1400 rpm at 1500 rpm, "),
+    ],
+)
+def test_a_shaft_that_stands_has_stalled(record, checks, error_rpm, words):
+    margin = checks["CNV-1"].evaluate(record(windows=[{"SPEED_ERROR": error_rpm * math.pi / 30.0}]))
+    assert margin.measured.startswith(words), margin
+    assert not margin.met

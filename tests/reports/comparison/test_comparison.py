@@ -112,6 +112,10 @@ def test_all_maps_of_a_quantity_share_one_scale(document):
         figure = draw_map(document, inks_of(document), MAPS[0])
     meshes = [axis.collections[0] for axis in figure.axes[:3]]
     assert len({tuple(mesh.norm.boundaries) for mesh in meshes}) == 1
+    contours = figure.axes[0].collections[1]
+    np.testing.assert_array_equal(
+        contours.levels, meshes[0].norm.boundaries, "contours are the scale's steps"
+    )
 
 
 def test_the_page_is_whole_and_lets_nothing_in(text, document):

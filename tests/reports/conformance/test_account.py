@@ -19,6 +19,7 @@ from drivegate.output.markdown import markdown
 from drivegate.output.run_signals import RunSignals, signals_of
 from drivegate.studies.check.checked import Checked
 from drivegate.studies.check.display import show_checked
+from drivegate_cases.scenario.load import ConstantPowerLoad
 from drivegate_reports.conformance.figures import recorded_run
 from drivegate_reports.page.style import house_style
 
@@ -99,7 +100,7 @@ def test_the_figure_shows_the_signals_in_their_units(locked: RunSignals) -> None
         figure = recorded_run.draw(locked)
     speed, angle, current, torque = figure.axes
     drawn = {panel.get_ylabel(): [line.get_ydata() for line in panel.lines] for panel in figure.axes}
-    assert list(drawn) == ["speed (rpm)", "angle (el. deg)", "current (A)", "torque (N·m)"]
+    assert list(drawn) == ["speed (rpm)", "advance angle (°)", "current (A)", "torque (N·m)"]
     np.testing.assert_array_equal(speed.lines[1].get_ydata(), locked.speed_rpm)
     np.testing.assert_array_equal(angle.lines[0].get_ydata(), locked.advance_deg)
     np.testing.assert_array_equal(current.lines[0].get_ydata(), locked.current_sum_a)
@@ -112,3 +113,22 @@ def test_words_for_the_figure_have_its_numbers(locked: RunSignals) -> None:
     words = recorded_run.alternative(locked)
     assert "ends at -236 rpm" in words.replace("−", "-")
     assert "the current reference at 26.0 A" in words
+
+
+def test_a_load_at_constant_power_is_left_out_where_it_means_nothing(locked: RunSignals) -> None:
+    falling = np.linspace(1500.0, 0.0, locked.time_s.size)
+    load = ConstantPowerLoad(kind="constant_power", power_w=1500.0, factor=((0.0, 1.0),))
+    scenario = locked.scenario.model_copy(update={"load": load})
+    huge = 1500.0 / np.maximum(falling * np.pi / 30.0, 1e-3)
+    stalled = replace(locked, scenario=scenario, speed_rpm=falling, load_torque_nm=huge)
+    shown = recorded_run.meaningful_load(stalled)
+    np.testing.assert_array_equal(np.isnan(shown), falling < 0.5 * locked.speed_reference_rpm)
+    with house_style():
+        figure = recorded_run.draw(stalled)
+    speed, torque = figure.axes[0], figure.axes[3]
+    assert torque.get_ylim()[1] < 60.0, "the axis follows a load that means nothing"
+    assert "stalled" in [text.get_text() for text in speed.texts]
+    assert [text.get_text() for text in torque.texts] == ["motor"], "a load without an end has no label"
+    assert recorded_run.meaningful_load(locked) is locked.load_torque_nm, (
+        "a constant torque is shown throughout"
+    )

@@ -11,7 +11,7 @@ from drivegate_models.errors import InputError
 from drivegate_reports.conformance.report import page
 from drivegate_reports.conformance.rows import margin_bar
 from drivegate_reports.conformance.view import view_of
-from drivegate_reports.page.printable import LONGEST_BLOCK, LONGEST_TEXT, clean, plain_data
+from drivegate_reports.page.printable import LONGEST_BLOCK, LONGEST_TEXT, clean, plain_data, plain_number
 
 Factory = Callable[..., dict[str, Any]]
 
@@ -147,3 +147,17 @@ def test_the_provenance_tells_who_signed(make_document):
         in text
     )
     assert "drivegate verify" not in page(make_document()), "nobody signed"
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (-399.2, 2, "−399"),
+        (-46.3, 3, "−46.3"),
+        (1e-12, 3, "+0"),
+        (0.5538, 3, "+0.554"),
+        (12345.0, 3, "+12345"),
+    ],
+)
+def test_numbers_are_not_written_in_powers_of_ten(value: float, digits: int, text: str) -> None:
+    assert plain_number(value, digits) == text

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate_reports.page.printable import plain_number
 from drivegate_reports.page.style import BLUE, GREY, VERMILION, label, new_figure
 
 if TYPE_CHECKING:
@@ -41,7 +42,8 @@ TITLE = "Margins of all runs"
 def alternative(rows: Sequence[CheckMargins]) -> str:
     """Describe the figure in words, for who cannot see it."""
     margins = "; ".join(
-        f"{row.check} least {row.margins[0]:.2g}, median {np.median(row.margins):.2g}" for row in rows
+        f"{row.check} least {plain_number(row.margins[0])}, median {plain_number(float(np.median(row.margins)))}"
+        for row in rows
     )
     return f"A row of marks for each check, one for each run, left of zero where it is not met. {margins}."
 
@@ -67,9 +69,9 @@ def draw(rows: Sequence[CheckMargins]) -> Figure:
             )
         panel.vlines([float(np.median(shown))], place - 0.42, place + 0.42, color="black", linewidth=2.2)
         missed = int(np.count_nonzero(row.margins < 0.0))
-        text = f"least {row.margins[0]:+.2g}; {missed} of {row.margins.size} not met"
+        text = f"least {plain_number(row.margins[0])}; {missed} of {row.margins.size} not met"
         colour = VERMILION if missed else GREY
-        label(panel, 1.06 * SHOWN, place, text.replace("-", "−"), colour, va="center", fontsize=8.5)
+        label(panel, 1.06 * SHOWN, place, text, colour, va="center", fontsize=8.5)
     panel.axvline(0.0, color="black", linewidth=0.9)
     panel.set_yticks(range(len(rows)), [row.check for row in rows])
     panel.set_ylim(len(rows) - 0.4, -0.6)

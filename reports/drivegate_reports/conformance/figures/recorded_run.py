@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.output.judged_point import judged_point
 from drivegate.output.run_signals import RunSignals
+from drivegate_cases.scenario.load import ConstantPowerLoad
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label_ends, new_figure
 
 if TYPE_CHECKING:
@@ -16,6 +18,8 @@ if TYPE_CHECKING:
 
 _DASHED: Final = (0, (4, 3))
 _JUDGED: Final = "#F4E3C1"
+_STANDS_RPM: Final = 1.0
+_SLOW_SHARE: Final = 0.5
 
 
 def alternative(signals: RunSignals) -> str:
@@ -34,12 +38,14 @@ def alternative(signals: RunSignals) -> str:
 
 def draw(signals: RunSignals) -> Figure:
     """Draw speed, angle, currents and torque over time."""
-    figure, panels = new_figure(6.6, 4, fitted=False)
+    figure, panels = new_figure(5.6, 4, fitted=False, apart=0.16)
     _draw_speed(panels[0], signals)
     _draw_angle(panels[1], signals)
     _draw_currents(panels[2], signals)
     _draw_torque(panels[3], signals)
     end = signals.scenario.duration_s
+    for panel in panels[:-1]:
+        panel.tick_params(labelbottom=False)
     for panel in panels:
         panel.axvspan(*signals.judged_s, color=_JUDGED, alpha=0.55, linewidth=0, zorder=0)
         panel.set_xlim(0.0, 1.2 * end)
@@ -66,7 +72,8 @@ def _draw_speed(panel: Axes, signals: RunSignals) -> None:
         middle = float(np.mean(panel.get_ylim()))
         panel.set_ylim(middle - 10.0, middle + 10.0)
     ends = signals.speed_reference_rpm[-1], signals.speed_rpm[-1]
-    _end_labels(panel, signals, ("reference", ends[0], GREY), ("speed", ends[1], BLUE))
+    name = "stalled" if abs(ends[1]) < _STANDS_RPM < ends[0] else "speed"
+    _end_labels(panel, signals, ("reference", ends[0], GREY), (name, ends[1], BLUE))
 
 
 def _draw_angle(panel: Axes, signals: RunSignals) -> None:
@@ -80,7 +87,7 @@ def _draw_angle(panel: Axes, signals: RunSignals) -> None:
         if point.best_deg - point.edge_deg > 1.0:
             panel.plot(reach, [point.best_deg] * 2, color=GREEN, linewidth=1.2, linestyle=_DASHED)
             lines.append(("least Σ|i|", point.best_deg, GREEN))
-    panel.set_ylabel("angle (el. deg)")
+    panel.set_ylabel("advance angle (°)")
     _end_labels(panel, signals, *lines)
 
 
@@ -94,7 +101,18 @@ def _draw_currents(panel: Axes, signals: RunSignals) -> None:
 
 def _draw_torque(panel: Axes, signals: RunSignals) -> None:
     panel.plot(signals.time_s, signals.torque_nm, color=BLUE, linewidth=1.2)
-    panel.plot(signals.time_s, signals.load_torque_nm, color=GREY, linewidth=1.2, linestyle=_DASHED)
+    load = meaningful_load(signals)
+    panel.plot(signals.time_s, load, color=GREY, linewidth=1.2, linestyle=_DASHED)
     panel.set_ylabel("torque (N·m)")
-    ends = float(signals.torque_nm[-1]), float(signals.load_torque_nm[-1])
-    _end_labels(panel, signals, ("motor", ends[0], BLUE), ("load", ends[1], GREY))
+    lines = [("motor", float(signals.torque_nm[-1]), BLUE)]
+    if np.isfinite(load[-1]):
+        lines.append(("load", float(load[-1]), GREY))
+    _end_labels(panel, signals, *lines)
+
+
+def meaningful_load(signals: RunSignals) -> NDArray[np.float64]:
+    """Leave out the load at constant power, shape (n,) (N·m), where the shaft is too slow for it to mean anything."""
+    load = signals.load_torque_nm
+    if not isinstance(signals.scenario.load, ConstantPowerLoad):
+        return load
+    return np.where(signals.speed_rpm < _SLOW_SHARE * signals.speed_reference_rpm, np.nan, load)

@@ -1,0 +1,120 @@
+"""Each page on paper, measured on the PDF that a browser makes: sheets, how full, letters beyond or broken."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cache
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import pdfplumber
+import pytest
+from playwright.sync_api import Browser
+
+from drivegate.checks.catalogue import CHECKS
+from drivegate_reports.conformance.report import write
+
+MOST_SHEETS = 15
+"""A pass is to be read in fewer sheets."""
+LEAST_FILLED = 0.5
+"""How far down every sheet but the last is filled (share of its height)."""
+FOOT = 43.0
+"""Height of the lower margin with the number of the sheet (pt)."""
+MARGIN = 30.0
+"""What stays white on the left and the right (pt)."""
+WORDS = """() => [...document.querySelectorAll('th, td, h1, h2, h3, h4, .badge')]
+  .filter(item => item.getClientRects().length && getComputedStyle(item).overflowWrap !== 'anywhere'
+    && !item.querySelector('code') && !item.closest('svg')).flatMap(item => item.innerText.split(/\\s+/))"""
+PART = re.compile(r"[A-Za-z]{2,}")
+
+
+@dataclass(frozen=True)
+class Paper:
+    """What was measured: filled share of each sheet, words broken, letters beyond the margins, sizes (pt)."""
+
+    filled: list[float]
+    broken: set[str]
+    beyond: list[str]
+    sizes: list[float]
+    large: dict[str, float]
+
+
+@cache
+def printed(browser: Browser, path: Path, paper: str) -> Paper:
+    page = browser.new_page()
+    page.goto(path.as_uri())
+    page.emulate_media(media="print")
+    wanted = {part for word in page.evaluate(WORDS) for part in PART.findall(word)}
+    data = page.pdf(format=paper)
+    page.close()
+    measured, found = Paper([], set(), [], [], {}), set()
+    with pdfplumber.open(BytesIO(data)) as document:
+        for sheet in document.pages:
+            body = sheet.within_bbox((0.0, 0.0, sheet.width, sheet.height - FOOT))
+            marks = [*body.chars, *body.curves, *body.lines]
+            measured.filled.append(max((mark["bottom"] for mark in marks), default=0.0) / sheet.height)
+            letters = [letter for letter in body.chars if letter["upright"] and letter["text"].strip()]
+            measured.beyond.extend(
+                letter["text"]
+                for letter in letters
+                if letter["x0"] < MARGIN or letter["x1"] > sheet.width - MARGIN
+            )
+            measured.sizes.extend(letter["size"] for letter in letters)
+            for word in body.extract_words(extra_attrs=["size"]):
+                found |= set(PART.findall(word["text"]))
+                measured.large[word["text"]] = max(word["size"], measured.large.get(word["text"], 0.0))
+    measured.broken.update(word for word in wanted if not {word, word.upper()} & found)
+    return measured
+
+
+@pytest.fixture(scope="module")
+def whole_pass(tmp_path_factory: pytest.TempPathFactory, recorded: dict[str, Any]) -> Path:
+    """Return the page of a pass with every check, two of them advisory and not met, as a search leaves it."""
+    failed, met = recorded["checks"][0], recorded["checks"][1]
+    checks = []
+    for place, check in enumerate(CHECKS):
+        like = failed | {"verdict": "fail", "level": "advisory"} if place in (6, 7) else met
+        words = {"id": check.id, "requirement": check.requirement, "source": check.source}
+        recording = like["recording"] | {"start_s": 0.1 * place}
+        checks.append(
+            like
+            | words
+            | {"limit": check.limit, "recording": recording, "measured": "Σ|i| varies by 0.552 % at 1460 rpm"}
+        )
+    folder = tmp_path_factory.mktemp("whole")
+    return write(recorded | {"verdict": "pass", "exit_code": 0, "checks": checks}, folder)
+
+
+@pytest.mark.parametrize("paper", ["A4", "Letter"])
+@pytest.mark.parametrize("name", ["whole", "conformance", "reproduction", "comparison"])
+def test_paper_shows_it_as_a_review_would_want(
+    browser: Browser, pages: dict[str, Path], whole_pass: Path, name: str, paper: str
+) -> None:
+    measured = printed(browser, whole_pass if name == "whole" else pages[name], paper)
+    assert len(measured.filled) < MOST_SHEETS, f"{len(measured.filled)} sheets"
+    empty = [place + 1 for place, share in enumerate(measured.filled[:-1]) if share < LEAST_FILLED]
+    assert not empty, f"sheets {empty} are half empty: {measured.filled}"
+    assert measured.broken == set(), "broken within the word"
+    assert measured.beyond == [], "beyond the margins"
+    assert min(measured.sizes) > 5.0, "too small to read"
+
+
+@pytest.mark.parametrize("paper", ["A4", "Letter"])
+def test_the_verdict_is_the_largest_word_beside_the_name(
+    browser: Browser, whole_pass: Path, paper: str
+) -> None:
+    large = printed(browser, whole_pass, paper).large
+    assert large["PASS"] >= 14.0, "the verdict is small"
+
+
+def test_the_verdict_is_not_ink_on_its_own_colour(browser: Browser, whole_pass: Path) -> None:
+    page = browser.new_page()
+    page.goto(whole_pass.as_uri())
+    page.emulate_media(media="print")
+    style = page.locator(".badge.big").evaluate(
+        "item => [getComputedStyle(item).color, getComputedStyle(item).backgroundColor]"
+    )
+    page.close()
+    assert style == ["rgb(0, 102, 75)", "rgba(0, 0, 0, 0)"], "the letters are to stand out from their ground"
