@@ -19,6 +19,7 @@ from drivegate.output.result_file import RESULT_FILE, as_json
 from drivegate.output.result_reports import OWN_FORMATS, all_formats, write_result
 from drivegate.results.result import CheckResult
 from drivegate.studies.check.checked import Checked, summary
+from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of
 from drivegate_models.errors import HarnessFault
 
 _Result = TypeVar("_Result")
@@ -53,6 +54,22 @@ class Effort:
 
 
 @dataclass(frozen=True)
+class Place:
+    """Where the files of a candidate are written.
+
+    Attributes
+    ----------
+    staging : Path
+        Where they are written.
+    shown : Path
+        Where they will be.
+    """
+
+    staging: Path
+    shown: Path
+
+
+@dataclass(frozen=True)
 class Records:
     """Files of earlier checks, and of people, that a check takes into account.
 
@@ -77,6 +94,9 @@ def check_all(
     effort: Effort,
     records: Records = Records(),
     sign: Path | None = None,
+    part: Part = WHOLE_CHECK,
+    *,
+    quiet: bool = False,
 ) -> list[Checked]:
     """Check candidates and write their reports; nothing is written where there is no result."""
     finish = _finish(sign)
@@ -84,12 +104,15 @@ def check_all(
     if all(checked.candidate is None for checked in all_checked):
         return all_checked
     options = _options(effort, records, [_name(checked) for checked in all_checked])
+    if part != WHOLE_CHECK:
+        options["focus"] = focus_of(part, [checked.candidate for checked in all_checked], output)
     taken: set[str] = set()
     with ReportFolder(output) as folder:
         for checked in all_checked:
             if checked.candidate is not None:
                 inside = "" if len(all_checked) == 1 else _folder_name(checked.candidate.name, taken)
-                _check(checked, checked.candidate, folder.staging / inside, output / inside, options, finish)
+                place = Place(folder.staging / inside, output / inside)
+                _check(checked, checked.candidate, place, options, finish, quiet=quiet)
         if any(checked.document is not None for checked in all_checked):
             if len(all_checked) > 1:
                 (folder.staging / RESULT_FILE).write_text(as_json(summary(all_checked)), encoding="utf-8")
@@ -155,20 +178,21 @@ def _finish(sign: Path | None) -> Callable[[CheckResult], dict[str, Any]]:
 def _check(
     checked: Checked,
     candidate: Candidate,
-    staging: Path,
-    place: Path,
+    place: Place,
     options: dict[str, Any],
     finish: Callable[[CheckResult], dict[str, Any]],
+    *,
+    quiet: bool,
 ) -> None:
     # The engine brings the compiled plant, which a candidate that is refused does not need.
     from drivegate.gate.engine import check_candidate
 
     def work() -> tuple[dict[str, Any], WrittenReports]:
         events = check_candidate(candidate, **options)
-        with progress_on(sys.stderr) as display:
-            staging.mkdir(exist_ok=True)
+        with progress_on(None if quiet else sys.stderr) as display:
+            place.staging.mkdir(exist_ok=True)
             result = finished(events, display)
-            written = write_result(finish(result), staging, all_formats())
+            written = write_result(finish(result), place.staging, all_formats())
         for name in OWN_FORMATS:
             if name in written.errors:
                 raise written.errors[name]
@@ -179,11 +203,13 @@ def _check(
     if ended is None:
         return
     checked.document, written = ended
-    checked.folder = place
-    checked.pages = tuple(place / page for name, page in written.pages.items() if name not in OWN_FORMATS)
+    checked.folder = place.shown
+    checked.pages = tuple(
+        place.shown / page for name, page in written.pages.items() if name not in OWN_FORMATS
+    )
     if written.errors:
         checked.error = HarnessFault(
-            f"{'; '.join(written.problems())}, but the result is in {place / RESULT_FILE}"
+            f"{'; '.join(written.problems())}, but the result is in {place.shown / RESULT_FILE}"
         )
         checked.error.__cause__ = next(iter(written.errors.values()))
 

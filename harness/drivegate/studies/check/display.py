@@ -5,12 +5,12 @@ from __future__ import annotations
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
-from drivegate.output.console import plain, table, verdict_text
+from drivegate.output.console import ADVISED, STYLES, plain, table, verdict_text
 from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.scenario_words import scenario_in_short
 from drivegate.results.signature import fingerprint
-from drivegate.results.wording import printed_margin, runs_in_short
+from drivegate.results.wording import printed_margin
 from drivegate.scenarios.facts import facts_in_short
 
 if TYPE_CHECKING:
@@ -29,8 +29,10 @@ def show_checked(console: Console, checked: Checked) -> None:
     assert document is not None, "only a candidate with a result is shown"
     assert folder is not None, "a result has its folder"
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
+    counted = ("required", "advisory") if document["fail_on"] == "advisory" else ("required",)
     for check in document["checks"]:
-        verdict, margin = verdict_text(check["verdict"]), printed_margin(document, check)
+        verdict = verdict_text(check["verdict"], counts=check["level"] in counted)
+        margin = printed_margin(document, check)
         listed.add_row(plain(check["id"]), plain(check["level"]), verdict, margin, plain(check["message"]))
     console.print(listed)
     if document["baseline"]:
@@ -40,15 +42,9 @@ def show_checked(console: Console, checked: Checked) -> None:
     failed = [check for check in document["checks"] if check["counterexample"] is not None]
     for check in failed:
         _show_counterexample(console, check, folder)
-    heading = plain(f"{document['candidate']['name']}: ")
-    heading.append_text(verdict_text(document["verdict"]))
-    heading.append(f", {runs_in_short(document)}")
-    console.print(heading)
     if "signature" in document:
         console.print(plain(f"signed by the key {fingerprint(document['signature']['public_key'])}"))
-    for page in checked.pages or (folder,):
-        console.print(plain(f"report: {page}"))
-    console.print(plain(f"next: {_next_step(checked.specification, failed, folder)}", "dim"))
+    console.print(plain(f"next: {_next_step(checked, failed, folder)}", "dim"))
 
 
 def _show_comparisons(console: Console, entries: list[dict[str, Any]]) -> None:
@@ -69,7 +65,8 @@ def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
 
 def _show_counterexample(console: Console, check: dict[str, Any], folder: Path) -> None:
     outcome = "fails" if check["verdict"] == "fail" else f"fails, {check['verdict']}"
-    console.print(plain(f"{check['id']} {outcome} ({check['level']}): {check['requirement']}", "bold"))
+    style = "bold" if check["level"] == "required" else STYLES[ADVISED]
+    console.print(plain(f"{check['id']} {outcome} ({check['level']}): {check['requirement']}", style))
     measured = check["measured"] if check["found"] is None else check["found"]["measured"]
     console.print(plain(f"  measured {measured}; limit {check['limit']}"))
     console.print(plain(f"  in {scenario_in_short(check['counterexample'])}"))
@@ -77,10 +74,13 @@ def _show_counterexample(console: Console, check: dict[str, Any], folder: Path) 
     console.print(plain(f"  file {folder / counterexample_name(check['id'])}"))
 
 
-def _next_step(specification: str, failed: list[dict[str, Any]], folder: Path) -> str:
+def _next_step(checked: Checked, failed: list[dict[str, Any]], folder: Path) -> str:
+    specification, document = quote(checked.specification), checked.document
     required = [check for check in failed if check["level"] == "required" and check["verdict"] in _TO_BE_MET]
-    if not required:
-        return "open the report; drivegate checks lists what was required"
-    check = required[0]["id"]
-    file = str(folder / counterexample_name(check))
-    return f"drivegate replay {quote(file)} --candidate {quote(specification)} --plot {check}.svg"
+    if required:
+        check = required[0]["id"]
+        file = str(folder / counterexample_name(check))
+        return f"drivegate replay {quote(file)} --candidate {specification} --plot {check}.svg"
+    if document is not None and document["focus"] is not None:
+        return f"the whole check: drivegate check {specification}"
+    return "open the report; drivegate checks lists what was required"
