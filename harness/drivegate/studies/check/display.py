@@ -27,7 +27,6 @@ def show_checked(console: Console, checked: Checked) -> None:
     """Print the verdict on each check, what failed and where the report is."""
     document, folder = checked.document, checked.folder
     assert document is not None, "only a candidate with a result is shown"
-    assert folder is not None, "a result has its folder"
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
     counted = ("required", "advisory") if document["fail_on"] == "advisory" else ("required",)
     for check in document["checks"]:
@@ -44,7 +43,8 @@ def show_checked(console: Console, checked: Checked) -> None:
         _show_counterexample(console, check, folder)
     if "signature" in document:
         console.print(plain(f"signed by the key {fingerprint(document['signature']['public_key'])}"))
-    console.print(plain(f"next: {_next_step(checked, failed, folder)}", "dim"))
+    if folder is not None:
+        console.print(plain(f"next: {_next_step(checked, failed, folder)}", "dim"))
 
 
 def _show_comparisons(console: Console, entries: list[dict[str, Any]]) -> None:
@@ -63,7 +63,7 @@ def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
         console.print(plain(f"  {line}", "dim"))
 
 
-def _show_counterexample(console: Console, check: dict[str, Any], folder: Path) -> None:
+def _show_counterexample(console: Console, check: dict[str, Any], folder: Path | None) -> None:
     outcome = "fails" if check["verdict"] == "fail" else f"fails, {check['verdict']}"
     style = "bold" if check["level"] == "required" else STYLES[ADVISED]
     console.print(plain(f"{check['id']} {outcome} ({check['level']}): {check['requirement']}", style))
@@ -71,7 +71,8 @@ def _show_counterexample(console: Console, check: dict[str, Any], folder: Path) 
     console.print(plain(f"  measured {measured}; limit {check['limit']}"))
     console.print(plain(f"  in {scenario_in_short(check['counterexample'])}"))
     console.print(plain(f"  facts {facts_in_short(check['counterexample'])}"))
-    console.print(plain(f"  file {folder / counterexample_name(check['id'])}"))
+    if folder is not None:
+        console.print(plain(f"  file {folder / counterexample_name(check['id'])}"))
 
 
 def _next_step(checked: Checked, failed: list[dict[str, Any]], folder: Path) -> str:

@@ -41,6 +41,8 @@ def _ending(checked: Checked, *, alone: bool) -> Text:
     return ending
 
 
-def _report(all_checked: Sequence[Checked], output: Path) -> Path:
+def _report(all_checked: Sequence[Checked], output: Path) -> Path | str:
+    if all(checked.folder is None for checked in all_checked):
+        return "none"
     pages = all_checked[0].pages
     return pages[0] if len(all_checked) == 1 and pages else output
