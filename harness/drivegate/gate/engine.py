@@ -32,6 +32,12 @@ from drivegate.results.waivers import Waiver, present_day, under_waivers
 from drivegate_models.errors import InputError
 
 _REQUIRED: Final = frozenset(check.id for check in CHECKS if check.level == "required")
+_TELLING: Final = frozenset(
+    check.id
+    for check in CHECKS
+    if check.level == "required" and check.subject == "candidate" and not check.volatile
+)
+"""Checks whose margins progress tells; one of 0 that is met is a clamped command's."""
 _COUNTED: Final = frozenset(check.id for check in CHECKS)
 _VOLATILE: Final = frozenset(check.id for check in CHECKS if check.volatile)
 
@@ -151,8 +157,11 @@ def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Ite
     outcomes = pool.map([item.job for item in work])
     done = 0
     for item, outcome in zip(work, outcomes, strict=True):
-        done += item.runs
         progress.add(item, outcome)
+        # What was planned is the most there can be; the total becomes what there was.
+        made = item.runs if isinstance(outcome, Fault) else len(outcome.runs)
+        planned += made - item.runs
+        done += made
         yield RunDone(done, planned, item.label, _worst(progress.all_runs))
         progress.stopped = progress.stops_here and item is not work[-1]
         if progress.stopped or (progress.time_is_up and done < planned):
@@ -247,7 +256,10 @@ def _fixed_margins(run: JudgedRun) -> FixedMargins:
 
 def _worst(runs: Sequence[JudgedRun]) -> str:
     margins: list[Margin] = [
-        margin for run in runs for margin in run.margins if margin.check in _REQUIRED and not margin.advisory
+        margin
+        for run in runs
+        for margin in run.margins
+        if margin.check in _TELLING and not margin.advisory and not (margin.met and margin.value == 0.0)
     ]
     if not margins:
         return ""
