@@ -82,7 +82,8 @@ def command(
             made = make_runs(plan, folder, where, with_rate(display, campaign.name, plan.runs))
         document = summarised(plan, folder, confidence)
     timing = {"seconds": time.monotonic() - began, "runs_made": made}
-    document |= {"output": str(output), "timing": timing}
+    specifications = [candidate.specification for candidate in plan.candidates]
+    document |= {"output": str(output), "timing": timing, "specifications": specifications}
     code = ExitCode.HARNESS_FAULT if broken_harness(document) else ExitCode.PASSED
 
     def show(console: Console) -> None:

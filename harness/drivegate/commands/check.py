@@ -77,6 +77,21 @@ DEFAULT_OUTPUT = "drivegate-report"
     show_default=True,
     help="Least level of a check whose failure fails the candidate.",
 )
+@click.option(
+    "--only",
+    multiple=True,
+    metavar="CHECKS",
+    help="Judge these checks alone, such as CNV-2,CNV-3 or a family such as CNV; may be given again.",
+)
+@click.option(
+    "-x", "--stop-at-first", is_flag=True, help="Begin no more work after the first failure that counts."
+)
+@click.option(
+    "--last-failed",
+    is_flag=True,
+    help="Judge what failed in the last report in DIR alone, its counterexamples first; all if nothing did.",
+)
+@click.option("-q", "--quiet", is_flag=True, help="Print the last line alone, and no progress.")
 @sign_option
 @json_option
 def command(
@@ -91,6 +106,10 @@ def command(
     waivers: Path | None,
     baseline: Path | None,
     fail_on: str,
+    only: tuple[str, ...],
+    stop_at_first: bool,
+    last_failed: bool,
+    quiet: bool,
     sign: Path | None,
 ) -> Outcome:
     """Check every CANDIDATE: apply all checks, search for a scenario that breaks one, and write a report.
@@ -101,10 +120,12 @@ def command(
     """
     from drivegate.studies.check.check_all import Effort, Records, check_all
     from drivegate.studies.check.checked import summary
+    from drivegate.studies.check.part import Part
 
     how_much = Effort(effort, seed, workers, max_time, search, fail_on)
     records = Records(corpus, waivers, baseline)
-    all_checked = check_all(candidates, output, how_much, records, sign)
+    part = Part(only, stop_at_first, last_failed)
+    all_checked = check_all(candidates, output, how_much, records, sign, part, quiet=quiet)
     if len(all_checked) == 1 and all_checked[0].error is not None and all_checked[0].document is None:
         raise all_checked[0].error
     for checked in all_checked:
@@ -116,9 +137,11 @@ def command(
 
     def show(console: Console) -> None:
         from drivegate.studies.check.display import show_checked
+        from drivegate.studies.check.last_line import show_last_line
 
         for checked in all_checked:
-            if checked.document is not None:
+            if checked.document is not None and not quiet:
                 show_checked(console, checked)
+        show_last_line(console, all_checked, output)
 
     return Outcome(summary(all_checked), show, max(checked.exit_code for checked in all_checked))

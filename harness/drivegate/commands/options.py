@@ -71,12 +71,34 @@ def chosen_motor(name: str | None, settings: tuple[str, ...], default: Callable[
     return motor.with_overrides(settings)
 
 
-def chosen_scenario(case: str, motor: str | None, settings: tuple[str, ...]) -> Scenario:
-    """Find the scenario that the options request, also the one in a counterexample."""
-    scenario = _loaded_scenario(case)
+def chosen_scenario(
+    case: str | None,
+    motor: str | None,
+    settings: tuple[str, ...],
+    report: Path | None = None,
+    run: str | None = None,
+) -> Scenario:
+    """Find the scenario that the options request, also the one in a counterexample or of a kept result."""
+    scenario = _requested_scenario(case, report, run)
     if motor is None and not settings:
         return scenario
     return scenario.replaced(motor=chosen_motor(motor, settings, lambda: scenario.motor))
+
+
+def _requested_scenario(case: str | None, report: Path | None, run: str | None) -> Scenario:
+    if case is not None and report is None and run is None:
+        return _loaded_scenario(case)
+    if case is not None or report is None or run is None:
+        raise click.UsageError(
+            "name a scenario with --case, or a run of a report with --from FOLDER --run NAME"
+        )
+    from drivegate.output.result_file import RESULT_FILE
+    from drivegate.output.result_reports import read_result
+    from drivegate.results.named_runs import scenario_named
+    from drivegate_cases.documents.wording import shown_path
+
+    path = report / RESULT_FILE if report.is_dir() else report
+    return scenario_named(read_result(path), run, shown_path(path))
 
 
 def _loaded_scenario(case: str) -> Scenario:

@@ -18,8 +18,19 @@ if TYPE_CHECKING:
 
 @click.command("simulate")
 @click.argument("candidate")
+@click.option("--case", metavar="NAME|FILE", help="A scenario that comes along, or a file of one.")
 @click.option(
-    "--case", required=True, metavar="NAME|FILE", help="A scenario that comes along, or a file of one."
+    "--from",
+    "report",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="A report of drivegate check, whose run is taken with --run.",
+)
+@click.option(
+    "--run",
+    "run",
+    metavar="NAME",
+    help="A run of that report by its name, or by its check: the counterexample, or the worst run.",
 )
 @click.option("--csv", type=click.Path(path_type=Path), help="Write the trace as CSV.")
 @click.option("--parquet", type=click.Path(path_type=Path), help="Write the trace as Parquet.")
@@ -30,7 +41,9 @@ if TYPE_CHECKING:
 @json_option
 def command(
     candidate: str,
-    case: str,
+    case: str | None,
+    report: Path | None,
+    run: str | None,
     csv: Path | None,
     parquet: Path | None,
     plot: Path | None,
@@ -45,7 +58,7 @@ def command(
     from drivegate.output.trace_files import check_targets
 
     resolved = resolve_candidate(candidate)
-    scenario = chosen_scenario(case, motor, settings)
+    scenario = chosen_scenario(case, motor, settings, report, run)
     check_targets(csv, parquet, plot)
 
     from drivegate.candidates.fault import Fault
@@ -72,7 +85,7 @@ def command(
     hint = (
         ""
         if plot is not None
-        else f"drivegate simulate {quote(candidate)} --case {quote(case)} --plot run.png"
+        else f"drivegate simulate {quote(candidate)} {_named(case, report, run)} --plot run.png"
     )
 
     def show(console: Console) -> None:
@@ -81,3 +94,12 @@ def command(
         show_run(console, document, hint)
 
     return Outcome(document, show)
+
+
+def _named(case: str | None, report: Path | None, run: str | None) -> str:
+    """Write again what named the scenario."""
+    return (
+        f"--case {quote(case)}"
+        if case is not None
+        else f"--from {quote(str(report))} --run {quote(str(run))}"
+    )

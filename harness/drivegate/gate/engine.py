@@ -16,6 +16,7 @@ from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.pool import WorkerPool
 from drivegate.gate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
+from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
 from drivegate.gate.recording import recording_job, recording_plans, with_recordings
 from drivegate.gate.repetition import repeated_elsewhere
@@ -31,6 +32,13 @@ from drivegate.results.waivers import Waiver, present_day, under_waivers
 from drivegate_models.errors import InputError
 
 _REQUIRED: Final = frozenset(check.id for check in CHECKS if check.level == "required")
+_TELLING: Final = frozenset(
+    check.id
+    for check in CHECKS
+    if check.level == "required" and check.subject == "candidate" and not check.volatile
+)
+"""Checks whose margins progress tells; one of 0 that is met is a clamped command's."""
+_COUNTED: Final = frozenset(check.id for check in CHECKS)
 _VOLATILE: Final = frozenset(check.id for check in CHECKS if check.volatile)
 
 
@@ -39,10 +47,13 @@ class _Progress:
     """What the runs have come to so far."""
 
     deadline: float | None
+    focus: Focus
+    counting: frozenset[str]
     runs: dict[Origin, list[JudgedRun]] = field(default_factory=lambda: {origin: [] for origin in Origin})
     faults: list[Fault] = field(default_factory=list)
     infeasible: list[InfeasibleScenario] = field(default_factory=list)
     complete: bool = True
+    stopped: bool = False
 
     def add(self, work: Work, outcome: ShardOutcome | Fault) -> None:
         if isinstance(outcome, Fault):
@@ -58,6 +69,12 @@ class _Progress:
     @property
     def all_runs(self) -> list[JudgedRun]:
         return [run for origin in Origin for run in self.runs[origin]]
+
+    @property
+    def stops_here(self) -> bool:
+        if not self.focus.stop_at_first:
+            return False
+        return bool(self.faults) or self.focus.broken_by(self.all_runs, self.counting)
 
     @property
     def time_is_up(self) -> bool:
@@ -76,6 +93,7 @@ def check_candidate(
     baseline: Baseline | None = None,
     waivers: Sequence[Waiver] = (),
     fail_on: str = "required",
+    focus: Focus = WHOLE,
 ) -> Iterator[Event]:
     """Check a candidate, and tell what is done as events."""
     if effort not in EXAMPLES:
@@ -87,7 +105,13 @@ def check_candidate(
     began = time.monotonic()
     count = workers or os.cpu_count() or 1
     work = planned_work(
-        effort, seed, declaration=candidate.declaration, search=search, corpus=corpus, baseline=baseline
+        effort,
+        seed,
+        declaration=candidate.declaration,
+        search=search,
+        corpus=corpus,
+        baseline=baseline,
+        focus=focus,
     )
     yield CheckStarted(candidate.name, sum(item.runs for item in work))
     marker = missing_marker()
@@ -95,15 +119,18 @@ def check_candidate(
         yield Compiling()
         compile_kernels(marker)
 
-    progress = _Progress(None if max_time is None else began + max_time)
+    waived = {waiver.check for waiver in waivers if waiver.candidate == candidate.name}
+    counting = frozenset(_REQUIRED if fail_on == "required" else _COUNTED) - waived
+    progress = _Progress(None if max_time is None else began + max_time, focus, counting)
     with WorkerPool(candidate, workers=count) as pool:
         yield from _run_all(pool, work, progress)
-        if not progress.time_is_up:
+        if not progress.time_is_up and progress.complete:
             _repeat(pool, progress)
         runs = progress.all_runs
-        outcomes = check_outcomes(
+        judged = check_outcomes(
             runs, candidate.declaration, complete=progress.complete and not progress.faults
         )
+        outcomes = focus.outcomes(judged)
         outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)
         outcomes, traces = _record(pool, outcomes, progress)
     for outcome in outcomes:
@@ -113,6 +140,8 @@ def check_candidate(
     if today is not None:
         outcomes = under_waivers(outcomes, candidate.name, waivers, today)
     comparisons = None if baseline is None else compared(baseline, runs)
+    if comparisons is not None:
+        comparisons = tuple(entry for entry in comparisons if focus.judges(entry.check))
     timing: dict[str, Any] = {
         "started_utc": started.isoformat(timespec="seconds"),
         "seconds": round(time.monotonic() - began, 3),
@@ -129,17 +158,21 @@ def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Ite
     outcomes = pool.map([item.job for item in work])
     done = 0
     for item, outcome in zip(work, outcomes, strict=True):
-        done += item.runs
         progress.add(item, outcome)
+        # What was planned is the most there can be; the total becomes what there was.
+        made = item.runs if isinstance(outcome, Fault) else len(outcome.runs)
+        planned += made - item.runs
+        done += made
         yield RunDone(done, planned, item.label, _worst(progress.all_runs))
-        if progress.time_is_up and done < planned:
+        progress.stopped = progress.stops_here and item is not work[-1]
+        if progress.stopped or (progress.time_is_up and done < planned):
             progress.complete = False
             break
 
 
 def _repeat(pool: WorkerPool, progress: _Progress) -> None:
     """Run once more, in processes of their own, what has been repeated within one."""
-    for origin in (Origin.FIXED, Origin.CORPUS):
+    for origin in (Origin.LAST_FAILED, Origin.FIXED, Origin.CORPUS):
         endings = list(repeated_elsewhere(pool, progress.runs[origin]))
         progress.runs[origin] = [ending for ending in endings if not isinstance(ending, Fault)]
         for ending in endings:
@@ -213,6 +246,7 @@ def _result(
         baseline=comparisons,
         fail_on=fail_on,
         traces=traces,
+        focus=progress.focus.document(stopped=progress.stopped),
     )
 
 
@@ -223,7 +257,10 @@ def _fixed_margins(run: JudgedRun) -> FixedMargins:
 
 def _worst(runs: Sequence[JudgedRun]) -> str:
     margins: list[Margin] = [
-        margin for run in runs for margin in run.margins if margin.check in _REQUIRED and not margin.advisory
+        margin
+        for run in runs
+        for margin in run.margins
+        if margin.check in _TELLING and not margin.advisory and not (margin.met and margin.value == 0.0)
     ]
     if not margins:
         return ""

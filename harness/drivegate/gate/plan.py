@@ -14,6 +14,7 @@ from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.drive_kind import DriveKind
 from drivegate.drives.kinds import DEFAULT_KIND
+from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.joint_runs import JointRuns, run_joint
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.gate.step_timing import TimedSteps, time_steps
@@ -39,14 +40,18 @@ REPEATED: Final = "DET-1"
 
 
 class Origin(Enum):
-    """Where the scenarios of a job come from."""
+    """Where the scenarios of a job come from, in the order in which their runs are judged."""
 
+    LAST_FAILED = auto()
     FIXED = auto()
     CORPUS = auto()
     BASELINE = auto()
     SCRIPTS = auto()
     DRAWN = auto()
     TIMED = auto()
+
+
+_OF_ONE_CHECK: Final = {Origin.SCRIPTS: "FLO-1", Origin.TIMED: "TIM-1"}
 
 
 @dataclass(frozen=True)
@@ -80,18 +85,20 @@ def planned_work(
     corpus: Sequence[Counterexample] = (),
     baseline: Baseline | None = None,
     kind: DriveKind = DEFAULT_KIND,
+    focus: Focus = WHOLE,
 ) -> list[Work]:
     """Plan the runs of a check on the default motor of a kind of drive."""
     fixed = kind.fixed_scenarios(load_motor(kind.default_motor), declaration.speed_range_rpm)
     examples = EXAMPLES[effort]
     shards = [
-        DrawnRuns(kind.default_motor, seed * SHARDS + shard, examples, search=search)
+        DrawnRuns(kind.default_motor, seed * SHARDS + shard, examples, search=search, climbed=focus.only)
         for shard in range(SHARDS)
     ]
-    return [
+    work = [
+        *(_stored(stored, Origin.LAST_FAILED) for stored in focus.first),
         _as_they_are(fixed[:2], Origin.FIXED, repeat=True),
         *(_as_they_are((scenario,), Origin.FIXED) for scenario in fixed[2:]),
-        *map(_stored, corpus),
+        *(_stored(stored, Origin.CORPUS) for stored in corpus),
         *(_as_they_are((scenario,), Origin.BASELINE) for scenario in _not_among(fixed, baseline)),
         *_scripts(kind.default_motor, declaration, seed, SCRIPTS[effort]),
         *(
@@ -102,12 +109,23 @@ def planned_work(
         # Last, so that fewer processes are at work beside it.
         Work(Job(time_steps, TimedSteps(fixed[0])), 1, fixed[0].name, Origin.TIMED),
     ]
+    return [item for item in work if _serves(item.origin, focus)]
 
 
-def _stored(stored: Counterexample) -> Work:
+def _serves(origin: Origin, focus: Focus) -> bool:
+    """Tell whether runs of an origin can say anything of the checks that are judged."""
+    if not focus.only or origin in (Origin.LAST_FAILED, Origin.CORPUS):
+        return True
+    if origin in _OF_ONE_CHECK:
+        return _OF_ONE_CHECK[origin] in focus.only
+    others = set(focus.only) - set(_OF_ONE_CHECK.values())
+    return bool(others if origin is Origin.FIXED else others - {REPEATED})
+
+
+def _stored(stored: Counterexample, origin: Origin) -> Work:
     if isinstance(stored.scenario, Script):
-        return Work(Job(run_stored_script, stored.scenario), 1, stored.scenario.name, Origin.CORPUS)
-    return _as_they_are((stored.scenario,), Origin.CORPUS, repeat=stored.check == REPEATED)
+        return Work(Job(run_stored_script, stored.scenario), 1, stored.scenario.name, origin)
+    return _as_they_are((stored.scenario,), origin, repeat=stored.check == REPEATED)
 
 
 def run_stored_script(loaded: JudgedCandidate, script: Script) -> ShardOutcome:

@@ -25,11 +25,10 @@ from drivegate.scenarios.drawn.isolation import from_the_seed_alone
 from drivegate_cases.motor.motor import Motor, load_motor
 from drivegate_cases.scenario.scenario import Scenario
 
-_SEARCHED: Final = frozenset(
-    check.id
-    for check in CHECKS
-    if check.level == "required" and check.subject == "candidate" and not check.volatile
+_NEVER_SEARCHED: Final = frozenset(
+    check.id for check in CHECKS if check.subject != "candidate" or check.volatile
 )
+_SEARCHED: Final = frozenset(check.id for check in CHECKS if check.level == "required") - _NEVER_SEARCHED
 _GREATEST_SCORE: Final = 1e6
 _SAFE: Final = 0.95
 _TICKETS: Final = 2**48
@@ -65,12 +64,15 @@ class DrawnRuns:
         Number of scenarios to run at most.
     search : bool
         Whether to climb toward small margins; if not, scenarios are drawn at random throughout.
+    climbed : tuple of str
+        Checks whose margins are climbed; empty for all required ones.
     """
 
     motor: str
     seed: int
     examples: int
     search: bool = True
+    climbed: tuple[str, ...] = ()
 
 
 def content_key(scenario: Mapping[str, Any]) -> str:
@@ -143,6 +145,7 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
     """Draw scenarios, and climb toward the smallest margin."""
     motor = load_motor(plan.motor)
     collector = _Collector(loaded, motor, plan.examples // 2 if plan.search else plan.examples)
+    climbed = frozenset(plan.climbed) - _NEVER_SEARCHED or _SEARCHED
     drawn = collector.kind.drawn_scenarios(motor, loaded.candidate.declaration.speed_range_rpm, plan.seed)
 
     @seed(plan.seed)
@@ -160,7 +163,7 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
         margins = collector.margins(ticket, scenario) if collector.fault is None else ()
         # What tells nothing new does not count as an example.
         assume(margins is not None)
-        for label, score in _scores(margins or ()).items():
+        for label, score in _scores(margins or (), climbed).items():
             target(score, label=label)
 
     with from_the_seed_alone(), suppress(Unsatisfiable):
@@ -170,14 +173,14 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
     return ShardOutcome(tuple(collector.runs), tuple(collector.infeasible))
 
 
-def _scores(margins: Iterable[Margin]) -> dict[str, float]:
+def _scores(margins: Iterable[Margin], climbed: frozenset[str] = _SEARCHED) -> dict[str, float]:
     """Give what the search climbs: by family of checks, such as CNV, the least required margin, upside down.
 
     What is nowhere near its limit is left out, or its small changes would be climbed as well.
     """
     scores: dict[str, float] = {}
     for margin in margins:
-        if margin.check in _SEARCHED and not margin.advisory and margin.value < _SAFE:
+        if margin.check in climbed and not margin.advisory and margin.value < _SAFE:
             family = margin.check.partition("-")[0]
             score = -max(min(margin.value, _GREATEST_SCORE), -_GREATEST_SCORE)
             scores[family] = max(scores.get(family, score), score)

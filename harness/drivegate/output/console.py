@@ -15,9 +15,12 @@ from drivegate_cases.documents.wording import one_line
 WIDTH_OF_A_FILE: Final = 160
 """Columns where the output is no terminal and none are given."""
 
+ADVISED: Final = "advisory fail"
+"""Name of the style of a failed check that only advises."""
 STYLES: Final = {
     "pass": "green",
     "fail": "bold red",
+    ADVISED: "yellow",
     "waived": "yellow",
     "unexpectedly passes": "bold yellow",
     "no difference": "dim",
@@ -47,9 +50,9 @@ def plain(text: object, style: str = "") -> Text:
     return Text(one_line(str(text)), style=style)
 
 
-def verdict_text(verdict: str) -> Text:
-    """Write a verdict in its style."""
-    return plain(verdict, STYLES.get(verdict, "bold red"))
+def verdict_text(verdict: str, *, counts: bool = True) -> Text:
+    """Write a verdict in its style; a failure that does not count is one that advises."""
+    return plain(verdict, STYLES.get(verdict if counts or verdict != "fail" else ADVISED, "bold red"))
 
 
 def table(*columns: str, right: tuple[str, ...] = (), title: str | None = None) -> Table:

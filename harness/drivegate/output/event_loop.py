@@ -33,7 +33,8 @@ def _show(event: Event, display: Display) -> None:
         display.begin(event.candidate_name, event.planned_runs)
     elif isinstance(event, RunDone):
         worst = f"least margin so far {event.worst}" if event.worst else ""
-        display.advance(event.done, event.planned, worst, unit="runs")
+        told = (worst, display.time_left(event.done, event.planned))
+        display.advance(event.done, event.planned, ", ".join(filter(None, told)), unit="runs")
     elif isinstance(event, Shrinking):
         display.remark(f"{event.done} of {event.planned} counterexamples made simpler")
     elif isinstance(event, CheckFinished):

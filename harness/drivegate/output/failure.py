@@ -8,7 +8,7 @@ import sys
 import traceback
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import Any, Final
+from typing import Any, Final, TypeGuard
 
 import click
 
@@ -21,6 +21,9 @@ DEBUG_VARIABLE: Final = "DRIVEGATE_DEBUG"
 
 ERROR_SCHEMA: Final = 1
 """Version of the document that tells an error."""
+
+
+_OF_THE_DISK: Final = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
 
 
 class ExitCode(IntEnum):
@@ -65,9 +68,12 @@ def failure_of(error: BaseException) -> Failure:
         return Failure(_sentence(error.format_message()), ExitCode.REFUSED)
     if isinstance(error, KeyboardInterrupt) or isinstance(error.__cause__, KeyboardInterrupt):
         return Failure("interrupted", ExitCode.INTERRUPTED)
-    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO):
+    if is_of_the_disk(error):
         place = f" at {error.filename}" if error.filename else ""
-        return Failure(_sentence(f"cannot write{place}: {error.strerror}"), ExitCode.HARNESS_FAULT)
+        return Failure(
+            _sentence(f"cannot write{place}: {error.strerror}; make room, or name a place on another disk"),
+            ExitCode.REFUSED,
+        )
     text = str(error) if isinstance(error, HarnessFault) else f"{type(error).__name__}: {error}"
     return Failure(
         _sentence(
@@ -76,6 +82,11 @@ def failure_of(error: BaseException) -> Failure:
         ),
         ExitCode.HARNESS_FAULT,
     )
+
+
+def is_of_the_disk(error: BaseException) -> TypeGuard[OSError]:
+    """Tell whether a disk is full, read-only or broken, which is no fault of drivegate."""
+    return isinstance(error, OSError) and error.errno in _OF_THE_DISK
 
 
 def complain(failure: Failure, error: BaseException | None = None) -> None:

@@ -24,14 +24,19 @@ def write_junit(result: dict[str, Any], folder: Path) -> Path:
 def junit_xml(result: dict[str, Any]) -> bytes:
     """Make JUnit XML of a result document.
 
-    An advisory check that fails is reported in the output of its case, which passes unless advisory checks count; so
-    does one that is waived. A comparison with a baseline has cases of its own.
+    An advisory check that fails is reported in the output of its case, which passes unless advisory checks count. One
+    that is waived is skipped, with its owner and the last day of the waiver. A comparison with a baseline has cases of
+    its own. The class of a case is the candidate and the family of the check. A run serves many checks, so the time of
+    a check is its share of all times that a run was judged.
     """
     name = one_line(result["candidate"]["name"])
     suite = ElementTree.Element("testsuite", name=f"drivegate {name}")
     counted = ("required", "advisory") if result.get("fail_on") == "advisory" else ("required",)
+    seconds = result["timing"].get("seconds", 0.0)
+    judged = sum(check["runs"] for check in result["checks"]) or 1
     for check in result["checks"]:
-        case = _case(suite, name, check["id"])
+        case = _case(suite, f"{name}.{check['id'].partition('-')[0]}", check["id"])
+        case.set("time", f"{seconds * check['runs'] / judged:.3f}")
         _judge(case, check, counted)
         _tell_what_happened(case, result, check)
     for entry in result["baseline"] or ():
@@ -49,7 +54,7 @@ def junit_xml(result: dict[str, Any]) -> bytes:
     suite.set("tests", str(len(cases)))
     for kind, attribute in (("failure", "failures"), ("error", "errors"), ("skipped", "skipped")):
         suite.set(attribute, str(sum(case.find(kind) is not None for case in cases)))
-    suite.set("time", f"{result['timing'].get('seconds', 0.0):.3f}")
+    suite.set("time", f"{seconds:.3f}")
     suites = ElementTree.Element("testsuites")
     suites.append(suite)
     ElementTree.indent(suites)
@@ -57,20 +62,21 @@ def junit_xml(result: dict[str, Any]) -> bytes:
     return text + b"\n"
 
 
-def _case(suite: ElementTree.Element, candidate: str, name: str) -> ElementTree.Element:
-    return ElementTree.SubElement(suite, "testcase", classname=candidate, name=one_line(name))
+def _case(suite: ElementTree.Element, group: str, name: str) -> ElementTree.Element:
+    return ElementTree.SubElement(suite, "testcase", classname=group, name=one_line(name))
 
 
 def _judge(case: ElementTree.Element, check: dict[str, Any], counted: Collection[str]) -> None:
     verdict, message = check["verdict"], one_line(check["message"])
     required = check["level"] in counted
-    if verdict == "not applicable":
+    if verdict in ("not applicable", "waived"):
+        # The message of a waived check ends with owner, last day and reason.
         ElementTree.SubElement(case, "skipped", message=message)
     elif verdict in STALE_WAIVERS or (required and verdict == "fail"):
         failure = ElementTree.SubElement(case, "failure", type=verdict, message=message)
         margin = "–" if check["margin"] is None else f"{check['margin']:.4g}"
         failure.text = one_line(f"{check['requirement']} Limit: {check['limit']}. Margin: {margin}.")
-    elif required and verdict not in ("pass", "waived"):
+    elif required and verdict != "pass":
         ElementTree.SubElement(case, "error", type=one_line(verdict), message=message)
     else:
         output = ElementTree.SubElement(case, "system-out")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from shlex import quote
 from typing import Any, Final
 
 from drivegate.output.distinct_faults import distinct_faults, in_runs
@@ -36,6 +37,7 @@ def markdown(result: dict[str, Any]) -> str:
         "",
         f"{runs_in_short(result)}, effort {escaped(result['effort'])}, "
         f"seed {result['seed']}, drivegate {escaped(result['provenance']['drivegate'])}.",
+        *_what_failed(result),
         "",
         *_causes(result),
         "| check | level | verdict | margin | message |",
@@ -45,18 +47,36 @@ def markdown(result: dict[str, Any]) -> str:
         margin = printed_margin(result, check)
         cells = (check["id"], check["level"], check["verdict"], margin, check["message"])
         lines.append(f"| {' | '.join(map(escaped, cells))} |")
-    lines += _faults(result["faults"])
     lines += _comparisons(result["baseline"] or [])
+    return "\n".join(lines) + "\n"
+
+
+def _what_failed(result: dict[str, Any]) -> list[str]:
+    """Lead with what failed and how to run it again, what counts first."""
+    counted = ("required", "advisory") if result.get("fail_on") == "advisory" else ("required",)
     failed = [check for check in result["checks"] if check["counterexample"] is not None]
+    failed.sort(key=lambda check: (check["verdict"] == "waived", check["level"] not in counted))
+    lines = _faults(result["faults"])
     if failed:
-        lines += ["", "## Counterexamples", ""]
+        lines += ["", "## What failed", ""]
     for check in failed:
         file = counterexample_name(check["id"])
         lines.append(
-            f"- {escaped(check['id'])}: {escaped(check['counterexample']['name'])}, in [{file}]({file})"
+            f"- **{escaped(check['id'])}** {escaped(check['verdict'])} ({escaped(check['level'])}), in "
+            f"{escaped(check['counterexample']['name'])}: {escaped(check['message'])}; [{file}]({file})"
         )
         lines += _account(result, check)
-    return "\n".join(lines) + "\n"
+    if failed:
+        lines += ["", "Run one again, in the folder of this report:", "", *_replays(result, failed)]
+    return lines
+
+
+def _replays(result: dict[str, Any], failed: list[dict[str, Any]]) -> list[str]:
+    """Write the commands as indented code, in which nothing has to be escaped."""
+    candidate = quote(one_line(result["candidate"]["specification"]))
+    return [
+        f"    drivegate replay {counterexample_name(check['id'])} --candidate {candidate}" for check in failed
+    ]
 
 
 def _causes(result: dict[str, Any]) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -21,10 +22,12 @@ class Display:
 
     def __init__(self) -> None:
         self._title = ""
+        self._began = time.monotonic()
 
     def begin(self, title: str, total: int, words: str = "compiling and starting") -> None:
         """Begin a piece of work of so many parts; a line has nothing to report of it yet."""
         self._title = one_line(title)
+        self._began = time.monotonic()
         self._begin_bar(total, words)
 
     def advance(
@@ -34,6 +37,12 @@ class Display:
         counted = f"{done} of {total} {unit}".rstrip()
         self._move_bar(words, done, total)
         self._print(f"{counted}, {words}" if words else counted, always)
+
+    def time_left(self, done: int, total: int) -> str:
+        """Tell how long the rest takes at the rate so far; nothing before there is one."""
+        if not 0 < done < total:
+            return ""
+        return f"{_duration((time.monotonic() - self._began) * (total - done) / done)} left"
 
     def remark(self, words: str, *, always: bool = False) -> None:
         """Tell what is no part done."""
@@ -67,7 +76,9 @@ def progress_on(stream: TextIO | None) -> Iterator[Display]:
         ) as bars:
             yield _Bar(bars)
     else:
-        yield _Lines(stream)
+        lines = _Lines(stream)
+        with lines.beating():
+            yield lines
 
 
 class _Bar(Display):
@@ -87,15 +98,47 @@ class _Lines(Display):
         super().__init__()
         self._stream: TextIO | None = stream
         self._next = 0.0
+        self._last = ""
+        self._turn = threading.Lock()
+
+    @contextmanager
+    def beating(self) -> Iterator[None]:
+        """Tell that work goes on, as long as the context lasts, where nothing else has been told for a while."""
+        ended = threading.Event()
+        beat = threading.Thread(target=self._beat, args=(ended,), daemon=True)
+        beat.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            beat.join()
+
+    def _beat(self, ended: threading.Event) -> None:
+        while not ended.wait(SECONDS_BETWEEN_LINES / 4.0):
+            due = max(self._next, self._began + SECONDS_BETWEEN_LINES)
+            if self._title and time.monotonic() >= due - SECONDS_BETWEEN_LINES / 4.0:
+                told = f"{self._last}, " if self._last else ""
+                self._write(f"{told}{_duration(time.monotonic() - self._began)} so far")
+
+    def _begin_bar(self, total: int, words: str) -> None:  # noqa: ARG002  (what a bar needs)
+        self._last = words
 
     def _print(self, words: str, always: bool) -> None:
-        now = time.monotonic()
-        if self._stream is None or (now < self._next and not always):
+        self._last = words
+        if always or time.monotonic() >= self._next:
+            self._write(words)
+
+    def _write(self, words: str) -> None:
+        with self._turn:
+            self._next = time.monotonic() + SECONDS_BETWEEN_LINES
+            self._put(words)
+
+    def _put(self, words: str) -> None:
+        if self._stream is None:
             return
-        self._next = now + SECONDS_BETWEEN_LINES
         try:
             print(f"{self._title}: {one_line(words)}", file=self._stream, flush=True)
-        except OSError:
+        except (OSError, ValueError):
             # Progress that nobody reads is no reason to end what it is about.
             self._stream = None
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
+import os
 import secrets
 import shutil
 from contextlib import suppress
@@ -47,6 +49,7 @@ class ReportFolder:
         self.staging = self.place.with_name(f".{self.place.name}.{secrets.token_hex(6)}.partial")
         self._shown = place
         self._made: list[Path] = []
+        self._lock = -1
 
     def __enter__(self) -> Self:
         """Make the staging folder, and the folders above it that are missing."""
@@ -55,9 +58,10 @@ class ReportFolder:
             for parent in reversed(missing):
                 parent.mkdir()
                 self._made.insert(0, parent)
+            self._take_lock()
             self.staging.mkdir()
         except OSError as error:
-            self._discard()
+            self._leave()
             raise _unusable(self._shown, error) from error
         return self
 
@@ -65,7 +69,37 @@ class ReportFolder:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Remove what was not committed."""
-        if self.staging.exists():
+        self._leave(discard=self.staging.exists())
+
+    def _take_lock(self) -> None:
+        """Lock a file beside the folder, which the system unlocks when this process ends, however it ends."""
+        path = self._lock_file
+        while self._lock < 0:
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                os.close(descriptor)
+                raise _refused(
+                    self._shown,
+                    "is being written by another drivegate; wait for its end, or name another folder",
+                ) from error
+            if path.exists() and path.stat().st_ino == os.fstat(descriptor).st_ino:
+                self._lock = descriptor
+            else:
+                # Its last holder removed the file between our opening and locking it.
+                os.close(descriptor)
+
+    @property
+    def _lock_file(self) -> Path:
+        return self.place.with_name(f".{self.place.name}.lock")
+
+    def _leave(self, *, discard: bool = True) -> None:
+        if self._lock >= 0:
+            self._lock_file.unlink(missing_ok=True)
+            os.close(self._lock)
+            self._lock = -1
+        if discard:
             self._discard()
 
     def commit(self) -> None:

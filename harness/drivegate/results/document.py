@@ -122,6 +122,15 @@ class SignatureSection(Section):
     value: Text = Field(description="the signature, in hexadecimal digits")
 
 
+class FocusSection(Section):
+    """What a check was confined to."""
+
+    only: tuple[Text, ...] = Field(default=(), description="checks that were judged; empty for all")
+    stopped_at_first: bool = Field(
+        default=False, description="whether the check ended with the first failure"
+    )
+
+
 class ResultDocument(Document):
     """The result of the check of one candidate."""
 
@@ -140,8 +149,11 @@ class ResultDocument(Document):
     fail_on: Literal["required", "advisory"] = Field(
         default="required", description="'advisory' where advisory checks count like required ones"
     )
+    focus: FocusSection | None = Field(
+        default=None, description="what the check was confined to; null for a whole one"
+    )
     checks: tuple[CheckSection, ...] = Field(
-        description="outcome of every check, in the order of the catalogue"
+        description="outcome of every check that was judged, in the order of the catalogue"
     )
     faults: tuple[FaultSection, ...] = Field(description="the candidate's faults")
     runs: int = Field(ge=0, description="number of runs")

@@ -202,6 +202,9 @@ class CheckResult:
         ``required``, or ``advisory`` where advisory checks count like required ones.
     traces : tuple of dict
         Recorded signals: lists of equal length by column.
+    focus : dict or None
+        Under ``only`` the checks that were judged (empty for all), under ``stopped_at_first`` whether the check
+        ended with the first failure; None for a whole check.
     """
 
     candidate: Candidate
@@ -220,6 +223,7 @@ class CheckResult:
     baseline: tuple[BaselineComparison, ...] | None = None
     fail_on: str = "required"
     traces: tuple[dict[str, list[float]], ...] = ()
+    focus: dict[str, Any] | None = None
 
     def document(self) -> dict[str, Any]:
         """Write the result as plain data."""
@@ -240,6 +244,7 @@ class CheckResult:
             "effort": self.effort,
             "judged_by": "own code" if KINDS[candidate.kind].comes_along else "playback",
             "fail_on": self.fail_on,
+            "focus": self.focus,
             "checks": [asdict(outcome) for outcome in self.checks],
             "faults": [_fault_document(fault) for fault in self.faults],
             "runs": self.runs,

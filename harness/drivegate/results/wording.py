@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from drivegate_cases.documents.wording import counted
+
 
 def printed_margin(document: dict[str, Any], check: dict[str, Any]) -> str:
     """Write the margin of a check for people, also of one that depends on the machine."""
@@ -15,4 +17,7 @@ def printed_margin(document: dict[str, Any], check: dict[str, Any]) -> str:
 def runs_in_short(result: dict[str, Any]) -> str:
     """Tell how many runs a result rests on."""
     corpus = f", {result['corpus_runs']} of them from the corpus" if result["corpus_runs"] else ""
-    return f"{result['runs']} runs{corpus}, {result['set_aside']} set aside as infeasible"
+    focus = result.get("focus") or {}
+    only = f"only {', '.join(focus['only'])}, " if focus.get("only") else ""
+    early = "ended at the first failure after " if focus.get("stopped_at_first") else ""
+    return f"{only}{early}{counted(result['runs'], 'run')}{corpus}, {result['set_aside']} set aside as infeasible"

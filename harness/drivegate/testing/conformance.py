@@ -19,8 +19,6 @@ CANDIDATE_ITEM: Final = "candidate"
 
 _Test = TypeVar("_Test")
 
-_MET = ("pass", "waived")
-
 
 class ConformanceWarning(UserWarning):
     """An advisory check is not met."""
@@ -129,9 +127,10 @@ class Conformance:
     def verify(self) -> None:
         """Pass, fail, skip or warn, as the check came out.
 
-        A required check passes when it is met or waived, and fails otherwise; where it does not apply, the test
-        is skipped with the reason. An advisory check that is not met is a `ConformanceWarning`. The item of the
-        candidate fails when the candidate was refused, raised, crashed, hung or answered what is no answer.
+        A required check passes when it is met, and fails otherwise. A check that is waived is skipped with the owner
+        and the last day of the waiver, and one that does not apply with the reason. An advisory check that is not met
+        is a `ConformanceWarning`. The item of the candidate fails when the candidate was refused, raised, crashed,
+        hung or answered what is no answer.
         """
         import pytest
 
@@ -146,7 +145,9 @@ class Conformance:
             pytest.fail(f"{self.item} was not judged, see [{CANDIDATE_ITEM}]", pytrace=False)
         elif outcome["verdict"] == "not applicable":
             pytest.skip(f"{self.item} is not applicable: {outcome['message']}")
-        elif outcome["verdict"] in _MET:
+        elif outcome["verdict"] == "waived":
+            pytest.skip(f"{self.item} is waived: {outcome['message']}")
+        elif outcome["verdict"] == "pass":
             return
         elif outcome["level"] == "required":
             pytest.fail(self._message(outcome), pytrace=False)

@@ -1,6 +1,7 @@
 """From the bytes of a TOML or JSON file to plain data, with one sentence for each way to fail."""
 
 import json
+import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -20,7 +21,7 @@ def read_mapping(path: str | Path) -> dict[str, Any]:
     suffix = Path(path).suffix.lower()
     if suffix == ".json":
         return _table_at_top(_parsed(text, where, "JSON", _json_value), where)
-    return _table_at_top(_parsed(text, where, "TOML", tomllib.loads), where)
+    return _table_at_top(_parsed(text, where, "TOML", _toml_value), where)
 
 
 def _bytes_of(path: str | Path, where: str) -> bytes:
@@ -74,6 +75,23 @@ def _parsed(text: str, where: str, language: str, parse: Callable[[str], Any]) -
         ) from error
     except ValueError as error:
         raise InputError(f"{where} is not well-formed {language}: {one_line(str(error))}") from error
+
+
+def _toml_value(text: str) -> Any:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(_told_of_strings(str(error))) from error
+
+
+def _told_of_strings(sentence: str) -> str:
+    """Name a string that is not closed, which the parser tells by where it wanted the quotation mark."""
+    line = re.search(r"Illegal character '\\n' \(at line (\d+),", sentence)
+    if line is not None:
+        return f"in line {line[1]} a string is not closed; end it with the quotation mark that it begins with"
+    if sentence.startswith(("Unterminated string", "Expected \"'")):
+        return "a string is not closed up to the end of the file; end it with the quotation marks that it begins with"
+    return sentence
 
 
 def _json_value(text: str) -> Any:

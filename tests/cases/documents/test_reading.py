@@ -33,6 +33,9 @@ def test_a_byte_order_mark_is_no_error(tmp_path: Path) -> None:
     [
         ("a.toml", "a = 1\nb = \n", "not well-formed TOML"),
         ("a.toml", "a = 1\nb = \n", "line 2"),
+        ("a.toml", 'a = 1\nb = "mine\nc = 2\n', "in line 2 a string is not closed"),
+        ("a.toml", "a = 1\nb = 'mine\nc = 2\n", "a string is not closed up to the end"),
+        ("a.toml", 'a = """mine\nc = 2\n', "a string is not closed up to the end of the file"),
         ("a.toml", "a = 1\na = 2\n", "not well-formed TOML"),
         ("a.toml", "a = 2020-13-45\n", "not well-formed TOML"),
         ("a.json", '{"a": 1,\n"b" 2}', "line 2, column 5"),

@@ -124,6 +124,7 @@ class FakeEngine:
     options: dict[str, Any] | None = None
     baseline: tuple[BaselineComparison, ...] | None = None
     corpus_runs: int = 0
+    focus: dict[str, Any] | None = None
     timing: dict[str, Any] = field(default_factory=lambda: {"seconds": 1.0})
 
     def __call__(self, candidate: Candidate, **options: Any) -> Any:
@@ -146,6 +147,7 @@ class FakeEngine:
             timing=self.timing,
             corpus_runs=self.corpus_runs,
             baseline=self.baseline,
+            focus=self.focus,
         )
         yield CheckFinished(result)
 

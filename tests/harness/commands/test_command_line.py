@@ -91,7 +91,7 @@ def test_an_option_that_does_not_exist_is_named(refused):
             "it broke: ValueError: 3",
         ),
         (ZeroDivisionError("division by zero"), 3, "drivegate itself failed"),
-        (OSError(28, "No space left on device", "x.csv"), 3, "cannot write at x.csv: No space left"),
+        (OSError(28, "No space left on device", "x.csv"), 2, "cannot write at x.csv: No space left"),
         (KeyboardInterrupt(), 130, "error: interrupted\n"),
     ],
 )

@@ -1,6 +1,7 @@
 """Progress: plain lines where there is no terminal, a bar where there is one, and never a failure."""
 
 import io
+import time
 
 import pytest
 
@@ -29,7 +30,7 @@ def test_plain_lines_are_few_and_printable():
     stream = io.StringIO()
     reported(stream)
     assert stream.getvalue().splitlines() == [
-        r"mine\x1b[31m: 1 of 3 runs, least margin so far CNV-1 +0.5",
+        r"mine\x1b[31m: 1 of 3 runs, least margin so far CNV-1 +0.5, 0 s left",
     ], "lines must be printable, and at most one in two seconds"
 
 
@@ -37,6 +38,19 @@ def test_a_terminal_gets_a_bar():
     stream = Terminal()
     reported(stream)
     assert "3/3" in stream.getvalue()
+
+
+def test_lines_never_stand_still_for_long(monkeypatch):
+    monkeypatch.setattr("drivegate.output.progress.SECONDS_BETWEEN_LINES", 0.05)
+    stream = io.StringIO()
+    with progress_on(stream) as display:
+        display.begin("mine", 3)
+        display.advance(1, 3, "slow", unit="runs", always=True)
+        time.sleep(0.5)
+    lines = stream.getvalue().splitlines()
+    assert len(lines) > 3, "a line must come although nothing has happened"
+    assert lines[-1].startswith("mine: 1 of 3 runs, slow, ")
+    assert lines[-1].endswith(" s so far")
 
 
 def test_nobody_listening_is_no_failure():

@@ -182,7 +182,7 @@ def test_junit_shows_waivers_and_comparisons(shown):
     cases = {case.get("name"): case for case in ElementTree.parse(folder / "junit.xml").iter("testcase")}
     kinds = {name: [child.tag for child in case] for name, case in cases.items()}
     assert kinds == {
-        "CNV-1": ["system-out"],
+        "CNV-1": ["skipped"],
         "CNV-2": ["failure"],
         "CPW-1": ["failure"],
         "RIP-1": ["system-out"],
@@ -190,7 +190,12 @@ def test_junit_shows_waivers_and_comparisons(shown):
         "CNV-1 against the baseline": ["failure"],
         "CUR-1 against the baseline": ["system-out"],
     }
-    assert "waived by Ada" in cases["CNV-1"].find("system-out").text
+    assert "waived by Ada" in cases["CNV-1"].find("skipped").get("message")
+    assert cases["CNV-1"].get("classname") == "reference.CNV"
+    times = [float(case.get("time", "0")) for case in cases.values()]
+    assert sum(times) == pytest.approx(1.0, abs=0.01), (
+        "the times of the cases must add up to the time of the suite"
+    )
 
 
 def test_markdown_shows_waivers_and_comparisons(shown):
@@ -198,6 +203,8 @@ def test_markdown_shows_waivers_and_comparisons(shown):
     summary = (folder / "summary.md").read_text(encoding="utf-8")
     assert "| CNV-1 | required | waived | -1.5 | waived by Ada |" in summary
     assert "## Against the baseline" in summary
+    assert summary.index("## What failed") < summary.index("| check |"), "what failed leads"
+    assert "    drivegate replay counterexamples/CNV-1.json --candidate reference\n" in summary
     assert "| CNV-1 | required | fail | the margin fell \\| much |" in summary
 
 

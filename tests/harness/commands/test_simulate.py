@@ -160,3 +160,27 @@ def test_a_binary_file_is_no_scenario(refused, tmp_path):
 def test_parquet_without_its_library_is_refused(refused, monkeypatch):
     monkeypatch.setattr("drivegate.output.trace_files.find_spec", lambda name: None)
     assert "pyarrow" in refused("simulate", "reference", "--case", "lock-up", "--parquet", "run.parquet")
+
+
+@pytest.mark.parametrize("name", ["CNV-1", "lock-up"])
+def test_a_run_of_a_report_is_run_by_its_name_or_its_check_also_when_it_passed(
+    command, engine, tmp_path, name
+):
+    command("check", "reference")
+    result = tmp_path / "drivegate-report" / "result.json"
+    document = json.loads(result.read_text(encoding="utf-8"))
+    document["checks"][0]["scenario"]["duration_s"] = 0.5
+    result.write_text(json.dumps(document), encoding="utf-8")
+    ended = command("simulate", "reference", "--from", "drivegate-report", "--run", name)
+    assert "lock-up, 0.5 s" in ended.out, "the scenario is the report's, not the one that comes along"
+    assert (
+        f"next: drivegate simulate reference --from drivegate-report --run {name} --plot run.png" in ended.out
+    )
+
+
+def test_a_run_that_a_report_does_not_keep_is_refused(command, refused, engine):
+    command("check", "reference")
+    words = ("simulate", "reference", "--from", "drivegate-report")
+    assert "keeps no run 'lock-upp', the nearest is 'lock-up'" in refused(*words, "--run", "lock-upp")
+    assert "--from FOLDER --run NAME" in refused(*words)
+    assert "--from FOLDER --run NAME" in refused(*words, "--run", "CNV-1", "--case", "lock-up")

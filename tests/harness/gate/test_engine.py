@@ -27,6 +27,9 @@ def check(text: str, **options: object) -> CheckResult:
     assert shrinking == [(index, len(shrinking) - 1) for index in range(len(shrinking))]
     final = events[-1]
     assert isinstance(final, CheckFinished)
+    told = [event for event in events if isinstance(event, RunDone)][-1]
+    if final.result.verdict in ("pass", "fail"):
+        assert told.done == told.planned == final.result.runs, "progress must end with the runs of the result"
     return final.result
 
 

@@ -62,8 +62,9 @@ def _counted(stated: dict[str, Any]) -> tuple[str, str, str, str]:
 
 
 def _hint(document: dict[str, Any]) -> str:
-    for candidate in document["candidates"]:
+    for specification, candidate in zip(document["specifications"], document["candidates"], strict=True):
         for check in candidate["checks"]:
             if check["counterexample"]:
-                return f"drivegate replay {quote(document['output'] + '/' + check['counterexample'])}"
+                file = f"{document['output']}/{check['counterexample']}"
+                return f"drivegate replay {quote(file)} --candidate {quote(specification)}"
     return ""

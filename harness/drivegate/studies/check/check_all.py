@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.output.event_loop import finished
+from drivegate.output.failure import is_of_the_disk
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
 from drivegate.output.report_writers import WrittenReports
@@ -19,7 +20,9 @@ from drivegate.output.result_file import RESULT_FILE, as_json
 from drivegate.output.result_reports import OWN_FORMATS, all_formats, write_result
 from drivegate.results.result import CheckResult
 from drivegate.studies.check.checked import Checked, summary
-from drivegate_models.errors import HarnessFault
+from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of
+from drivegate_cases.documents.wording import shown_path
+from drivegate_models.errors import HarnessFault, InputError
 
 _Result = TypeVar("_Result")
 
@@ -53,6 +56,22 @@ class Effort:
 
 
 @dataclass(frozen=True)
+class Place:
+    """Where the files of a candidate are written.
+
+    Attributes
+    ----------
+    staging : Path
+        Where they are written.
+    shown : Path
+        Where they will be.
+    """
+
+    staging: Path
+    shown: Path
+
+
+@dataclass(frozen=True)
 class Records:
     """Files of earlier checks, and of people, that a check takes into account.
 
@@ -77,6 +96,9 @@ def check_all(
     effort: Effort,
     records: Records = Records(),
     sign: Path | None = None,
+    part: Part = WHOLE_CHECK,
+    *,
+    quiet: bool = False,
 ) -> list[Checked]:
     """Check candidates and write their reports; nothing is written where there is no result."""
     finish = _finish(sign)
@@ -84,16 +106,25 @@ def check_all(
     if all(checked.candidate is None for checked in all_checked):
         return all_checked
     options = _options(effort, records, [_name(checked) for checked in all_checked])
+    if part != WHOLE_CHECK:
+        options["focus"] = focus_of(part, [checked.candidate for checked in all_checked], output)
     taken: set[str] = set()
     with ReportFolder(output) as folder:
         for checked in all_checked:
             if checked.candidate is not None:
                 inside = "" if len(all_checked) == 1 else _folder_name(checked.candidate.name, taken)
-                _check(checked, checked.candidate, folder.staging / inside, output / inside, options, finish)
-        if any(checked.document is not None for checked in all_checked):
-            if len(all_checked) > 1:
-                (folder.staging / RESULT_FILE).write_text(as_json(summary(all_checked)), encoding="utf-8")
-            folder.commit()
+                place = Place(folder.staging / inside, output / inside)
+                _check(checked, checked.candidate, place, options, finish, quiet=quiet)
+        written = [checked for checked in all_checked if checked.folder is not None]
+        if written:
+            try:
+                if len(all_checked) > 1:
+                    (folder.staging / RESULT_FILE).write_text(as_json(summary(all_checked)), encoding="utf-8")
+                folder.commit()
+            except (OSError, InputError) as error:
+                # What the candidates came to is told all the same.
+                for checked in written:
+                    checked.folder, checked.pages, checked.error = None, (), _unwritten(error, output)
     return all_checked
 
 
@@ -155,37 +186,54 @@ def _finish(sign: Path | None) -> Callable[[CheckResult], dict[str, Any]]:
 def _check(
     checked: Checked,
     candidate: Candidate,
-    staging: Path,
-    place: Path,
+    place: Place,
     options: dict[str, Any],
     finish: Callable[[CheckResult], dict[str, Any]],
+    *,
+    quiet: bool,
 ) -> None:
     # The engine brings the compiled plant, which a candidate that is refused does not need.
     from drivegate.gate.engine import check_candidate
 
-    def work() -> tuple[dict[str, Any], WrittenReports]:
+    def work() -> WrittenReports:
         events = check_candidate(candidate, **options)
-        with progress_on(sys.stderr) as display:
-            staging.mkdir(exist_ok=True)
+        with progress_on(None if quiet else sys.stderr) as display:
             result = finished(events, display)
-            written = write_result(finish(result), staging, all_formats())
-        for name in OWN_FORMATS:
-            if name in written.errors:
-                raise written.errors[name]
-        # Whatever a report does to the document that it gets, this one is the result's.
-        return finish(result), written
+            # Whatever reports do to the document that they get, this one is the result's.
+            checked.document = finish(result)
+            place.staging.mkdir(exist_ok=True)
+            written = write_result(finish(result), place.staging, all_formats())
+        for name, error in written.errors.items():
+            if name in OWN_FORMATS or is_of_the_disk(error):
+                raise error
+        return written
 
-    ended = _attempted(checked, work)
-    if ended is None:
+    written = _attempted(checked, work)
+    if written is None:
+        if checked.document is not None and checked.error is not None:
+            checked.error = _unwritten(checked.error, place.shown)
         return
-    checked.document, written = ended
-    checked.folder = place
-    checked.pages = tuple(place / page for name, page in written.pages.items() if name not in OWN_FORMATS)
+    checked.folder = place.shown
+    checked.pages = tuple(
+        place.shown / page for name, page in written.pages.items() if name not in OWN_FORMATS
+    )
     if written.errors:
         checked.error = HarnessFault(
-            f"{'; '.join(written.problems())}, but the result is in {place / RESULT_FILE}"
+            f"{'; '.join(written.problems())}, but the result is in {place.shown / RESULT_FILE}"
         )
         checked.error.__cause__ = next(iter(written.errors.values()))
+
+
+def _unwritten(error: Exception, place: Path) -> Exception:
+    """Say of an error of the disk what a user can do about it."""
+    if not is_of_the_disk(error):
+        return error
+    refusal = InputError(
+        f"--output {shown_path(place)} cannot be written: {error.strerror}; no report was kept, so make room "
+        "or name a folder on another disk"
+    )
+    refusal.__cause__ = error
+    return refusal
 
 
 def _folder_name(name: str, taken: set[str]) -> str:

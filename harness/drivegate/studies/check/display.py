@@ -6,12 +6,12 @@ from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from drivegate.output.causes import by_urgency, causes_of, first_to_mend
-from drivegate.output.console import plain, table, verdict_text
+from drivegate.output.console import ADVISED, STYLES, plain, table, verdict_text
 from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.scenario_words import scenario_in_short
 from drivegate.results.signature import fingerprint
-from drivegate.results.wording import printed_margin, runs_in_short
+from drivegate.results.wording import printed_margin
 from drivegate.scenarios.facts import facts_in_short
 
 if TYPE_CHECKING:
@@ -26,13 +26,14 @@ def show_checked(console: Console, checked: Checked) -> None:
     """Print the verdict on each check, what failed and where the report is."""
     document, folder = checked.document, checked.folder
     assert document is not None, "only a candidate with a result is shown"
-    assert folder is not None, "a result has its folder"
     for fault, count in distinct_faults(document["faults"]):
         _show_fault(console, fault, count)
     _show_causes(console, document)
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
+    counted = ("required", "advisory") if document["fail_on"] == "advisory" else ("required",)
     for check in by_urgency(document["checks"]):
-        verdict, margin = verdict_text(check["verdict"]), printed_margin(document, check)
+        verdict = verdict_text(check["verdict"], counts=check["level"] in counted)
+        margin = printed_margin(document, check)
         listed.add_row(plain(check["id"]), plain(check["level"]), verdict, margin, plain(check["message"]))
     console.print(listed)
     if document["baseline"]:
@@ -40,15 +41,10 @@ def show_checked(console: Console, checked: Checked) -> None:
     failed = [check for check in document["checks"] if check["counterexample"] is not None]
     for check in failed:
         _show_counterexample(console, document, check, folder)
-    heading = plain(f"{document['candidate']['name']}: ")
-    heading.append_text(verdict_text(document["verdict"]))
-    heading.append(f", {runs_in_short(document)}")
-    console.print(heading)
     if "signature" in document:
         console.print(plain(f"signed by the key {fingerprint(document['signature']['public_key'])}"))
-    for page in checked.pages or (folder,):
-        console.print(plain(f"report: {page}"))
-    console.print(plain(f"next: {_next_step(checked.specification, document, folder)}", "dim"))
+    if folder is not None:
+        console.print(plain(f"next: {_next_step(checked, folder)}", "dim"))
 
 
 def _show_comparisons(console: Console, entries: list[dict[str, Any]]) -> None:
@@ -75,29 +71,34 @@ def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
 
 
 def _show_counterexample(
-    console: Console, document: dict[str, Any], check: dict[str, Any], folder: Path
+    console: Console, document: dict[str, Any], check: dict[str, Any], folder: Path | None
 ) -> None:
     # It brings the oracle, which a check without failures does not need.
     from drivegate.output.account import account_of
 
     outcome = "fails" if check["verdict"] == "fail" else f"fails, {check['verdict']}"
-    console.print(plain(f"{check['id']} {outcome} ({check['level']}): {check['requirement']}", "bold"))
+    style = "bold" if check["level"] == "required" else STYLES[ADVISED]
+    console.print(plain(f"{check['id']} {outcome} ({check['level']}): {check['requirement']}", style))
     measured = check["measured"] if check["found"] is None else check["found"]["measured"]
     console.print(plain(f"  measured {measured}; limit {check['limit']}"))
     console.print(plain(f"  in {scenario_in_short(check['counterexample'])}"))
     console.print(plain(f"  facts {facts_in_short(check['counterexample'])}"))
     for sentence in account_of(document, check):
         console.print(plain(f"  {sentence}"))
-    console.print(plain(f"  file {folder / counterexample_name(check['id'])}"))
+    if folder is not None:
+        console.print(plain(f"  file {folder / counterexample_name(check['id'])}"))
 
 
-def _next_step(specification: str, document: dict[str, Any], folder: Path) -> str:
+def _next_step(checked: Checked, folder: Path) -> str:
+    specification, document = quote(checked.specification), checked.document
+    assert document is not None, "only a candidate with a result is shown"
     first = first_to_mend(document)
-    if first is None and document["faults"]:
+    if first is not None:
+        file = str(folder / counterexample_name(first["id"]))
+        return f"drivegate replay {quote(file)} --candidate {specification} --plot {first['id']}.svg"
+    if document["faults"]:
         kind = document["faults"][0]["kind"]
-        return f"mend what is named first ({kind}), then drivegate check {quote(specification)}"
-    if first is None:
-        return "open the report; drivegate checks lists what was required"
-    check = first["id"]
-    file = str(folder / counterexample_name(check))
-    return f"drivegate replay {quote(file)} --candidate {quote(specification)} --plot {check}.svg"
+        return f"mend what is named first ({kind}), then drivegate check {specification}"
+    if document.get("focus") is not None:
+        return f"the whole check: drivegate check {specification}"
+    return "open the report; drivegate checks lists what was required"

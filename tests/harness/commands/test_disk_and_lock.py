@@ -1,0 +1,60 @@
+"""A full disk and two runs into one folder: a sentence, the exit code of its kind, and nothing lost."""
+
+import pytest
+
+from drivegate.output.report_folder import ReportFolder
+from drivegate_models.errors import InputError
+
+
+@pytest.fixture
+def full_disk(monkeypatch):
+    """A disk on which no result can be written."""
+
+    def fails(*given):
+        raise OSError(28, "No space left on device", "result.json")
+
+    monkeypatch.setattr("drivegate.studies.check.check_all.write_result", fails)
+
+
+def test_a_full_disk_takes_the_report_and_not_the_verdict(command, failing, full_disk, tmp_path):
+    ended = command("check", "reference")
+    assert ended.code == 2, "a full disk is neither the candidate's fault nor drivegate's"
+    assert "drivegate-report cannot be written: No space left on device" in ended.err
+    assert "make room or name a folder on another disk" in ended.err
+    assert "CNV-1 fails (required)" in ended.out, "the table is told although nothing was written"
+    assert ended.out.splitlines()[-1].endswith("report: none")
+    assert "counterexamples/CNV-1.json" not in ended.out, "a file that is not there must not be named"
+    assert command("check", "reference", "--json").document["checks"], "nor is the document lost"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disk_that_fills_in_the_last_moment_takes_no_verdict_either(command, engine, monkeypatch):
+    def fails(self):
+        raise InputError("--output out cannot be written: No space left on device; name another")
+
+    monkeypatch.setattr(ReportFolder, "commit", fails)
+    ended = command("check", "reference", "initial", "--output", "out")
+    assert ended.code == 2
+    assert ended.out.splitlines()[-1] == "reference: pass; initial: pass, 2 s, report: none"
+
+
+def test_an_earlier_report_outlives_a_full_disk(command, engine, monkeypatch, tmp_path):
+    command("check", "reference")
+    before = (tmp_path / "drivegate-report" / "result.json").read_bytes()
+    monkeypatch.setattr(
+        "drivegate.studies.check.check_all.write_result",
+        lambda *given: (_ for _ in ()).throw(OSError(28, "No space left on device")),
+    )
+    assert command("check", "reference").code == 2
+    assert (tmp_path / "drivegate-report" / "result.json").read_bytes() == before
+
+
+def test_two_runs_into_one_folder_are_refused_before_any_work(command, engine, tmp_path):
+    with ReportFolder(tmp_path / "out"):
+        ended = command("check", "reference", "--output", "out")
+        assert ended.code == 2
+        assert "--output out is being written by another drivegate; wait for its end" in ended.err
+        assert engine.options is None, "the check must not have begun"
+        assert command("check", "reference", "--output", "elsewhere").code == 0
+    assert command("check", "reference", "--output", "out").code == 0, "the lock ends with its holder"
+    assert not list(tmp_path.glob(".*")), "no lock stays behind"
