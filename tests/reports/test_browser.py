@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable, Iterator
 from importlib.resources import files
 from pathlib import Path
@@ -17,7 +16,7 @@ from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
 from drivegate_reports.comparison import report as comparison
 from drivegate_reports.paper.report import PAGE_FILE
 
-NAMES = ("chromium", "chromium-browser", "google-chrome")
+pytestmark = pytest.mark.needs("browser")
 OPTIONS = [
     "--headless",
     "--no-sandbox",
@@ -41,13 +40,9 @@ CUT = """() => [...document.querySelectorAll('table, figure svg')]
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    found = [path for path in map(shutil.which, NAMES) if path]
-    assert found, (
-        f"these tests need a browser: install the package chromium, which brings one of {', '.join(NAMES)}"
-    )
+def browser(browser_path: str) -> Iterator[Browser]:
     with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=found[0], args=OPTIONS)
+        opened = playwright.chromium.launch(executable_path=browser_path, args=OPTIONS)
         yield opened
         opened.close()
 
