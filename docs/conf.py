@@ -1,18 +1,18 @@
-"""Configuration of the documentation."""
+"""Configuration of the documentation, whose pages are plain Markdown that a git host shows as well."""
 
-import sys
+import re
 from pathlib import Path
 
-from drivegate import __version__
+from sphinx.application import Sphinx
 
-sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
+from drivegate import __version__
 
 project = "drivegate"
 author = "drivegate contributors"
 copyright = f"2026, {author}"
 version = release = __version__
 
-extensions = ["check_catalogue", "myst_parser", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
+extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
 exclude_patterns = ["_build"]
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
@@ -23,3 +23,20 @@ numpydoc_show_class_members = False
 
 html_theme = "furo"
 html_title = f"drivegate {__version__}"
+
+PAGES = re.compile(r"<!-- pages -->(.*?)<!-- end of pages -->", re.DOTALL)
+
+
+def complete(_app: Sphinx, page: str, source: list[str]) -> None:
+    """Make the tree of contents from a page's own list of links, and take the changelog from where it is kept."""
+    if page == "changelog":
+        source[0] = (Path(__file__).parents[1] / "CHANGELOG.md").read_text(encoding="utf-8")
+    linked = [link for part in PAGES.findall(source[0]) for link in re.findall(r"\]\((\S+)\.md\)", part)]
+    if linked:
+        tree = "\n".join(dict.fromkeys(linked))
+        source[0] += f"\n```{{toctree}}\n:hidden:\n\n{tree}\n```\n"
+
+
+def setup(app: Sphinx) -> None:
+    """Have every page completed as it is read."""
+    app.connect("source-read", complete)

@@ -122,7 +122,7 @@ def header_folder(package: str, folder: str) -> Path:
     """Find the headers that a Python package brings."""
     spec = find_spec(package)
     if spec is None or not spec.submodule_search_locations:
-        raise SystemExit(f"the package {package} is missing; pip install 'drivegate[fmu]' brings it")
+        raise SystemExit(f"the package {package} is missing; pip install {package}")
     return Path(spec.submodule_search_locations[0]) / folder
 
 

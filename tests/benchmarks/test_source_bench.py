@@ -45,7 +45,7 @@ def test_a_yardstick_out_of_step_is_no_measure(workbench, monkeypatch):
     assert not yardstick_ratio.yardstick_ratio(workbench, "initial", 1500).correctness.valid
 
 
-@pytest.mark.parametrize("language", ["c", "numba", "rust"])
+@pytest.mark.parametrize("language", ["c", "numba", pytest.param("rust", marks=pytest.mark.needs("rustc"))])
 def test_compiled_examples_are_measured_beside_the_reference(workbench, monkeypatch, language):
     monkeypatch.setattr(example_rates, "SIMULATED", 1.0)
     value = example_rates.example_ratio(workbench, language)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import json
-import shutil
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -32,7 +31,6 @@ from drivegate_reports.conformance.report import page
 from drivegate_reports.paper.report import PAGE_FILE, reproduce
 
 Document = dict[str, Any]
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 BROWSER_OPTIONS = [
     "--headless",
     "--no-sandbox",
@@ -289,14 +287,10 @@ def made_up() -> Callable[..., Document]:
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
+def browser(browser_path: str) -> Iterator[Browser]:
     """Open a browser."""
-    found = [path for path in map(shutil.which, BROWSERS) if path]
-    assert found, (
-        f"these tests need a browser: install the package chromium, which brings one of {', '.join(BROWSERS)}"
-    )
     with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=found[0], args=BROWSER_OPTIONS)
+        opened = playwright.chromium.launch(executable_path=browser_path, args=BROWSER_OPTIONS)
         yield opened
         opened.close()
 

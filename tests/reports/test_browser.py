@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page
 
+pytestmark = pytest.mark.needs("browser")
 A4_WIDTH = 703
 """Width between the margins of a printed page (CSS pixels)."""
 MISSING = """() => [...document.querySelectorAll('a[href]')]

@@ -16,6 +16,7 @@ from playwright.sync_api import Browser
 from drivegate.checks.catalogue import CHECKS
 from drivegate_reports.conformance.report import write
 
+pytestmark = pytest.mark.needs("browser")
 MOST_SHEETS = 15
 """A pass is to be read in fewer sheets."""
 LEAST_FILLED = 0.5

@@ -52,7 +52,7 @@ def command(
 ) -> Outcome:
     """Run CANDIDATE once through a scenario.
 
-    CANDIDATE is a built-in or installed controller's name, module:Class, file.py:Class or a manifest.
+    CANDIDATE is whatever drivegate check takes.
     """
     from drivegate.candidates.resolution import resolve_candidate
     from drivegate.output.trace_files import check_targets

@@ -45,7 +45,7 @@ class Backend:
         if self.name == "dask" and (find_spec("distributed") is None or find_spec("dask") is None):
             raise InputError(
                 "--backend dask needs the packages dask and distributed, which are not installed; "
-                "install drivegate[cluster]"
+                "pip install dask distributed"
             )
 
 

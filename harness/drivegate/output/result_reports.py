@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from drivegate.output.annotations import write_annotations
 from drivegate.output.junit import write_junit
 from drivegate.output.markdown import write_markdown
 from drivegate.output.report_writers import (
@@ -19,7 +20,11 @@ from drivegate.output.result_file import write_result_files
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import InputError
 
-OWN_FORMATS: Final[Mapping[str, WriteReport]] = {"junit": write_junit, "markdown": write_markdown}
+OWN_FORMATS: Final[Mapping[str, WriteReport]] = {
+    "annotations": write_annotations,
+    "junit": write_junit,
+    "markdown": write_markdown,
+}
 """Reports for CI servers, which the harness makes itself."""
 
 

@@ -41,7 +41,7 @@ def check_targets(csv: Path | None, parquet: Path | None, plot: Path | None) -> 
         )
     if parquet is not None and find_spec("pyarrow") is None:
         raise InputError(
-            "--parquet needs the package pyarrow, which is not installed; install drivegate[parquet] or take --csv"
+            "--parquet needs the package pyarrow, which is not installed; pip install pyarrow, or take --csv"
         )
 
 

@@ -8,7 +8,14 @@ import pytest
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate_models.errors import HarnessFault, InputError
 
-FILES = [".drivegate-report.json", "junit.xml", "report.html", "result.json", "summary.md"]
+FILES = [
+    ".drivegate-report.json",
+    "annotations.txt",
+    "junit.xml",
+    "report.html",
+    "result.json",
+    "summary.md",
+]
 
 
 def names(folder):

@@ -1,5 +1,6 @@
 """What holds for every command: it answers at once, in one form, and ends in one of the documented ways."""
 
+import importlib.util
 import json
 import os
 import resource
@@ -11,6 +12,7 @@ import click
 import pytest
 
 from drivegate import __version__
+from drivegate.candidates.kinds import KINDS, MANIFEST_SUFFIX
 from drivegate.commands.command_line import COMMANDS
 from drivegate.commands.conduct import Outcome, conducted
 from drivegate_models.errors import HarnessFault, InputError
@@ -151,3 +153,44 @@ def test_ctrl_c_ends_a_check_with_130_and_leaves_nothing(tmp_path):
     assert process.returncode == 130, err
     assert json.loads(out)["error"]["exit_code"] == 130
     assert list(tmp_path.iterdir()) == [], "an interrupted check leaves no folder behind"
+
+
+def test_the_package_is_a_program_too():
+    ended = subprocess.run(
+        [sys.executable, "-m", "drivegate", "--version"], capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, f"drivegate {__version__}\n", "")
+
+
+def test_the_help_of_check_names_every_kind_of_candidate(command):
+    shown = " ".join(command("check", "--help").out.split())
+    for kind in KINDS.values():
+        for mark in filter(None, (*kind.ways, *kind.prefixes, kind.suffix)):
+            assert mark in shown, f"a candidate may be written with '{mark}', which the help leaves out"
+    for mark in ("file.py:Class", "module:Class", "file.py:name", MANIFEST_SUFFIX, "reference", "composed"):
+        assert mark in shown, f"the help leaves out {mark}"
+
+
+@pytest.mark.parametrize(
+    ("words", "package"),
+    [
+        (["simulate", "reference", "--case", "lock-up", "--parquet", "trace.parquet"], "pyarrow"),
+        (["campaign", "spread.toml"], "pyarrow"),
+        (
+            ["campaign", "spread.toml", "--backend", "dask", "--scheduler", "tcp://127.0.0.1:1"],
+            "dask distributed",
+        ),
+    ],
+)
+def test_a_missing_package_is_named_as_pip_takes_it(refused, tmp_path, monkeypatch, words, package):
+    spread = 'schema = 1\ncandidates = ["reference"]\ncases = ["lock-up"]\n'
+    (tmp_path / "spread.toml").write_text(spread, encoding="utf-8")
+    absent = set(package.split())
+    found = importlib.util.find_spec
+
+    def spec(name, *more):
+        return None if name in absent else found(name, *more)
+
+    for module in ("output.trace_files", "studies.campaign.table", "containment.backend"):
+        monkeypatch.setattr(f"drivegate.{module}.find_spec", spec)
+    assert f"pip install {package}" in refused(*words)

@@ -7,8 +7,10 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +20,16 @@ import yaml
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat, PublicFormat
 
-DOCS = Path(__file__).parents[3] / "docs"
-INSTALLS = 'python -m pip install "$DRIVEGATE"'
-"""The one line that is not run: what it would install is what these tests run in."""
+from drivegate.studies.new.write import write_candidate
+from drivegate_models.compilation.kernels import cache_key
+
+ROOT = Path(__file__).parents[3]
+DOCS = ROOT / "docs"
+INSTALLS = re.compile(r'python -m pip install "\$(DRIVEGATE|INSTALL)"')
+"""What begins the one line that is not run: what it would install is what these tests run in."""
+CANDIDATE = "published"
+"""One that fails: the later steps have to run all the same."""
+OWN_TEST = "def test_nothing():\n    pass\n"
 
 
 def recipes() -> list[dict[str, Any]]:
@@ -29,62 +38,191 @@ def recipes() -> list[dict[str, Any]]:
 
 
 GITHUB, GITLAB = recipes()
+ACTION = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
 
 
-def run_lines(lines: list[str], folder: Path, variables: dict[str, str]) -> Iterator[str]:
-    assert lines[0] == INSTALLS, "a recipe begins with the installation"
-    environment = os.environ | variables | {"CANDIDATE": "published", "GITHUB_STEP_SUMMARY": "shown.md"}
+def ran(line: str, folder: Path, variables: dict[str, str]) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | variables
     environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
-    # The cache of this machine: the recipe's own would have everything compiled once more.
+    # The cache of this machine: a recipe's own would have everything compiled once more.
     environment.pop("DRIVEGATE_CACHE", None)
     if "DRIVEGATE_CACHE" in os.environ:
         environment["DRIVEGATE_CACHE"] = os.environ["DRIVEGATE_CACHE"]
-    for line in lines[1:]:
-        ended = subprocess.run(
-            ["bash", "-e", "-c", line],
-            check=False,
-            cwd=folder,
-            env=environment,
-            capture_output=True,
-            text=True,
-            timeout=500,
-        )
-        failed = line.startswith("drivegate check")
-        assert ended.returncode == (1 if failed else 0), f"{line}\n{ended.stderr}"
-        yield line
+    return subprocess.run(
+        ["bash", "-e", "-o", "pipefail", "-c", line],
+        check=False,
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=500,
+    )
+
+
+def filled(text: str, values: dict[str, str]) -> str:
+    """Put values where GitHub would: the first of several that is not empty."""
+
+    def value(found: re.Match[str]) -> str:
+        return next((chosen for name in found[1].split("||") if (chosen := values[name.strip()])), "")
+
+    return re.sub(r"\$\{\{(.*?)\}\}", value, text)
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a job left behind."""
+
+    folder: Path
+    outputs: dict[str, str]
+    codes: dict[str, int]
 
 
 @pytest.fixture(scope="module")
-def github(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def github(tmp_path_factory: pytest.TempPathFactory) -> Job:
+    """The shell steps of the action as a runner would take them, for a candidate that fails."""
     folder = tmp_path_factory.mktemp("github")
-    lines = [step["run"] for step in GITHUB["jobs"]["gate"]["steps"] if "run" in step]
-    # The candidate is one that fails: the later steps have to run all the same.
-    assert len(list(run_lines(lines, folder, GITHUB["env"]))) == 2
-    return folder
-
-
-def test_github_shows_the_summary_and_keeps_the_report(github: Path) -> None:
-    assert (github / "shown.md").read_text(encoding="utf-8").startswith("# published: fail")
-    steps = GITHUB["jobs"]["gate"]["steps"]
-    kept = next(step["with"]["path"] for step in steps if "upload-artifact" in step.get("uses", ""))
-    assert (github / kept / "report.html").is_file()
-    checked = next(
-        place for place, step in enumerate(steps) if step.get("run", "").startswith("drivegate check")
+    (folder / "test_controller.py").write_text(OWN_TEST, encoding="utf-8")
+    given = GITHUB["jobs"]["gate"]["steps"][-1]["with"] | {
+        "candidate": CANDIDATE,
+        "waivers": "",
+        "build": "touch built",
+    }
+    assert set(given) <= set(ACTION["inputs"]), "the workflow gives what the action does not take"
+    inputs = {name: str(known["default"]) for name, known in ACTION["inputs"].items()} | given
+    values = {f"inputs.{name}": value for name, value in inputs.items()}
+    values |= {"runner.temp": str(folder / "temp"), "github.action_path": str(ROOT)}
+    files = {f"GITHUB_{name}": str(folder / name) for name in ("OUTPUT", "ENV", "STEP_SUMMARY")}
+    codes: dict[str, int] = {}
+    for step in ACTION["runs"]["steps"]:
+        if "run" not in step or INSTALLS.match(step["run"]):
+            continue
+        if any(codes.values()) and "always()" not in step.get("if", ""):
+            continue
+        if not eval(filled_condition(step.get("if", "True"), values)):
+            continue
+        variables = {name: filled(text, values) for name, text in step.get("env", {}).items()}
+        ended = ran(step["run"], folder, variables | files)
+        codes[step["name"]] = ended.returncode
+        (folder / f"{step['name']}.out").write_text(ended.stdout + ended.stderr, encoding="utf-8")
+    outputs = dict(
+        line.split("=", 1) for line in (folder / "OUTPUT").read_text(encoding="utf-8").splitlines()
     )
-    assert all(step.get("if") == "always()" for step in steps[checked + 1 :]), "a failure hides its report"
+    return Job(folder, outputs, codes)
 
 
-def test_gitlab_has_the_same_lines_and_finds_junit(github: Path) -> None:
-    lines = [step["run"] for step in GITHUB["jobs"]["gate"]["steps"] if "run" in step]
-    assert GITLAB["gate"]["script"] == lines[:2]
-    junit = ElementTree.parse(github / GITLAB["gate"]["artifacts"]["reports"]["junit"])
-    assert junit.getroot().findall(".//failure"), "the failures are among the test cases"
-    assert GITLAB["gate"]["artifacts"]["when"] == "always"
+def filled_condition(text: str, values: dict[str, str]) -> str:
+    text = text.replace("always()", "True").replace("&&", "and")
+    return re.sub(r"inputs\.[a-z-]+", lambda found: repr(values[found[0]]), text)
 
 
-def test_a_real_result_keeps_to_the_published_schema(github: Path) -> None:
+def test_only_the_gate_fails_and_every_other_step_runs(github: Job) -> None:
+    shell = [
+        step["name"] for step in ACTION["runs"]["steps"] if "run" in step and not INSTALLS.match(step["run"])
+    ]
+    told = {name: (github.folder / f"{name}.out").read_text(encoding="utf-8") for name in github.codes}
+    assert list(github.codes) == shell
+    assert github.codes == {name: int(name == "Check the controller") for name in shell}, told
+    assert (github.folder / "built").exists()
+
+
+def test_failures_are_annotated_and_the_summary_is_shown(github: Job) -> None:
+    shown = (github.folder / "STEP_SUMMARY").read_text(encoding="utf-8")
+    assert shown.startswith("# published: fail")
+    printed = (github.folder / "Annotate what failed, and show the summary.out").read_text(encoding="utf-8")
+    result = json.loads((github.folder / "drivegate-report" / "result.json").read_text(encoding="utf-8"))
+    failed = {
+        check["id"]
+        for check in result["checks"]
+        if (check["level"], check["verdict"]) == ("required", "fail")
+    }
+    assert set(re.findall(r"^::error title=published (\S+) fail::.", printed, re.MULTILINE)) == failed
+    assert failed, "the candidate fails"
+
+
+def test_report_and_junit_are_kept_whatever_comes(github: Job) -> None:
+    kept = ACTION["runs"]["steps"][-1]
+    assert "upload-artifact" in kept["uses"]
+    assert kept["if"] == "always()", "a failure hides its report"
+    folder = github.folder / filled(
+        kept["with"]["path"], {"inputs.report": ACTION["inputs"]["report"]["default"]}
+    )
+    assert (folder / "report.html").is_file()
+    assert ElementTree.parse(folder / "junit.xml").getroot().findall(".//failure")
+    assert ElementTree.parse(folder / "pytest.xml").getroot().find("testsuite").get("tests") == "1"  # type: ignore[union-attr]
+
+
+def test_kernels_are_kept_under_a_key_of_what_they_are(github: Job) -> None:
+    cached = next(step for step in ACTION["runs"]["steps"] if "actions/cache@" in step.get("uses", ""))
+    assert github.outputs["key"] == cache_key()
+    assert github.outputs["folder"] in (github.folder / "ENV").read_text(encoding="utf-8")
+    assert "steps.kernels.outputs.key" in cached["with"]["key"]
+
+
+def test_one_workflow_and_one_action(tmp_path: Path) -> None:
+    write_candidate("c", "mine", tmp_path / "mine", datetime.now(UTC).date())
+    workflow = yaml.safe_load((tmp_path / "mine/.github/workflows/drivegate.yml").read_text(encoding="utf-8"))
+    assert workflow == GITHUB, (
+        "docs/continuous_integration.md shows another workflow than drivegate new writes"
+    )
+    action = (tmp_path / "mine/.github/actions/drivegate/action.yml").read_text(encoding="utf-8")
+    assert action == (ROOT / "action.yml").read_text(encoding="utf-8")
+    given = workflow["jobs"]["gate"]["steps"][-1]
+    assert (tmp_path / "mine" / given["uses"] / "action.yml").is_file()
+    for name in ("candidate", "install", "waivers", "tests"):
+        assert (tmp_path / "mine" / given["with"][name]).is_file(), f"'{name}' names what is not there"
+    write_candidate("rust", "other", tmp_path / "other", datetime.now(UTC).date())
+    built = yaml.safe_load((tmp_path / "other/.github/workflows/drivegate.yml").read_text(encoding="utf-8"))
+    assert built["jobs"]["gate"]["steps"][-1]["with"] == given["with"] | {"build": "cargo build --release"}
+
+
+def test_no_input_gets_into_a_script_but_as_a_variable() -> None:
+    for step in ACTION["runs"]["steps"]:
+        assert "${{" not in step.get("run", ""), f"{step['name']} pastes an expression into a shell"
+        assert "run" not in step or step["shell"] == "bash", "a composite action must name the shell"
+
+
+def test_the_documentation_lists_the_inputs() -> None:
+    text = (DOCS / "continuous_integration.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| `([a-z-]+)` \| (.+?) \|", text, re.MULTILINE))
+    assert list(rows) == list(ACTION["inputs"])
+    for name, known in ACTION["inputs"].items():
+        assert rows[name] == f"`{known['default']}`" or not known["default"], name
+
+
+def test_gitlab_checks_the_same_and_finds_junit(tmp_path: Path) -> None:
+    job = GITLAB["gate"]
+    installs, checks = job["script"]
+    assert INSTALLS.fullmatch(installs)
+    write_candidate("python", "mine", tmp_path / "mine", datetime.now(UTC).date())
+    assert (tmp_path / "mine" / job["variables"]["DRIVEGATE"]).is_file()
+    assert job["cache"]["key"]["files"] == [job["variables"]["DRIVEGATE"]]
+    ended = ran(checks, tmp_path / "mine", job["variables"])
+    assert ended.returncode == 0, f"the first push must be green: {ended.stdout}{ended.stderr}"
+    junit = ElementTree.parse(tmp_path / "mine" / job["artifacts"]["reports"]["junit"])
+    assert junit.getroot().findall(".//testcase")
+    assert job["artifacts"]["when"] == "always"
+
+
+def test_the_image_is_given_all_that_the_package_is_made_of() -> None:
+    text = (ROOT / "Dockerfile").read_text(encoding="utf-8")
+    copied = {
+        name for line in re.findall(r"^COPY (.+) /source\S*$", text, re.MULTILINE) for name in line.split()
+    }
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    wheel = project["tool"]["hatch"]["build"]["targets"]["wheel"]
+    needed = {path.split("/")[0] for path in wheel["packages"]} | {project["project"]["readme"]}
+    assert copied == needed | {"pyproject.toml", *project["project"]["license-files"]}
+    assert all((ROOT / name).exists() for name in copied)
+    from drivegate.gate import warm_up
+
+    named = re.search(r"from drivegate.gate.warm_up import (\w+), (\w+)", text)
+    assert named, "the image has no compiled plant"
+    assert all(hasattr(warm_up, name) for name in named.groups())
+
+
+def test_a_real_result_keeps_to_the_published_schema(github: Job) -> None:
     schema = json.loads((DOCS / "schemas" / "result.schema.json").read_text(encoding="utf-8"))
-    result = json.loads((github / "drivegate-report" / "result.json").read_text(encoding="utf-8"))
+    result = json.loads((github.folder / "drivegate-report" / "result.json").read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator(schema).validate(result)
     failed = [check for check in result["checks"] if check["counterexample"] is not None]
     assert failed, "the candidate fails"
@@ -95,7 +233,7 @@ def test_a_real_result_keeps_to_the_published_schema(github: Path) -> None:
         assert check["margins"][0] < 0.0, f"{check['id']} fails"
 
 
-def test_a_real_result_is_signed_by_a_later_job(github: Path, tmp_path: Path) -> None:
+def test_a_real_result_is_signed_by_a_later_job(github: Job, tmp_path: Path) -> None:
     key = Ed25519PrivateKey.generate()
     private = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
     (tmp_path / "key.pem").write_bytes(private)
@@ -108,7 +246,7 @@ def test_a_real_result_is_signed_by_a_later_job(github: Path, tmp_path: Path) ->
             [*program, *words], cwd=tmp_path, check=False, capture_output=True, text=True, timeout=120
         )
 
-    result = str(github / "drivegate-report" / "result.json")
+    result = str(github.folder / "drivegate-report" / "result.json")
     made = ended("report", result, "--sign", "key.pem", "--format", "markdown", "--output", "signed")
     assert made.returncode == 0, made.stderr
     verify = ("verify", "signed/result.json", "--key", "public.pem")

@@ -1,5 +1,6 @@
 """`drivegate new`: a candidate of each kind that works, and whose own test runs."""
 
+import re
 import shutil
 import subprocess
 import sys
@@ -11,19 +12,24 @@ from pathlib import Path
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.results.provenance import versions
 from drivegate.results.waivers import read_waivers
 from drivegate.studies.diff.diff import compared
 from drivegate.studies.diff.jobs import Rule
-from drivegate.studies.new.write import KINDS, WAIVED, write_candidate
+from drivegate.studies.new.wheel import wheel_name
+from drivegate.studies.new.write import KINDS, WAIVED, WHEELS, write_candidate
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 
+WHEEL = f"{WHEELS}/{wheel_name()}"
 COMMON = {
     "README.md",
     "candidate.toml",
     "test_controller.py",
     "waivers.toml",
     ".github/workflows/drivegate.yml",
+    ".github/actions/drivegate/action.yml",
+    WHEEL,
 }
 TODAY = datetime.now(UTC).date()
 # cargo is no part of what the suite of tests may ask for.
@@ -52,8 +58,8 @@ def test_every_kind_is_written_whole_and_tells_the_next_step(command, tmp_path, 
     assert document["next"][-1] == "drivegate check candidate.toml --waivers waivers.toml"
     assert tomllib.loads((folder / "candidate.toml").read_text(encoding="utf-8"))["name"] == "my-own"
     for path in folder.rglob("*"):
-        text = path.read_text(encoding="utf-8") if path.is_file() else ""
-        left = [word for word in ("@name@", "@expires@", "@build@", "@source@") if word in text]
+        text = path.read_text(encoding="utf-8") if path.is_file() and path.suffix != ".whl" else ""
+        left = re.findall(r"@(?:name|expires|build|source|wheel)@", text)
         assert not left, f"{path.name} has a blank left"
 
 
@@ -74,6 +80,30 @@ def test_every_kind_gives_the_commands_of_the_built_in_line_of_angles(tmp_path, 
     # So what `initial` passes and fails is what the new candidate passes and fails.
     ended = compared(resolve_candidate("initial"), candidate, RISING, Rule(), before=0, after=0)
     assert (ended.fault, ended.difference, ended.steps) == (None, None, RISING.control_periods)
+
+
+def test_the_wheel_is_drivegate_as_it_is_here(tmp_path):
+    write_candidate("python", "mine", tmp_path / "mine", TODAY)
+    write_candidate("c", "other", tmp_path / "other", TODAY)
+    wheel = tmp_path / "mine" / WHEEL
+    assert wheel.read_bytes() == (tmp_path / "other" / WHEEL).read_bytes(), "equal sources, other bytes"
+    assert wheel.stat().st_size < 1_000_000, "the documentation calls it less than 1 MB"
+    pip = [sys.executable, "-m", "pip", "install", "--no-index", "--no-deps", "--no-compile", "--target"]
+    subprocess.run([*pip, "there", wheel], cwd=tmp_path, check=True, capture_output=True)
+    # Isolated from the drivegate that runs this test, but for what that one needs of others.
+    program = (
+        f"import sys; sys.path.insert(0, {str(tmp_path / 'there')!r})\n"
+        "from importlib.metadata import distribution\n"
+        "from drivegate.results.provenance import versions\n"
+        "import drivegate, drivegate_models, drivegate_cases, drivegate_reports as reports\n"
+        "print(drivegate.__file__, reports.__file__, distribution('drivegate').locate_file(''), versions()['sources'])"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, check=True, capture_output=True, text=True
+    )
+    *places, digest = ended.stdout.split()
+    assert all(place.startswith(str(tmp_path / "there")) for place in places), places
+    assert digest == versions()["sources"], "it has other sources"
 
 
 def test_the_program_is_the_one_of_the_examples():

@@ -28,8 +28,8 @@ def load_controller(candidate: Candidate) -> "FmuController":
         import fmpy  # noqa: F401
     except ImportError as error:
         raise InputError(
-            f"the candidate '{one_line(candidate.specification)}' is an FMU, which needs fmpy; "
-            "pip install 'drivegate[fmu]'"
+            f"the candidate '{one_line(candidate.specification)}' is an FMU, which needs the package fmpy; "
+            "pip install fmpy"
         ) from error
     unpacked = _unpacked(Path(candidate.entry), candidate.content_hash)
     return FmuController(unpacked)

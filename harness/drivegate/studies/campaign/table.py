@@ -28,9 +28,7 @@ _TEXTS: Final = ("case", "verdict", "message", "check", "measured", "advisory")
 def require_parquet(what: str) -> None:
     """Refuse what needs Parquet where it cannot be written."""
     if find_spec("pyarrow") is None:
-        raise InputError(
-            f"{what} needs the package pyarrow, which is not installed; install drivegate[parquet]"
-        )
+        raise InputError(f"{what} needs the package pyarrow, which is not installed; pip install pyarrow")
 
 
 def table_bytes(

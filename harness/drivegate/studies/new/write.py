@@ -11,6 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
+from drivegate.studies.new.wheel import wheel_bytes, wheel_name
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -20,12 +21,19 @@ if TYPE_CHECKING:
 WAIVED: Final = timedelta(days=90)
 """Time for which the exercise's failures are waived."""
 
+WHEELS: Final = "vendor"
+"""Folder of a new candidate that holds the drivegate it was written by, for its pipeline to install."""
+
 _TEMPLATES: Final = "templates/new"
 _COMMON: Final = "every"
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 # Templates lie under names that mean nothing to the tools of this repository.
 _PLACES: Final = MappingProxyType(
-    {"workflow.yml": ".github/workflows/drivegate.yml", "gitignore": ".gitignore"}
+    {
+        "workflow.yml": ".github/workflows/drivegate.yml",
+        "action.yml": ".github/actions/drivegate/action.yml",
+        "gitignore": ".gitignore",
+    }
 )
 
 
@@ -69,12 +77,16 @@ def write_candidate(kind: str, name: str, folder: Path, today: date) -> tuple[Pa
         "@name@": name,
         "@expires@": (today + WAIVED).isoformat(),
         "@source@": KINDS[kind].source,
+        "@wheel@": f"{WHEELS}/{wheel_name()}",
     }
     root = files("drivegate").joinpath(_TEMPLATES)
     texts: dict[str, str] = {}
     for part in (_COMMON, kind):
         texts |= _texts(root.joinpath(part), "")
-    contents = {_PLACES.get(place, place): _filled(place, text, kind, words) for place, text in texts.items()}
+    contents = {
+        _PLACES.get(place, place): _filled(place, text, kind, words).encode() for place, text in texts.items()
+    }
+    contents[words["@wheel@"]] = wheel_bytes()
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder.parent) as beside:
@@ -82,7 +94,7 @@ def write_candidate(kind: str, name: str, folder: Path, today: date) -> tuple[Pa
             for place, content in contents.items():
                 target = made / place
                 target.parent.mkdir(parents=True, exist_ok=True)
-                target.write_text(content, encoding="utf-8")
+                target.write_bytes(content)
             made.rename(folder)
     except OSError as error:
         raise InputError(
@@ -113,7 +125,7 @@ def _texts(folder: Traversable, prefix: str) -> dict[str, str]:
 
 def _filled(place: str, text: str, kind: str, words: dict[str, str]) -> str:
     command = KINDS[kind].build
-    line = f"      - run: {command}\n" if place == "workflow.yml" else f"{command}\n"
+    line = f"          build: {command}\n" if place == "workflow.yml" else f"{command}\n"
     text = text.replace("@build@", line if command else "")
     for word, value in words.items():
         text = text.replace(word, value)

@@ -93,8 +93,16 @@ def decide_guarded(state: Any) -> None:
         return
     power = state.last_power
     if work == BEGINNING:
+        state.drifting = 0
         move(state, power, change)
         return
+    # What gets worse step after step, whichever way they go, may be the load that does.
+    if change <= 0.0:
+        state.drifting = 0
+    else:
+        if state.drifting == 0:
+            state.drift_start = power - change
+        state.drifting += 1
     # Less than noise makes of the sum is no slope.
     if abs(change) <= max(state.power_tolerance * power, noise_of_power(state)):
         state.quiet += 1

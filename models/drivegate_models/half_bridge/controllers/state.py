@@ -68,6 +68,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("starved_mark", np.float64),
         ("climb", np.float64),
         ("regained", np.float64),
+        ("drifting", np.int64),
+        ("drift_start", np.float64),
     ],
     align=True,
 )

@@ -45,6 +45,9 @@ _ANSWER = 2.0
 _CREEP = 1.15
 _CREEP_LEAST = 0.15
 _RESTLESS = 0.003
+# A load that comes on slowly moves current and integral together, for so many intervals and by such a share.
+_DRIFT_INTERVALS = 3
+_DRIFTED = 0.02
 # The same creep before any good angle is known: an integral that grows for no more current.
 _WINDING = 0.005
 _IDLE = 0.002
@@ -198,28 +201,40 @@ def is_another_load(power: float, known: float) -> bool:
 
 
 @unfused
-def has_drifted(state: Any, power: float) -> bool:
-    """Return whether the load has changed since the last good angle, next to which the search rests.
+def follow_load(state: Any, power: float, change: float, growth: float) -> bool:
+    """Return whether a load that came on, or went, slowly while the search was at rest has come to its end.
 
     Parameters
     ----------
     state : record of CONTROLLER_STATE
-        The state.
-    power : float
-        Mean current sum of the decision interval (A).
+        Updated.
+    power, change : float
+        Mean current sum of the decision interval, and its change from the one before (A).
+    growth : float
+        Change of the regulator's integral in the interval (A).
 
     Returns
     -------
     bool
-        False as long as no good angle is known, and away from it.
+        Current and integral of the regulator went the same way in interval after interval, and go no further.
     """
-    near = abs(state.offset - state.good_offset) <= state.first_step and state.good_power < inf
-    drifted: bool = near and is_another_load(power, state.good_power)
-    return drifted
+    restless = abs(change) > _RESTLESS * power + noise_of_power(state)
+    along = change * growth > 0.0 and abs(growth) > _RESTLESS * state.integral
+    if restless and along and (state.drifting == 0 or change * (power - state.drift_start) > 0.0):
+        if state.drifting == 0:
+            state.drift_start = power - change
+        state.drifting += 1
+        return False
+    if restless:
+        return False
+    far = abs(power - state.drift_start) > _DRIFTED * power + 0.1
+    ended: bool = state.drifting >= _DRIFT_INTERVALS and far
+    state.drifting = 0
+    return ended
 
 
 @unfused
-def decide_holding(state: Any, power: float, change: float) -> None:
+def decide_holding(state: Any, power: float, change: float, growth: float) -> None:
     """Watch what was found: search anew after a change of load, and keep off an edge that is too near.
 
     Parameters
@@ -228,10 +243,16 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         Updated.
     power, change : float
         Mean current sum of the decision interval, and its change from the one before (A).
+    growth : float
+        Change of the regulator's integral in the interval (A).
     """
     uneasy = is_uneasy(state)
     changed = is_another_load(power, state.held_power)
-    if is_creeping(state, power):
+    followed = follow_load(state, power, change, growth)
+    if followed:
+        # What was found belongs to a load that went on changing meanwhile.
+        rearm(state)
+    elif is_creeping(state, power):
         state.integral = state.good_integral
         walk_back(state, state.first_step if uneasy else SMALLEST_STEP, True)
     elif state.quiet == 0:
@@ -240,9 +261,6 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         if not changed:
             state.held_power = power
     elif changed:
-        rearm(state)
-    elif abs(change) > _RESTLESS * power + noise_of_power(state) and has_drifted(state, power):
-        # It came on so slowly that no interval differed from the one before by enough.
         rearm(state)
     elif uneasy or abs(change) > _RESTLESS * power + noise_of_power(state):
         # The optimum may lie on the edge itself: a little above it costs less than a new search.
@@ -271,7 +289,8 @@ def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
     """
     power = state.power_sum / state.count
     state.calm_error = min(state.calm_error, state.worst_error)
-    winding = state.integral - state.last_integral > _WINDING * state.current_limit
+    growth = state.integral - state.last_integral
+    winding = growth > _WINDING * state.current_limit
     winding = winding and abs(power - state.last_power) < _IDLE * power
     state.winding = state.winding + 1 if winding else 0
     state.last_integral = state.integral
@@ -280,7 +299,7 @@ def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
     change = power - state.old_power
     state.old_power = power
     if state.mode == HOLDING:
-        decide_holding(state, power, change)
+        decide_holding(state, power, change, growth)
         return WAITING, change
     if state.winding >= _WOUND and is_uneasy(state):
         # The reference is beyond what the angle lets flow; without a good angle known, the current counts.

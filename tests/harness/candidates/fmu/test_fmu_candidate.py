@@ -679,7 +679,7 @@ def test_a_file_that_is_missing_or_not_opened_is_no_matter_of_the_parent(tmp_pat
 
 def test_without_fmpy_one_sentence_says_what_to_install(workshop, monkeypatch):
     monkeypatch.setitem(sys.modules, "fmpy", None)
-    assert refusal_of(workshop(2)).endswith("is an FMU, which needs fmpy; pip install 'drivegate[fmu]'")
+    assert refusal_of(workshop(2)).endswith("is an FMU, which needs the package fmpy; pip install fmpy")
 
 
 def test_a_changed_file_is_unpacked_anew(workshop, tmp_path):

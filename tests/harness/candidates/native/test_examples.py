@@ -46,6 +46,7 @@ def controllers(tmp_path_factory):
     return {language: load_controller(resolve_candidate(name)) for language, name in named.items()}
 
 
+@pytest.mark.needs("rustc")
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_every_language_gives_the_same_trace(controllers, name):
     runs = {
@@ -60,6 +61,7 @@ def test_every_language_gives_the_same_trace(controllers, name):
         assert run.digest == expected.digest, f"{language} gives other commands than Python"
 
 
+@pytest.mark.needs("rustc")
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_the_example_meets_every_required_check_on_the_fixed_scenarios(controllers, name):
     scenario = SCENARIOS[name]

@@ -1,0 +1,23 @@
+# drivegate with a C compiler and the compiled plant, for CI jobs and for candidates that nobody should trust.
+FROM python:3.12-slim
+
+# Candidates in C are compiled where they are checked.
+RUN apt-get update \
+    && apt-get install --yes --no-install-recommends gcc libc6-dev \
+    && rm -rf /var/lib/apt/lists/*
+
+COPY pyproject.toml README.md LICENSE /source/
+COPY models /source/models
+COPY reference_cases /source/reference_cases
+COPY harness /source/harness
+COPY reports /source/reports
+RUN python -m pip install --no-cache-dir /source pytest && rm -rf /source
+
+# Compiled once, here. On a processor of another kind it is compiled anew, so that the folder stays open to all.
+ENV DRIVEGATE_CACHE=/var/cache/drivegate HOME=/tmp
+RUN python -c "from drivegate.gate.warm_up import compile_kernels, missing_marker; compile_kernels(missing_marker())" \
+    && chmod -R a+rwX /var/cache/drivegate
+
+USER 65534:65534
+WORKDIR /work
+CMD ["drivegate", "--help"]

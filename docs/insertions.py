@@ -1,0 +1,242 @@
+"""Put what drivegate knows of its checks and scenarios into the documentation: ``python docs/insertions.py``.
+
+Between ``<!-- inserted: NAME ARGUMENT -->`` and ``<!-- end -->`` a page has what the function of that name makes, as
+plain Markdown, which reads the same on a git host and in the built pages. A test holds the pages against it.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
+from drivegate.candidates.builtin.near import NEAR_DESIGNS
+from drivegate.checks.coverage import JUDGED, NOT_VARIED, SENSED, Varied, drawn_by_family, varied_keys
+from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
+from drivegate.drives.kinds import DEFAULT_MOTOR
+from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
+from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
+from drivegate.scenarios.fixed import fixed_scenarios
+from drivegate_cases.motor.motor import load_motor
+
+DOCS: Final = Path(__file__).parent
+PLACE: Final = re.compile(r"<!-- inserted: ([\w-]+)(?: (\S+))? -->\n.*?<!-- end -->", re.DOTALL)
+LANGUAGES: Final = {".py": "python", ".sh": "sh", ".c": "c", ".h": "c", ".rs": "rust", ".toml": "toml"}
+LEVELS: Final = {
+    "required": "required: a failure fails the candidate",
+    "advisory": "advisory: a failure is reported and fails nobody",
+}
+SUBJECTS: Final = {
+    "candidate": "the candidate",
+    "plant": "drivegate itself: a failure is a harness fault, with exit code 3",
+}
+
+
+def check_table(_: str) -> str:
+    """Every check, each with a link to its page."""
+    rows = (
+        (
+            f"[`{row['id']}`](checks/{row['id']}.md)",
+            *map(_plain, (row["requirement"], row["limit"], row["level"], row["source"])),
+        )
+        for row in traced_checks()
+    )
+    return _table(("check", "requirement", "limit", "level", "source"), rows)
+
+
+def check(name: str) -> str:
+    """One check: requirement, limit, margin, source and what exercises it."""
+    row = next(row for row in traced_checks() if row["id"] == name)
+    sources = "; ".join(f"{fact['id']}, {fact['title']} ({fact['where']})" for fact in row["facts"])
+    told = {
+        "Requirement": row["requirement"],
+        "Why": row["why"],
+        "Level": LEVELS[row["level"]],
+        "Subject": SUBJECTS[row["subject"]],
+        "Limit": row["limit"],
+        "Margin": row["formula"],
+        "Source": sources or row["source"],
+        "Judged on": row["scenarios"],
+        "Exercised by": ", ".join(row["families"]),
+    }
+    return _table((name, "is"), ((f"**{head}**", _plain(text)) for head, text in told.items()))
+
+
+def known_faults(name: str) -> str:
+    """The faulty controllers that the self-test has for one check."""
+    return "\n".join(
+        f"- `faulty:{fault.name}`: {_plain(fault.sentence)}{_shown_by(fault.shown_by)}"
+        for fault in MUTATIONS.values()
+        if fault.check == name
+    )
+
+
+def fault_kinds(_: str) -> str:
+    """All faulty controllers, by kind of fault."""
+    rows = []
+    for kind in dict.fromkeys(fault.kind for fault in MUTATIONS.values()):
+        names = [fault.name for fault in MUTATIONS.values() if fault.kind == kind]
+        rows.append((_plain(kind), str(len(names)), ", ".join(names)))
+    return _table(("kind of fault", "faults", "their names"), rows)
+
+
+def near_designs(_: str) -> str:
+    """The correct controllers that are near a limit by design."""
+    rows = ((f"`near:{design.name}`", _plain(design.sentence)) for design in NEAR_DESIGNS.values())
+    return _table(("design", "what it does"), rows)
+
+
+def fixed_table(_: str) -> str:
+    """The scenarios that are always run."""
+    fixed = fixed_scenarios(load_motor(DEFAULT_MOTOR))
+    return _table(("scenario", "what it is"), ((f"`{run.name}`", _plain(run.description)) for run in fixed))
+
+
+def drawn_table(_: str) -> str:
+    """The families that are drawn, from the docstrings of the functions that draw them."""
+    rows = (_family(family) for group in FAMILY_GROUPS for family in group)
+    return _table(("family", "drawn", f"exercises, beside {', '.join(EVERY_RUN)}"), rows)
+
+
+def fact_table(_: str) -> str:
+    """Every fact of the paper with what covers it."""
+    rows = []
+    for fact in traced_facts():
+        by = fact["covered_by"]
+        tests = "; ".join(name.partition("::")[2].removeprefix("test_") for name in by["properties"])
+        cells = (fact["id"], fact["title"], ", ".join(by["checks"]), tests, ", ".join(by["figures"]))
+        rows.append(tuple(_plain(text.replace("_", " ")) for text in cells))
+    return _table(("fact", "stated", "checks", "tests", "figures"), rows)
+
+
+def coverage_table(_: str) -> str:
+    """What the runs vary, measured on drawn scenarios."""
+    rows = []
+    for row in varied_keys(drawn_by_family(load_motor(DEFAULT_MOTOR))):
+        where = ", ".join(row.families) if row.key not in NOT_VARIED else f"none: {NOT_VARIED[row.key]}"
+        rows.append((f"`{row.key}`", _plain(_range(row)), _plain(where)))
+    return _table(("key or field", "range", "varied by"), rows)
+
+
+def signal_table(_: str) -> str:
+    """The fields of `Sense` and `Command`, and what reaches or judges them."""
+    rows = (
+        (f"`{kind}.{field}`", _plain(", ".join(given)))
+        for kind, fields in (("Sense", SENSED), ("Command", JUDGED))
+        for field, given in fields.items()
+    )
+    return _table(("field", "reached by the keys, or judged by the checks"), rows)
+
+
+def joint_table(_: str) -> str:
+    """The factors that are varied jointly, and the pairs that are impossible."""
+    factors = (
+        (factor, _plain(", ".join(levels)), str(sum(row[factor] != levels[0] for row in covering_rows())))
+        for factor, levels in FACTORS.items()
+    )
+    pairs = (
+        (_plain(" with ".join(f"{factor} {level}" for factor, level in sorted(pair))), _plain(reason))
+        for pair, reason in IMPOSSIBLE.items()
+    )
+    heads = ("factor", "levels, the plain one first", f"rows of {len(covering_rows())} that change it")
+    return f"{_table(heads, factors)}\n\n{_table(('impossible pair', 'reason'), pairs)}"
+
+
+def _range(row: Varied) -> str:
+    """Write the range of numbers, or all words."""
+    if row.key in ("name", "description", "schema") or not row.values:
+        return "–"
+    if isinstance(row.values[0], str):
+        return ", ".join(map(str, row.values))
+    lowest, highest = (f"{value:.6g}" for value in row.values)
+    return lowest if lowest == highest else f"{lowest} to {highest}"
+
+
+def source(path: str) -> str:
+    """A file of the repository, in full."""
+    text = (DOCS.parent / path).read_text(encoding="utf-8").rstrip("\n")
+    return f"```{LANGUAGES[Path(path).suffix]}\n{text}\n```"
+
+
+def opening_comment(path: str) -> str:
+    """What a header says before its first directive, which is an example."""
+    text = (DOCS.parent / path).read_text(encoding="utf-8")
+    return f"```c\n{text.partition('#ifndef')[0].rstrip()}\n```"
+
+
+INSERTED: Final = MappingProxyType(
+    {
+        "check-table": check_table,
+        "check": check,
+        "known-faults": known_faults,
+        "fault-kinds": fault_kinds,
+        "near-designs": near_designs,
+        "fixed-scenarios": fixed_table,
+        "drawn-scenarios": drawn_table,
+        "fact-table": fact_table,
+        "coverage-table": coverage_table,
+        "signal-table": signal_table,
+        "joint-table": joint_table,
+        "source": source,
+        "opening-comment": opening_comment,
+    }
+)
+
+
+def renewed(text: str, made: MappingProxyType[str, Callable[[str], str]] = INSERTED) -> str:
+    """Give a page with everything inserted anew.
+
+    Parameters
+    ----------
+    text : str
+        The page.
+    made : mapping
+        What makes each insertion.
+
+    Returns
+    -------
+    str
+        The page, the same where nothing has changed.
+    """
+
+    def inserted(place: re.Match[str]) -> str:
+        opening = place[0].partition("\n")[0]
+        return f"{opening}\n\n{made[place[1]](place[2] or '')}\n\n<!-- end -->"
+
+    return PLACE.sub(inserted, text)
+
+
+def _shown_by(what: str) -> str:
+    return f" It takes {_plain(what)} to show it." if what else ""
+
+
+def _family(family: Family) -> tuple[str, str, str]:
+    """Take a family's words from the docstring of its function."""
+    text = inspect.getdoc(family) or ""
+    summary = text.partition("\n")[0].removeprefix("Draw ").rstrip(".")
+    returned = re.search(r"Of scenarios ?(.*?)\.?(\n\n|\Z)", text, re.DOTALL)
+    detail = "" if returned is None else " ".join(returned[1].split())
+    name = family_name(family.__name__)
+    return name, _plain(f"{summary}: {detail}" if detail else summary), ", ".join(DRAWN[name])
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+
+
+def _plain(text: str) -> str:
+    """Let Markdown show a text as it is, inside a table."""
+    return re.sub(r"([|*_<>\[\]$])", r"\\\1", " ".join(text.split()))
+
+
+if __name__ == "__main__":
+    for page in sorted(DOCS.rglob("*.md")):
+        before = page.read_text(encoding="utf-8")
+        after = renewed(before)
+        if after != before:
+            page.write_text(after, encoding="utf-8")

@@ -1,0 +1,61 @@
+"""Annotations for GitHub: what is an error there, and what a text may not do to the commands."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from drivegate.output.annotations import workflow_commands
+
+
+def result(
+    *checks: dict[str, Any], faults: tuple[dict[str, Any], ...] = (), fail_on: str = "required"
+) -> Any:
+    return {
+        "candidate": {"name": "mine"},
+        "checks": checks,
+        "faults": faults,
+        "baseline": None,
+        "fail_on": fail_on,
+    }
+
+
+def check(verdict: str, level: str = "required", message: str = "as measured") -> dict[str, Any]:
+    return {"id": "CNV-1", "verdict": verdict, "level": level, "message": message}
+
+
+@pytest.mark.parametrize(
+    ("verdict", "level", "fail_on", "shown"),
+    [
+        ("pass", "required", "required", None),
+        ("not applicable", "required", "required", None),
+        ("fail", "required", "required", "error"),
+        ("inconclusive", "required", "required", "error"),
+        ("waiver expired", "required", "required", "error"),
+        ("waived", "required", "required", "notice"),
+        ("fail", "advisory", "required", "warning"),
+        ("fail", "advisory", "advisory", "error"),
+    ],
+)
+def test_what_fails_the_job_is_an_error(verdict: str, level: str, fail_on: str, shown: str | None) -> None:
+    expected = [] if shown is None else [f"::{shown} title=mine CNV-1 {verdict}::as measured"]
+    assert workflow_commands(result(check(verdict, level), fail_on=fail_on)) == expected
+
+
+def test_no_text_ends_its_command_or_begins_another() -> None:
+    lines = workflow_commands(result(check("fail", message="50 % off\n::warning::x, y: z")))
+    assert len(lines) == 1
+    assert lines[0].count("\n") == 0
+    assert lines[0].startswith("::error title=mine CNV-1 fail::50 %25 off")
+
+
+def test_a_fault_is_an_error() -> None:
+    fault = {
+        "kind": "exception",
+        "message": "ValueError: x",
+        "phase": "step",
+        "traceback": "",
+        "scenario": None,
+    }
+    assert workflow_commands(result(faults=(fault,)))[0].startswith("::error title=mine exception")

@@ -1,0 +1,92 @@
+"""Tests that need a program which no Python package brings are left out where it is missing, and that is said."""
+
+from __future__ import annotations
+
+import shutil
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+TOLD = {
+    "browser": f"a browser ({', '.join(BROWSERS)}, or the one that `playwright install --with-deps chromium` brings)",
+    "rustc": "the Rust compiler (rustc)",
+}
+
+
+@cache
+def found(program: str) -> str | None:
+    """Find a program; the first browser that there is."""
+    if program != "browser":
+        return shutil.which(program)
+    installed = next(filter(None, map(shutil.which, BROWSERS)), None)
+    return installed or _browser_of_playwright()
+
+
+def _browser_of_playwright() -> str | None:
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        path = playwright.chromium.executable_path
+    return path if Path(path).is_file() else None
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let a missing program be a failure."""
+    parser.addoption(
+        "--require-programs",
+        action="store_true",
+        help="run only the tests that need a program, present or not",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Tell what the marker is for."""
+    config.addinivalue_line(
+        "markers", f"needs(program): needs what no Python package brings: {', '.join(TOLD)}"
+    )
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what cannot run here, or whatever needs no program."""
+    chosen = []
+    for item in items:
+        programs = [mark.args[0] for mark in item.iter_markers("needs")]
+        if config.getoption("--require-programs"):
+            if programs:
+                chosen.append(item)
+        elif all(map(found, programs)):
+            chosen.append(item)
+    if len(chosen) < len(items):
+        config.hook.pytest_deselected(items=[item for item in items if item not in chosen])
+        items[:] = chosen
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Fail in one sentence what has been requested and cannot run."""
+    for mark in item.iter_markers("needs"):
+        if found(mark.args[0]) is None:
+            pytest.fail(f"this test needs {TOLD[mark.args[0]]}", pytrace=False)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Say what was left out, and how to run it."""
+    missing = [told for program, told in TOLD.items() if found(program) is None]
+    if missing and not config.getoption("--require-programs"):
+        for told in missing:
+            terminalreporter.write_line(
+                f"left out: every test that needs {told}, which is not here", yellow=True
+            )
+        terminalreporter.write_line(
+            "with it installed, `tox -e programs` runs these tests alone", yellow=True
+        )
+
+
+@pytest.fixture(scope="session")
+def browser_path() -> str:
+    """Path of a browser."""
+    path = found("browser")
+    assert path is not None
+    return path

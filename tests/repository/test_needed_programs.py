@@ -1,0 +1,73 @@
+"""What a machine without a browser or the Rust compiler is told by the two commands that run the tests."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SUITE = """import pytest
+
+def test_plain(): pass
+
+@pytest.mark.needs("rustc")
+def test_compiled(): pass
+
+@pytest.mark.needs("browser")
+def test_shown(browser_path): assert browser_path
+"""
+
+
+@pytest.fixture
+def suite(tmp_path: Path) -> Path:
+    (tmp_path / "test_suite.py").write_text(SUITE, encoding="utf-8")
+    (tmp_path / "pytest.ini").write_text("[pytest]\naddopts = -p tests.needed_programs\n", encoding="utf-8")
+    return tmp_path
+
+
+def told(suite: Path, *words: str, path: Path) -> tuple[int, str]:
+    ended = subprocess.run(
+        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", *words],
+        cwd=suite,
+        env=os.environ
+        | {"PATH": str(path), "PYTHONPATH": str(ROOT), "PLAYWRIGHT_BROWSERS_PATH": str(suite / "none")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return ended.returncode, ended.stdout
+
+
+def test_what_cannot_run_is_left_out_and_told(suite: Path) -> None:
+    code, shown = told(suite, path=suite)
+    assert code == 0, shown
+    assert "1 passed, 2 deselected" in shown
+    assert [line.split(" (")[0] for line in shown.splitlines() if line.startswith("left out")] == [
+        "left out: every test that needs a browser",
+        "left out: every test that needs the Rust compiler",
+    ]
+    assert "`tox -e programs`" in shown
+
+
+def test_nothing_is_left_out_where_everything_is_there(suite: Path, tmp_path: Path) -> None:
+    programs = tmp_path / "programs"
+    programs.mkdir()
+    for name in ("rustc", "chromium"):
+        (programs / name).write_text("#!/bin/sh\n", encoding="utf-8")
+        (programs / name).chmod(0o755)
+    code, shown = told(suite, path=programs)
+    assert (code, "3 passed in" in shown, "left out" in shown) == (0, True, False), shown
+    code, shown = told(suite, "--require-programs", path=programs)
+    assert (code, "2 passed, 1 deselected" in shown) == (0, True), shown
+
+
+def test_what_is_requested_by_name_fails_in_one_sentence(suite: Path) -> None:
+    code, shown = told(suite, "--require-programs", path=suite)
+    assert code == 1
+    assert "this test needs a browser (" in shown
+    assert "this test needs the Rust compiler (rustc)" in shown
+    assert "Traceback" not in shown
