@@ -250,8 +250,9 @@ def decide_holding(state: Any, power: float, change: float, growth: float) -> No
     changed = is_another_load(power, state.held_power)
     followed = follow_load(state, power, change, growth)
     if followed:
-        # What was found belongs to a load that went on changing meanwhile.
+        # What was found belongs to a load that went on changing meanwhile; time was lost, so the steps begin wide.
         rearm(state)
+        state.step = 2.0 * state.first_step
     elif is_creeping(state, power):
         state.integral = state.good_integral
         walk_back(state, state.first_step if uneasy else SMALLEST_STEP, True)
