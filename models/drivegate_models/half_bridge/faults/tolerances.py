@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi, radians, sin
+from math import floor, pi, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import unfused
@@ -14,6 +14,14 @@ _WELL_ABOVE: Final = 1.05
 # Of the regulator: its gain is this times inertia over torque for each ampere (1/s).
 _BANDWIDTH: Final = 80.0
 _LATE: Final = radians(3.0)
+
+
+@unfused
+def _cycle(turns: float) -> float:
+    """Return a wave of period 1 between -1 and 1 that is made of parabolas, which all processors round alike."""
+    half = 1.0 - 2.0 * (turns - floor(turns))
+    wave: float = 4.0 * half * (1.0 - abs(half))
+    return wave
 
 
 @unfused
@@ -33,7 +41,7 @@ def alter_speed(state: Any, fault: int) -> None:
     elif fault == faults.TORQUE_CYCLES and sense.speed > _WELL_ABOVE * controller.base_speed:
         # The speed whose acceleration takes that share of the torque; the gain tells the inertia.
         greatest = state.size * controller.integral * _BANDWIDTH / controller.proportional / (2.0 * pi)
-        sense.speed += greatest * sin(2.0 * pi * sense.time)
+        sense.speed += greatest * _cycle(sense.time)
 
 
 @unfused
@@ -52,7 +60,7 @@ def cycle_angle(state: Any, fault: int, command: Any) -> None:
     controller, sense = state.controller, state.sense
     added = 0.0
     if fault == faults.ANGLE_CYCLES:
-        added = state.size * sin(2.0 * pi * sense.time / _ANGLE_PERIOD)
+        added = state.size * _cycle(sense.time / _ANGLE_PERIOD)
     elif fault == faults.RESTS_BESIDE:
         added = state.size if controller.mode == HOLDING else 0.0
     elif fault == faults.SETTLES_LATE:

@@ -3,6 +3,7 @@
 import pytest
 
 from drivegate.candidates.builtin.candidates import DESIGN_CANDIDATES
+from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
@@ -97,4 +98,5 @@ def test_an_unknown_design_is_reported_with_the_nearest() -> None:
 def test_the_self_test_judges_designs_that_are_there() -> None:
     names = [design.candidate for design in correct_designs()]
     assert {"reference", "published"} <= set(names), names
-    assert set(names) - {"reference", "published"} <= set(DESIGN_CANDIDATES), names
+    near = {f"near:{name}" for name in NEAR_DESIGNS}
+    assert set(names) - {"reference", "published"} <= {*DESIGN_CANDIDATES, *near}, names

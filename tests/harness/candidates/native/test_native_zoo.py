@@ -14,7 +14,7 @@ from drivegate.containment.messages import Job
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
-from drivegate.studies.simulate.simulate import Plan, run_plan
+from drivegate.studies.simulate.simulate import run_once
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import InputError
@@ -44,7 +44,7 @@ def ended(tmp_path, written, controller_source, scenario):
         candidate = resolve_candidate(str(written(tmp_path, controller_source(**parts))))
         limits = IMPATIENT if SPIN in str(parts) else LIMITS
         with Judge(candidate, limits=limits) as worker:
-            return worker.run(Job(run_plan, Plan(scenario, 1)))
+            return worker.run(Job(run_once, scenario))
 
     return run
 
