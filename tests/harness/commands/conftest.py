@@ -52,7 +52,8 @@ def refused(command, tmp_path):
         text, data = command(*words), command(*words, "--json")
         assert text.code == data.code == 2, f"bad input must end with exit code 2: {text.err}"
         assert text.out == "", "a refusal belongs on standard error"
-        lines = text.err.strip().splitlines()
+        # A slow machine says meanwhile that it is at work.
+        lines = [line for line in text.err.strip().splitlines() if not line.endswith("s so far")]
         assert len(lines) == 1, f"a refusal must be one sentence: {text.err}"
         assert lines[0].startswith("error: ")
         assert "Traceback" not in text.err
