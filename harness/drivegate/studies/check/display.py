@@ -30,7 +30,7 @@ def show_checked(console: Console, checked: Checked) -> None:
         _show_fault(console, fault, count)
     _show_causes(console, document)
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
-    counted = ("required", "advisory") if document["fail_on"] == "advisory" else ("required",)
+    counted = ("required", "advisory") if document.get("fail_on") == "advisory" else ("required",)
     for check in by_urgency(document["checks"]):
         verdict = verdict_text(check["verdict"], counts=check["level"] in counted)
         margin = printed_margin(document, check)
