@@ -76,6 +76,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.integral = 0.0
     state.advancing = 0
     state.held_power = 0.0
+    state.rest_power = 0.0
     state.speed_reference = -inf
     state.supply_voltage = nameplate.half_supply_voltage
     state.speed_mark = 0.0

@@ -13,18 +13,23 @@ from drivegate_models.half_bridge.controllers.protection import (
     MARGIN,
     SMALLEST_STEP,
     forget_other_load,
+    rearm,
     take_step,
 )
 from drivegate_models.half_bridge.controllers.watch import (
     BEGINNING,
+    JOLT,
     LOAD_CHANGED,
     WAITING,
     begin_holding,
+    is_uneasy,
     noise_of_power,
     watch_search,
 )
 
 _IMPROVEMENTS = 3
+_WORSE = 3
+_GROWN = 1.02
 
 
 @unfused
@@ -88,21 +93,24 @@ def decide_guarded(state: Any) -> None:
     state : record of CONTROLLER_STATE
         Updated; its decision interval is complete.
     """
-    work, change = watch_search(state, LOAD_CHANGED, LOAD_CHANGED)
+    work, change = watch_search(state, LOAD_CHANGED, LOAD_CHANGED, JOLT)
     if work == WAITING:
         return
     power = state.last_power
     if work == BEGINNING:
-        state.drifting = 0
+        state.worse_from = power
+        state.worse = 0
         move(state, power, change)
         return
-    # What gets worse step after step, whichever way they go, may be the load that does.
     if change <= 0.0:
-        state.drifting = 0
+        state.worse_from = power
+        state.worse = 0
     else:
-        if state.drifting == 0:
-            state.drift_start = power - change
-        state.drifting += 1
+        state.worse += 1
+    if state.worse >= _WORSE and power > _GROWN * state.worse_from and not is_uneasy(state):
+        # Whichever way the steps go, it gets worse, and no torque is being lost: it is the load that grows.
+        rearm(state)
+        return
     # Less than noise makes of the sum is no slope.
     if abs(change) <= max(state.power_tolerance * power, noise_of_power(state)):
         state.quiet += 1

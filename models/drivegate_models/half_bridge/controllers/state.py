@@ -50,6 +50,7 @@ CONTROLLER_STATE: Final = np.dtype(
         ("quiet", np.int64),
         ("forbidden", np.float64),
         ("held_power", np.float64),
+        ("rest_power", np.float64),
         ("speed_reference", np.float64),
         ("supply_voltage", np.float64),
         ("saturated_run", np.int64),
@@ -68,8 +69,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("starved_mark", np.float64),
         ("climb", np.float64),
         ("regained", np.float64),
-        ("drifting", np.int64),
-        ("drift_start", np.float64),
+        ("worse", np.int64),
+        ("worse_from", np.float64),
     ],
     align=True,
 )

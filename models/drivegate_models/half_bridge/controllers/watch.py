@@ -31,11 +31,15 @@ CONTINUING: Final = 2
 
 LOAD_CHANGED: Final = 0.12
 """Share of the current sum beyond which a search by steps of a degree takes a difference for another load."""
+JOLT: Final = 0.3
+"""Share of k1 beyond which a search by steps of a degree takes a loss of speed for another load: 1.5 rpm."""
 
 _SETTLED = 0.01
 _CHANGED = 0.03
-# Of k1, that is 1.5 rpm, where a step of the search's own is taken back.
-_JOLT = 0.3
+# Of what the current sum was where the search came to rest: steps off the edge explain less.
+_MOVED_ON = 0.015
+# More than the way back to the initial angle explains.
+_HEAVIER_LOAD = 1.6
 _SMALLEST_POWER = 1.0
 # Of k1, that is 0.5 rpm, and over the calmest error: the steps of an encoder alone are no sign of the edge.
 _UNEASY = 0.1
@@ -45,9 +49,6 @@ _ANSWER = 2.0
 _CREEP = 1.15
 _CREEP_LEAST = 0.15
 _RESTLESS = 0.003
-# A load that comes on slowly moves current and integral together, for so many intervals and by such a share.
-_DRIFT_INTERVALS = 3
-_DRIFTED = 0.02
 # The same creep before any good angle is known: an integral that grows for no more current.
 _WINDING = 0.005
 _IDLE = 0.002
@@ -67,6 +68,7 @@ def begin_holding(state: Any, power: float) -> None:
     """
     state.mode = HOLDING
     state.held_power = power
+    state.rest_power = power
     # Without a step before it, the angle held is the only good one known.
     if state.good_power == inf:
         state.good_offset = state.offset
@@ -196,45 +198,12 @@ def is_another_load(power: float, known: float) -> bool:
     bool
         Whether they differ by more than a steady load's do.
     """
-    changed: bool = abs(power - known) > _CHANGED * power + 0.2
+    changed: bool = abs(power - known) > _CHANGED * power + 0.3
     return changed
 
 
 @unfused
-def follow_load(state: Any, power: float, change: float, growth: float) -> bool:
-    """Return whether a load that came on, or went, slowly while the search was at rest has come to its end.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    power, change : float
-        Mean current sum of the decision interval, and its change from the one before (A).
-    growth : float
-        Change of the regulator's integral in the interval (A).
-
-    Returns
-    -------
-    bool
-        Current and integral of the regulator went the same way in interval after interval, and go no further.
-    """
-    restless = abs(change) > _RESTLESS * power + noise_of_power(state)
-    along = change * growth > 0.0 and abs(growth) > _RESTLESS * state.integral
-    if restless and along and (state.drifting == 0 or change * (power - state.drift_start) > 0.0):
-        if state.drifting == 0:
-            state.drift_start = power - change
-        state.drifting += 1
-        return False
-    if restless:
-        return False
-    far = abs(power - state.drift_start) > _DRIFTED * power + 0.1
-    ended: bool = state.drifting >= _DRIFT_INTERVALS and far
-    state.drifting = 0
-    return ended
-
-
-@unfused
-def decide_holding(state: Any, power: float, change: float, growth: float) -> None:
+def decide_holding(state: Any, power: float, change: float) -> None:
     """Watch what was found: search anew after a change of load, and keep off an edge that is too near.
 
     Parameters
@@ -243,17 +212,12 @@ def decide_holding(state: Any, power: float, change: float, growth: float) -> No
         Updated.
     power, change : float
         Mean current sum of the decision interval, and its change from the one before (A).
-    growth : float
-        Change of the regulator's integral in the interval (A).
     """
     uneasy = is_uneasy(state)
-    changed = is_another_load(power, state.held_power)
-    followed = follow_load(state, power, change, growth)
-    if followed:
-        # What was found belongs to a load that went on changing meanwhile; time was lost, so the steps begin wide.
-        rearm(state)
-        state.step = 2.0 * state.first_step
-    elif is_creeping(state, power):
+    # A load that comes or goes slowly moves `held_power` along, step off the edge by step.
+    moved_on = abs(power - state.rest_power) > _MOVED_ON * power + 0.4
+    changed = moved_on or is_another_load(power, state.held_power)
+    if is_creeping(state, power):
         state.integral = state.good_integral
         walk_back(state, state.first_step if uneasy else SMALLEST_STEP, True)
     elif state.quiet == 0:
@@ -271,7 +235,7 @@ def decide_holding(state: Any, power: float, change: float, growth: float) -> No
 
 
 @unfused
-def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
+def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int, float]:
     """Make the part of a decision that is the same for every search.
 
     Parameters
@@ -280,6 +244,8 @@ def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
         Updated; its decision interval is complete, its mean current sum becomes `last_power`.
     fall, rise : float
         Changes of the current sum that one step of this search explains, as shares; more is another load.
+    jolt : float
+        Speed that one step of this search costs at most, as a share of k1; more is another load.
 
     Returns
     -------
@@ -290,17 +256,19 @@ def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
     """
     power = state.power_sum / state.count
     state.calm_error = min(state.calm_error, state.worst_error)
-    growth = state.integral - state.last_integral
-    winding = growth > _WINDING * state.current_limit
+    winding = state.integral - state.last_integral > _WINDING * state.current_limit
     winding = winding and abs(power - state.last_power) < _IDLE * power
     state.winding = state.winding + 1 if winding else 0
     state.last_integral = state.integral
     state.last_power = power
+    if power > _HEAVIER_LOAD * state.forbidden_power:
+        # It was this load that lost the torque, not the one of the interval before.
+        state.forbidden_power = power
     regulated = state.worst_error <= state.speed_tolerance and state.saturated == 0
     change = power - state.old_power
     state.old_power = power
     if state.mode == HOLDING:
-        decide_holding(state, power, change, growth)
+        decide_holding(state, power, change)
         return WAITING, change
     if state.winding >= _WOUND and is_uneasy(state):
         # The reference is beyond what the angle lets flow; without a good angle known, the current counts.
@@ -325,8 +293,8 @@ def watch_search(state: Any, fall: float, rise: float) -> tuple[int, float]:
         rearm(state)
         return WAITING, change
     # A step of the search that costs speed is given back at once; any other jolt is the load's.
-    jolt = _JOLT * state.speed_tolerance + _CALM * state.calm_error
-    if state.mode == SEARCHING and state.worst_error > jolt:
+    explained = jolt * state.speed_tolerance + _CALM * state.calm_error
+    if state.mode == SEARCHING and state.worst_error > explained:
         rearm(state)
         return WAITING, change
     if state.mode == SETTLING:

@@ -250,7 +250,7 @@ def decide_design(state: Any) -> None:
     state.decisions += 1
     # A table takes no steps at the end of which the current sum still rises.
     rise = LOAD_CHANGED if state.tabled == 1 else _RISE
-    work, change = watch_search(controller, _FALL, rise)
+    work, change = watch_search(controller, _FALL, rise, inf)
     if work == WAITING:
         if controller.mode == HOLDING:
             keep_off_edge(state)
