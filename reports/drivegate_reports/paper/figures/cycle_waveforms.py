@@ -138,7 +138,7 @@ def draw(data: CycleWaveforms) -> Figure:
             )
         panel.set_xlim(-6.0, 366.0)
         panel.set_xticks(np.arange(0.0, 361.0, 36.0))
-        panel.set_xlabel("electrical angle since the window opened (deg)")
+        panel.set_xlabel("electrical angle since the window opened (el. deg)")
     return figure
 
 
