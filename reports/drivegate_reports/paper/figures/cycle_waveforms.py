@@ -146,9 +146,9 @@ def _draw_voltages(panel: Axes, data: CycleWaveforms) -> None:
     panel.plot(data.angle_deg, data.transformer_emf_v, color=GREEN, linewidth=1.2)
     panel.plot(data.angle_deg, data.voltage_v, color=BLUE)
     panel.plot(data.angle_deg, data.emf_v, color=VERMILION)
-    label(panel, 14.0, 104.0, "L di/dt: transformer EMF", GREEN, weight="bold")
+    label(panel, 24.0, 82.0, "L di/dt: transformer EMF", GREEN, weight="bold")
     label(panel, 222.0, 62.0, "v: terminal voltage", BLUE, weight="bold")
-    label(panel, 330.0, 30.0, "e: rotational\nEMF", VERMILION, weight="bold", ha="right", va="center")
+    label(panel, 318.0, 30.0, "e: rotational\nEMF", VERMILION, weight="bold", ha="right", va="center")
     panel.set_ylabel("voltage (V)")
 
 
