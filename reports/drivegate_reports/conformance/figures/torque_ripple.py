@@ -44,7 +44,7 @@ def caption(ripple: Ripple) -> str:
 
 def draw(ripple: Ripple) -> Figure:
     """Draw the torque, its mean, and the band that the limit leaves around it."""
-    figure, (panel,) = new_figure(2.7, 1, fitted=False)
+    figure, (panel,) = new_figure(2.0, 1, fitted=False)
     cycle = ripple.cycle
     half = 0.5 * ripple.limit * cycle.mean_nm
     border = cycle.mean_nm - half, cycle.mean_nm + half
