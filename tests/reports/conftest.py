@@ -17,6 +17,9 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
 from drivegate.gate.recording import thinned
 from drivegate.output.result_reports import report_formats, write_result
+from drivegate.studies.campaign.manifest import MANIFEST
+from drivegate.studies.campaign.row import JUDGED_CHECKS
+from drivegate.studies.campaign.summary import SUMMARY
 from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
 from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.engine import Compared
@@ -26,6 +29,7 @@ from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
+from drivegate_reports.campaign import report as campaign
 from drivegate_reports.comparison import report as comparison
 from drivegate_reports.conformance.report import page
 from drivegate_reports.paper.report import PAGE_FILE, reproduce
@@ -286,6 +290,71 @@ def made_up() -> Callable[..., Document]:
     return _made_up_comparison
 
 
+def _campaign_check(identifier: str, *, violated: bool, **changes: Any) -> Document:
+    margins = [-44.0, -1.5, -0.2, 0.1] if violated else [0.0, 0.25, 0.5, 1.0]
+    counted = 3 if violated else 0
+    return {
+        "id": identifier,
+        "level": "required",
+        "subject": "candidate",
+        "requirement": f"The requirement of {identifier}, with half to twice the resistance.",
+        "limit": "k1 = 5 rpm",
+        "violations": counted,
+        "runs": 4,
+        "probability": counted / 4,
+        "interval": [0.194, 0.994] if violated else [0.0, 0.602],
+        "advisory_runs": 0,
+        "margin_quantiles": [margins[0], margins[0], margins[0], margins[0], margins[1]],
+        "margins": margins,
+        "worst_run": 3,
+        "worst_margin": margins[0],
+        "counterexample": f"counterexamples/mine/{identifier}.json" if violated else None,
+        "worst_scenario": None if violated else "worst/run-000003.json",
+        "worst_case": "fig5-search",
+        "worst_parameters": {"load_share": 0.5, "resistance": 1.01013, "friction_added_n_m": 0.178147},
+        "worst_measured": "CNV-1: speed error 225.2 rpm at 1500 rpm" if violated else "",
+    } | changes
+
+
+def _campaign_candidate(name: str, *, fails: bool, **changes: Any) -> Document:
+    violated = {"violations": 3, "runs": 4, "probability": 0.75, "interval": [0.194, 0.994]}
+    met = {"violations": 0, "runs": 4, "probability": 0.0, "interval": [0.0, 0.602]}
+    return {
+        "name": name,
+        "kind": "python",
+        "hash": "0123abcd",
+        "verdicts": {"fail": 3, "pass": 1} if fails else {"pass": 4},
+        "set_aside": 0,
+        "not_passed": violated if fails else met,
+        "cases": {"fig5-search": violated if fails else met, "fig6-settled": met},
+        "checks": [_campaign_check(check, violated=fails and check == "ROB-1") for check in JUDGED_CHECKS],
+        "first_faults": [],
+    } | changes
+
+
+def _made_up_campaign() -> Document:
+    return {
+        "schema": 1,
+        "kind": "campaign summary",
+        "campaign": "spread of a batch",
+        "seed": 7,
+        "runs": 8,
+        "confidence": 0.95,
+        "quantiles": [0.0, 0.01, 0.05, 0.25, 0.5],
+        "candidates": [
+            _campaign_candidate("mine", fails=True),
+            _campaign_candidate("reference", fails=False),
+        ],
+        "specifications": ["/home/mine/my drives/mine.py:Mine", "reference"],
+    }
+
+
+@pytest.fixture
+def campaign_document() -> Document:
+    """Return the summary of a campaign in which one candidate fails and another does not."""
+    return _made_up_campaign()
+
+
 @pytest.fixture(scope="session")
 def browser(browser_path: str) -> Iterator[Browser]:
     """Open a browser."""
@@ -310,8 +379,12 @@ def pages(
     document = json.loads(json.dumps(made_up(faulted=True)))
     write_tables(document, folder)
     (folder / COMPARISON_FILE).write_text(json.dumps(document), encoding="utf-8")
+    summary = _made_up_campaign()
+    for name in (SUMMARY, MANIFEST):
+        (folder / name).write_text(json.dumps(summary), encoding="utf-8")
     return {
         "conformance": conformance / page,
         "reproduction": reproduction[0] / PAGE_FILE,
         "comparison": comparison.write(document, folder),
+        "campaign": campaign.write(summary, folder),
     }

@@ -55,7 +55,8 @@ def command(
     """Run the campaign of FILE.toml, or go on with it.
 
     Every candidate meets every case, at every point of a grid of parameters, with as many drives as are drawn. The
-    results are a Parquet dataset in the output folder, the same bytes whatever the backend and the number of workers.
+    results are a Parquet dataset and a page in the output folder, the same bytes whatever the backend and the number
+    of workers.
     A candidate's fault is a result too: the exit code is 0 when the campaign is complete.
     """
     _check_options(backend, scheduler, workers)
@@ -72,6 +73,7 @@ def command(
     from drivegate.output.progress import progress_on, with_rate
     from drivegate.studies.campaign.engine import make_runs
     from drivegate.studies.campaign.folder import CampaignFolder
+    from drivegate.studies.campaign.pages import write_pages
     from drivegate.studies.campaign.plan import planned
     from drivegate.studies.campaign.summary import broken_harness, summarised
 
@@ -81,9 +83,10 @@ def command(
         with progress_on(sys.stderr) as display:
             made = make_runs(plan, folder, where, with_rate(display, campaign.name, plan.runs))
         document = summarised(plan, folder, confidence)
+        document["specifications"] = [candidate.specification for candidate in plan.candidates]
+        pages = write_pages(document, folder)
     timing = {"seconds": time.monotonic() - began, "runs_made": made}
-    specifications = [candidate.specification for candidate in plan.candidates]
-    document |= {"output": str(output), "timing": timing, "specifications": specifications}
+    document |= {"output": str(output), "timing": timing, "pages": [str(page) for page in pages]}
     code = ExitCode.HARNESS_FAULT if broken_harness(document) else ExitCode.PASSED
 
     def show(console: Console) -> None:

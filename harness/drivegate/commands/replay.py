@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 def command(file: Path, candidate: str | None, plot: Path | None) -> Outcome:
     """Run the counterexample in FILE again, and tell whether its check STILL FAILS or is FIXED.
 
-    The exit code is 1 when it still fails, 0 when it is fixed or does not apply to the candidate.
+    The exit code is 1 when it still fails, or is not reproduced by the very candidate that was at fault; it is 0 when
+    it is fixed or does not apply to the candidate.
     """
     from drivegate.output.trace_files import check_targets
     from drivegate.results.counterexample import read_counterexample

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.drives.running import recorded
-from drivegate.runs.parting import Parting, parting_of, room_for_commands
+from drivegate.runs.parting import SEED_IN_RESET, Parting, parting_of, room_for_commands
 from drivegate.runs.record import RunRecord
 
-_OUTSIDE: Final = "something outside of the instance is kept, or the answer goes by chance or a clock"
+_OUTSIDE: Final = (
+    f"something outside of the instance is kept, or the answer goes by chance or a clock; {SEED_IN_RESET}"
+)
 
 
 def with_repetitions(

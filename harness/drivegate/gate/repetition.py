@@ -15,7 +15,7 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
-from drivegate.runs.parting import parting_of, room_for_commands
+from drivegate.runs.parting import SEED_IN_RESET, parting_of, room_for_commands
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -73,7 +73,7 @@ def different_elsewhere(scenario: Scenario, endings: Sequence[Repetition | Fault
     parting = None
     if len(commands) == 2 and commands[0] is not None and commands[1] is not None:
         parting = parting_of(scenario, commands[1], commands[0])
-    words = _EARLIER if parting is None else f"the repetition in another process {parting}"
+    words = _EARLIER if parting is None else f"the repetition in another process {parting}; {SEED_IN_RESET}"
     return Margin(REPEATED, -1.0, words)
 
 

@@ -14,9 +14,11 @@ from drivegate.gate.plan import REPEATED
 from drivegate.gate.shrinking import ShrinkPlan, Shrunk, run_shrink, size_of
 from drivegate.results.result import CheckOutcome, Found
 from drivegate.results.verdict import considered
+from drivegate.runs.parting import SEED_IN_RESET
 
 BUDGET: Final = {"quick": 15, "default": 40, "nightly": 200}
 """Runs that may be spent on making one counterexample simpler, by effort."""
+_GONE: Final = f"run again, it did not fail: two runs of the same scenario differ; {SEED_IN_RESET}"
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,8 @@ def with_simplest(
     if isinstance(simpler, Shrunk):
         found = Found(simpler.margin.value, simpler.margin.measured, simpler.size, simpler.runs)
         return replace(outcome, counterexample=simpler.scenario, found=found)
-    scenario = failure.run.scenario
-    found = Found(failure.margin.value, failure.margin.measured, size_of(scenario), 0)
+    scenario, measured = failure.run.scenario, failure.margin.measured
+    if simpler is None and failure.check in shrunk:
+        measured = f"{measured}; {_GONE}"
+    found = Found(failure.margin.value, measured, size_of(scenario), 0)
     return replace(outcome, counterexample=scenario, found=found)

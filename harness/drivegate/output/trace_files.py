@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from drivegate.output.legend import legend_beside
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
@@ -19,7 +20,7 @@ PLOT_SUFFIXES: Final = (".png", ".svg")
 
 _PANELS: Final = (
     (("speed_reference_rpm", "reference"), ("speed_rpm", "speed"), "speed (rpm)"),
-    (("advance_deg", "advance angle"), None, "angle (°)"),
+    (("advance_deg", "advance angle"), None, "angle (el. deg)"),
     (("current_sum_a", "Σ|i|"), ("current_reference_a", "current reference"), "current (A)"),
     (("torque_nm", "torque"), ("load_torque_nm", "load"), "torque (N·m)"),
 )
@@ -109,7 +110,7 @@ def write_plot(
                 axes.axvspan(*shaded, color="tab:orange", alpha=0.15, label="judged here")
             axes.set_ylabel(label)
             axes.grid(visible=True, alpha=0.3)
-            axes.legend(loc="best", fontsize="small")
+            legend_beside(axes)
         all_axes[-1].set_xlabel("time (s)")
         figure.suptitle(one_line(title))
         kind = plot.suffix.lower().removeprefix(".")

@@ -12,6 +12,8 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.records import COMMAND
 from drivegate_models.loop.exchange import OUTPUTS
 
+SEED_IN_RESET: Final = "if the controller draws random numbers, seed them in reset"
+"""What to do about the most common reason why two runs of one scenario differ."""
 _WORDS: Final = {
     "current_reference": ("current reference", "A"),
     "advance_angle": ("advance angle", "rad"),

@@ -197,7 +197,9 @@ def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: 
     ticks = [tick for tick in _ERROR_TICKS if low <= tick <= high]
     panels[0].set_yticks(ticks, [f"{tick:g}".replace("-", "−") for tick in ticks])
     panels[0].minorticks_off()
-    for panel, words in zip(panels, ("speed error (rpm)", "advance angle (°)", "Σ|i| (A)"), strict=True):
+    for panel, words in zip(
+        panels, ("speed error (rpm)", "advance angle (el. deg)", "Σ|i| (A)"), strict=True
+    ):
         panel.set_ylabel(words)
         panel.set_xlim(_CHANGE_S - _SHOWN_BEFORE_S, _CHANGE_S + _SHOWN_AFTER_S)
     panels[-1].set_xlabel("time (s)")

@@ -71,7 +71,7 @@ MAPS: Final = (
         "Angle above the feasible edge",
         "How far each candidate stays from the smallest angle that gives the torque: little is efficient, "
         "and less is lost.",
-        "angle above edge (°)",
+        "angle above edge (el. deg)",
         1,
     ),
 )

@@ -13,8 +13,9 @@ from drivegate.output.run_signals import RunSignals, signals_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
-from drivegate_reports.conformance.figures import margin_distribution, recorded_run
+from drivegate_reports.conformance.figures import margin_distribution, recorded_run, torque_ripple
 from drivegate_reports.conformance.figures import script as script_figure
+from drivegate_reports.conformance.ripple import ripple_of
 from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.printable import clean
 from drivegate_reports.page.style import house_style, inline_svg
@@ -32,11 +33,14 @@ class ShownRun:
         Its signals.
     drawn_before : bool
         Whether the figure stands with an earlier check already.
+    ripple : PageFigure or None
+        The torque over one electrical period, where a check of the ripple fails.
     """
 
     account: tuple[str, ...]
     figure: PageFigure
     drawn_before: bool
+    ripple: PageFigure | None = None
 
 
 def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
@@ -57,7 +61,8 @@ def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
         known = key in drawn
         if not known:
             drawn[key] = _figure(signals, f"run-{len(drawn) + 1}")
-        shown[str(check["id"])] = ShownRun(tuple(map(clean, account(signals))), drawn[key], known)
+        words = tuple(map(clean, account(signals)))
+        shown[str(check["id"])] = ShownRun(words, drawn[key], known, _ripple_figure(check, signals))
     return shown
 
 
@@ -70,6 +75,17 @@ def _figure(signals: RunSignals, name: str) -> PageFigure:
         "the operating point of the judged stretch, which is set off."
     )
     return PageFigure(name, title, svg, recorded_run.alternative(signals), caption)
+
+
+def _ripple_figure(check: Mapping[str, Any], signals: RunSignals) -> PageFigure | None:
+    ripple = None if check["counterexample"] is None else ripple_of(str(check["id"]), signals)
+    if ripple is None:
+        return None
+    name = f"torque-{clean(check['id'], 40)}"
+    with house_style():
+        svg = inline_svg(torque_ripple.draw(ripple), name)
+    words = torque_ripple.alternative(ripple), torque_ripple.caption(ripple)
+    return PageFigure(name, torque_ripple.TITLE, svg, *words)
 
 
 def _script_of(check: Mapping[str, Any]) -> Script | None:

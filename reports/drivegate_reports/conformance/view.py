@@ -177,7 +177,8 @@ def _meaning(verdict: str, failing: Sequence[str]) -> str:
         "hang": "The candidate did not answer in time.",
         "invalid output": "The candidate answered with what is no command.",
         "foreign memory": "The candidate wrote into memory that is not its own.",
-        "non-deterministic": "The candidate answered the same scenario in two ways.",
+        "non-deterministic": "The candidate answered the same scenario in two ways, so that the runs which are "
+        "drawn here need not be those which were judged.",
     }
     if verdict == "fail" and not failing:
         return "The margin of a required check has fallen against the baseline."

@@ -123,10 +123,19 @@ def label_ends(panel: Axes, x: float, *lines: tuple[str, float, str]) -> None:
     """Label lines at their ends, apart from each other where the ends are close."""
     low, high = panel.get_ylim()
     gap = 0.17 * (high - low)
-    at = -inf
-    for text, value, colour in sorted(lines, key=lambda line: line[1]):
-        at = max(value, at + gap)
-        label(panel, x, at, text, colour, va="center", fontsize=8.5)
+    ordered = sorted(lines, key=lambda line: line[1])
+    # Up from the lowest, then down again where that leads out of the panel.
+    places: list[float] = []
+    for _, value, _ in ordered:
+        places.append(max(value, places[-1] + gap if places else -inf))
+    ceiling = high
+    for number in reversed(range(len(places))):
+        places[number] = min(places[number], ceiling)
+        ceiling = places[number] - gap
+    # The lines of the grid go on to the right, and would strike the words out.
+    ground = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}
+    for (text, _, colour), at in zip(ordered, places, strict=True):
+        label(panel, x, at, text, colour, va="center", fontsize=8.5, bbox=ground)
 
 
 def svg_document(figure: Figure, name: str, *, letters_as_shapes: bool = True) -> str:

@@ -54,7 +54,7 @@ def test_what_instances_share_is_told_with_the_digits_that_tell_the_numbers_apar
     assert "current reference 5.000000001 against 5 A" in words, words
     assert words.endswith(
         "so does that on a new instance: something outside of the instance is kept, or the answer goes by chance or "
-        "a clock"
+        "a clock; if the controller draws random numbers, seed them in reset"
     ), words
 
 

@@ -4,6 +4,8 @@ import json
 
 import pytest
 
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.results.provenance import provenance
 from drivegate_cases.motor.motor import load_motor
 from drivegate_cases.scenario.scenario import load_scenario
 
@@ -175,3 +177,70 @@ def test_bad_input_is_refused_in_one_sentence(refused, file, words, reason):
 )
 def test_a_bad_file_is_refused_in_one_sentence(refused, file, changes, reason):
     assert reason.strip("'") in refused("replay", file(**changes))
+
+
+BY_CHANCE = """
+import random
+
+from drivegate import Command
+
+
+class Mine:
+    def reset(self, nameplate):
+        self.draw = random.Random(0) if SEEDED else random.SystemRandom()
+
+    def step(self, sense):
+        return Command(current_reference=CURRENT + self.draw.random(), advance_angle=0.9)
+"""
+
+
+@pytest.fixture
+def by_chance(tmp_path, file):
+    """Write a controller that draws random numbers, and a counterexample that it left a moment ago."""
+
+    def written(*, seeded, margin=-2.5, current=20.0, **changes):
+        path = tmp_path / "chance.py"
+        path.write_text(
+            BY_CHANCE.replace("SEEDED", str(seeded)).replace("CURRENT", str(current)), encoding="utf-8"
+        )
+        candidate = resolve_candidate(f"{path}:Mine")
+        left = {
+            "candidate": {"name": candidate.name, "hash": candidate.content_hash},
+            "versions": provenance(),
+            "margin": margin,
+            "scenario": SCENARIO.replaced(duration_s=1.0).to_mapping(),
+        }
+        return file(**(left | changes)), candidate.specification
+
+    return written
+
+
+def test_what_does_not_show_again_with_nothing_changed_is_not_called_fixed(command, by_chance):
+    path, candidate = by_chance(seeded=False, check="CMD-1")
+    ended = command("replay", path, "--candidate", candidate)
+    assert "CMD-1 NOT REPRODUCED" in ended.out
+    assert "two runs of the same scenario differ" in ended.out
+    assert "if the controller draws random numbers, seed them in reset" in ended.out
+    assert ended.out.splitlines()[-1] == f"next: what differs: drivegate check {candidate} --only DET-1"
+    assert ended.code == 1, "nothing was mended"
+
+
+def test_another_margin_of_the_same_failure_is_told(command, by_chance):
+    path, candidate = by_chance(seeded=False, check="CMD-1", current=80.0)
+    ended = command("replay", path, "--candidate", candidate, "--json").document
+    assert ended["verdict"] == "still fails"
+    assert ended["remark"].startswith("two runs of the same scenario differ")
+
+
+@pytest.mark.parametrize("change", ["nothing", "versions", "candidate"])
+def test_what_was_changed_or_repeats_itself_has_no_such_remark(command, by_chance, change):
+    path, candidate = by_chance(seeded=True, check="CUR-1")
+    now = command("replay", path, "--candidate", candidate, "--json").document["now"]["margin"]
+    other = {
+        "nothing": {"margin": now},
+        "versions": {"versions": {}},
+        "candidate": {"candidate": {"name": "mine"}},
+    }
+    path, candidate = by_chance(seeded=True, check="CUR-1", **other[change])
+    again = command("replay", path, "--candidate", candidate, "--json").document
+    assert (again["remark"], again["verdict"]) == ("", "fixed" if now >= 0.0 else "still fails")

@@ -100,7 +100,7 @@ def test_the_figure_shows_the_signals_in_their_units(locked: RunSignals) -> None
         figure = recorded_run.draw(locked)
     speed, angle, current, torque = figure.axes
     drawn = {panel.get_ylabel(): [line.get_ydata() for line in panel.lines] for panel in figure.axes}
-    assert list(drawn) == ["speed (rpm)", "advance angle (°)", "current (A)", "torque (N·m)"]
+    assert list(drawn) == ["speed (rpm)", "angle (el. deg)", "current (A)", "torque (N·m)"]
     np.testing.assert_array_equal(speed.lines[1].get_ydata(), locked.speed_rpm)
     np.testing.assert_array_equal(angle.lines[0].get_ydata(), locked.advance_deg)
     np.testing.assert_array_equal(current.lines[0].get_ydata(), locked.current_sum_a)

@@ -58,3 +58,16 @@ def test_the_house_style_ends_with_its_context() -> None:
     with style.house_style():
         assert matplotlib.rcParams["font.size"] == 9.5
     assert dict(matplotlib.rcParams) == before
+
+
+def test_labels_at_the_ends_are_apart_and_within_the_panel() -> None:
+    with style.house_style():
+        _, (panel,) = style.new_figure(2.0, 1)
+        panel.set_ylim(0.0, 10.0)
+        lines = (("motor", 9.9, style.BLUE), ("load", 9.8, style.GREY), ("limit", 9.7, style.GREEN))
+        style.label_ends(panel, 1.0, *lines)
+    heights = {text.get_text(): text.get_position()[1] for text in panel.texts}
+    assert sorted(heights, key=lambda name: heights[name]) == ["limit", "load", "motor"]
+    assert max(heights.values()) <= 10.0, "above the panel stands what belongs to the next one"
+    assert heights["motor"] - heights["load"] >= 1.5, "one label over the other"
+    assert all(text.get_bbox_patch() is not None for text in panel.texts), "the grid strikes the words out"

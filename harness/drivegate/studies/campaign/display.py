@@ -2,63 +2,81 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from shlex import quote
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.output.console import number, plain, table
+from drivegate.studies.campaign.wording import interval_text, probability_text, share_text
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.table import Table
+
+_WORDS: Final = ("check", "level")
+_MARGINS: Final = {"worst margin": 0.0, "5 %": 0.05, "median": 0.5}
+"""Columns of margins, with the share of the runs whose margins are at most as large."""
+_UNBOUNDED: Final = 10_000
+_SPARED: Final = ("5 %", "median", "probability", "level", "worst run")
+"""Columns that a narrow console goes without, the first of them first."""
 
 
 def show_campaign(console: Console, document: dict[str, Any]) -> None:
-    """Print a table for each candidate, and its first faults."""
-    percent = f"{100.0 * document['confidence']:g} %"
+    """Print a table for each candidate, its first faults, and where to go on."""
     for candidate in document["candidates"]:
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in candidate["verdicts"].items())
-        heading = f"{candidate['name']}: {verdicts}"
-        columns = (
-            "runs",
-            "violations",
-            "probability",
-            f"{percent} interval",
-            "worst margin",
-            "5 %",
-            "median",
-        )
-        listed = table("check", "level", *columns, "worst run", right=(*columns, "worst run"), title=heading)
-        for check in candidate["checks"]:
-            # The least, the 5 % quantile and the median.
-            margins = dict(zip(document["quantiles"], check["margin_quantiles"], strict=False))
-            listed.add_row(
-                check["id"],
-                check["level"],
-                *_counted(check),
-                *(number(margins.get(share)) for share in (0.0, 0.05, 0.5)),
-                "–" if check["worst_run"] is None else str(check["worst_run"]),
-            )
-        listed.add_row("any required", "", *_counted(candidate["not_passed"]), "", "", "", "")
-        console.print(listed)
+        rows = _rows(document, candidate)
+        console.print(_fitting(console, f"{candidate['name']}: {verdicts}", rows))
         for fault in candidate["first_faults"]:
             console.print(
                 plain(f"{fault['verdict']}: first in run {fault['run']}, {fault['file']}", "bold red")
             )
     console.print(plain(f"results: {document['output']}"))
+    for page in document["pages"]:
+        told = "has the margins of all runs, and the commands that run the worst of them again"
+        console.print(plain(f"next: {page} {told}", "dim"))
     hint = _hint(document)
     if hint:
         console.print(plain(f"next: {hint}", "dim"))
 
 
-def _counted(stated: dict[str, Any]) -> tuple[str, str, str, str]:
-    if not stated["runs"]:
-        return "0", "–", "–", "–"
-    low, high = stated["interval"]
-    return (
-        str(stated["runs"]),
-        str(stated["violations"]),
-        f"{stated['probability']:.4g}",
-        f"{low:.3g} to {high:.3g}",
-    )
+def _rows(document: dict[str, Any], candidate: dict[str, Any]) -> list[dict[str, str]]:
+    """Write every column of every row."""
+    interval = f"{100.0 * document['confidence']:g} % interval"
+    rows = []
+    for check in candidate["checks"]:
+        # The least, the 5 % quantile and the median.
+        margins = dict(zip(document["quantiles"], check["margin_quantiles"], strict=False))
+        worst = check["worst_run"]
+        rows.append(
+            {"check": check["id"], "level": check["level"], **_counted(check, interval)}
+            | {name: number(margins.get(share)) for name, share in _MARGINS.items()}
+            | {"worst run": "–" if worst is None else str(worst)}
+        )
+    blank = dict.fromkeys((*_MARGINS, "worst run"), "")
+    everything = {"check": "any", "level": "required", **_counted(candidate["not_passed"], interval)}
+    return [*rows, everything | blank]
+
+
+def _counted(stated: dict[str, Any], interval: str) -> dict[str, str]:
+    return {
+        "violated": share_text(stated),
+        "probability": probability_text(stated.get("probability")),
+        interval: interval_text(stated),
+    }
+
+
+def _fitting(console: Console, title: str, rows: Sequence[dict[str, str]]) -> Table:
+    """Make the table, without columns that would have the others broken within words."""
+    columns, unbounded = list(rows[0]), console.options.update(width=_UNBOUNDED)
+    for spared in (*_SPARED, None):
+        listed = table(*columns, right=tuple(name for name in columns if name not in _WORDS), title=title)
+        for row in rows:
+            listed.add_row(*(plain(row[name]) for name in columns))
+        if spared is None or console.measure(listed, options=unbounded).maximum <= console.width:
+            break
+        columns.remove(spared)
+    return listed
 
 
 def _hint(document: dict[str, Any]) -> str:

@@ -35,12 +35,12 @@ class CampaignFolder:
 
     def __enter__(self) -> Self:
         """Make the folder or find it, take its lock, and see that it belongs to this campaign."""
-        with _failures_refused(self.place, "use"):
+        with failures_refused(self.place, "use"):
             self._refuse_foreign()
             self.place.mkdir(parents=True, exist_ok=True)
             self._take_lock()
         try:
-            with _failures_refused(self.place, "write"):
+            with failures_refused(self.place, "write"):
                 self._claim()
         except BaseException:
             self._release()
@@ -128,7 +128,7 @@ class CampaignFolder:
 
     def write(self, path: Path, content: str | bytes) -> None:
         """Write a file of the folder."""
-        with _failures_refused(path, "write"):
+        with failures_refused(path, "write"):
             path.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(path, content)
 
@@ -145,7 +145,7 @@ def _is_still(descriptor: int, path: Path) -> bool:
 
 
 @contextmanager
-def _failures_refused(path: Path, verb: str) -> Iterator[None]:
+def failures_refused(path: Path, verb: str) -> Iterator[None]:
     """Turn a failure of the file system into a sentence."""
     try:
         yield

@@ -51,7 +51,7 @@ OBSERVATIONS: Final = (
 )
 """What is observed of every run, in people's units."""
 
-_BY_ID = {check.id: check for check in CHECKS}
+CHECKS_BY_ID: Final = {check.id: check for check in CHECKS}
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def fault_row(fault: Fault) -> CampaignRow:
 def _judged(record: RunRecord, checks: tuple[str, ...]) -> CampaignRow:
     margins: list[Margin] = []
     for name in checks:
-        check = _BY_ID[name]
+        check = CHECKS_BY_ID[name]
         if check.reason_not_applicable(record.declaration) is None:
             margin = check.evaluate(record)
             if margin is not None:
@@ -132,7 +132,7 @@ def _judged(record: RunRecord, checks: tuple[str, ...]) -> CampaignRow:
 
 
 def _verdict(margins: list[Margin]) -> str:
-    unmet = [_BY_ID[margin.check] for margin in margins if not margin.met and not margin.advisory]
+    unmet = [CHECKS_BY_ID[margin.check] for margin in margins if not margin.met and not margin.advisory]
     required = [check for check in unmet if check.level == "required"]
     if any(check.subject == "plant" for check in required):
         return HARNESS_FAULT

@@ -21,6 +21,8 @@ QUANTILES: Final = (0.0, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
 CONFIDENCE: Final = 0.95
 """Confidence of the intervals, unless another one is requested."""
 _MOST_VALUES = 4_000_000
+CURVE_POINTS: Final = 200
+"""Most margins of a check that are kept of its distribution, at equal shares of the runs."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,8 @@ class CheckStatistics:
         The run with the least margin, the first of equals; None without runs.
     worst_margin : float or None
         Its margin.
+    curve : tuple of float
+        All margins from the least to the greatest, or `CURVE_POINTS` of them at equal shares of the runs.
     """
 
     check: str
@@ -70,6 +74,7 @@ class CheckStatistics:
     quantiles: tuple[float, ...] = ()
     worst_run: int | None = None
     worst_margin: float | None = None
+    curve: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -115,6 +120,14 @@ def quantiles_of(margins: NDArray[np.float64]) -> tuple[float, ...]:
     if len(margins) == 0:
         return ()
     return tuple(float(value) for value in np.quantile(margins, QUANTILES, method="inverted_cdf"))
+
+
+def curve_of(margins: NDArray[np.float64]) -> tuple[float, ...]:
+    """Give a distribution as margins in order, the least and the greatest among them."""
+    ordered = np.sort(margins)
+    if len(ordered) > CURVE_POINTS:
+        ordered = ordered[np.linspace(0, len(ordered) - 1, CURVE_POINTS).round().astype(np.int64)]
+    return tuple(float(value) for value in ordered)
 
 
 def statistics(
@@ -198,7 +211,9 @@ def _of_check(
     violated = proportion(int(np.count_nonzero(margins < 0.0)), len(margins), confidence)
     if worst is None:
         return CheckStatistics(check, violated, advised)
-    return CheckStatistics(check, violated, advised, quantiles_of(margins), worst[1], worst[0])
+    return CheckStatistics(
+        check, violated, advised, quantiles_of(margins), worst[1], worst[0], curve_of(margins)
+    )
 
 
 def plain(stated: Proportion) -> dict[str, Any]:

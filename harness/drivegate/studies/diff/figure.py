@@ -8,13 +8,14 @@ from typing import Any, Final
 
 import numpy as np
 
+from drivegate.output.legend import legend_beside
 from drivegate.studies.diff.diff import Difference
 from drivegate.studies.diff.record import commands_of
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.loop.given_steps import SCALARS
 
-_PANELS: Final = (("current reference (A)", 0, 1.0), ("advance angle (°)", 1, 180.0 / np.pi))
+_PANELS: Final = (("current reference (A)", 0, 1.0), ("advance angle (el. deg)", 1, 180.0 / np.pi))
 
 
 def draw(found: Difference, names: tuple[str, str], plot: Path, title: str) -> None:
@@ -55,10 +56,10 @@ def _draw_panels(all_axes: Any, found: Difference, names: tuple[str, str]) -> No
             linestyle="--",
         )
         commands.set_ylabel(label)
-        commands.legend(loc="best", fontsize="small")
+        legend_beside(commands)
         difference = found.answers[:, column] - first[: len(answered), column]
         apart.step(answered, difference * unit, where="post", color="tab:red")
-        apart.set_ylabel("difference")
+        apart.set_ylabel(f"difference{label[label.index(' (') :]}")
     speed = found.rows[:, SCALARS.index("speed")] * (30.0 / np.pi)
     all_axes[-1].plot(steps, speed, color="tab:gray")
     all_axes[-1].set_ylabel("speed sensed (rpm)")

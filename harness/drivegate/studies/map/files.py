@@ -25,20 +25,20 @@ _PANELS: Final = {
         ("input_power_w", "input power (W)"),
     ),
     "best": (
-        ("advance_deg", "angle of least Σ|i| (°)"),
-        ("edge_deg", "smallest feasible angle (°)"),
+        ("advance_deg", "angle of least Σ|i| (el. deg)"),
+        ("edge_deg", "smallest feasible angle (el. deg)"),
         ("current_sum_a", "least Σ|i| (A)"),
         ("efficiency", "efficiency (1)"),
     ),
     "loop": (
-        ("advance_deg", "advance angle (°)"),
+        ("advance_deg", "advance angle (el. deg)"),
         ("excess_percent", "Σ|i| above the least (%)"),
         ("convergence_margin", "margin of convergence (1)"),
         ("efficiency", "efficiency (1)"),
     ),
 }
 _RIPPLE_SHOWN: Final = 50.0
-_NAMES: Final = {SPEED: "speed (rpm)", TORQUE: "torque (N·m)", ADVANCE: "advance angle (°)"}
+_NAMES: Final = {SPEED: "speed (rpm)", TORQUE: "torque (N·m)", ADVANCE: "advance angle (el. deg)"}
 
 
 def write_tables(made: OperatingMap, csv: Path | None, parquet: Path | None) -> None:

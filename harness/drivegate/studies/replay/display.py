@@ -7,7 +7,7 @@ from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from drivegate.output.console import plain
-from drivegate.studies.replay.replay import FIXED, STILL_FAILS
+from drivegate.studies.replay.replay import FIXED, NOT_REPRODUCED, STILL_FAILS
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -17,6 +17,10 @@ def next_step(document: dict[str, Any], file: Path, candidate: str | None) -> st
     """Tell what to do with a counterexample that still fails, or no longer does."""
     named = "" if candidate is None else f" --candidate {quote(candidate)}"
     again = f"drivegate replay {quote(str(file))}{named}"
+    if document["verdict"] == NOT_REPRODUCED:
+        return (
+            f"what differs: drivegate check {quote(candidate or document['candidate']['name'])} --only DET-1"
+        )
     if document["verdict"] != STILL_FAILS:
         who = quote(candidate or document["candidate"]["name"])
         # A report's own folder is replaced by the next one, and is no place to keep anything.
@@ -45,6 +49,8 @@ def show_replay(console: Console, document: dict[str, Any], hint: str) -> None:
     else:
         console.print(plain(f"  now  {_margin_text(document['now'])}, by {name}"))
         console.print(plain(f"  limit {document['limit']}; in {document['scenario']}, {_where(document)}"))
+    if document["remark"]:
+        console.print(plain(f"  {document['remark']}", "bold red"))
     for sentence in document["account"]:
         console.print(plain(f"  {sentence}"))
     for path in document["files"]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from drivegate.output.judged_point import judged_point
+from drivegate.output.legend import legend_beside
 from drivegate.output.trace_files import write_plot
 from drivegate.results.counterexample import Counterexample
 from drivegate.studies.replay.replay import Replay, signals_shown
@@ -58,7 +59,7 @@ def _draw_script(script: Script, ended: Replay, plot: Path, title: str) -> None:
             axes.set_ylabel(label)
             axes.ticklabel_format(axis="y", useOffset=False)
             axes.grid(visible=True, alpha=0.3)
-            axes.legend(loc="best", fontsize="small")
+            legend_beside(axes)
         all_axes[-1].xaxis.get_major_locator().set_params(integer=True)
         all_axes[-1].set_xlabel("row: one period of the search")
         measured = ended.margin.measured if ended.margin is not None else ""

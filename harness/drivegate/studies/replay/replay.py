@@ -28,7 +28,9 @@ from drivegate.output.account import account
 from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.output.run_signals import RunSignals, signals_of_run
 from drivegate.results.counterexample import Counterexample
-from drivegate.runs.parting import room_for_commands
+from drivegate.results.provenance import versions
+from drivegate.results.result import finite
+from drivegate.runs.parting import SEED_IN_RESET, room_for_commands
 from drivegate.studies.simulate.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.scenario.scenario import Scenario
@@ -39,7 +41,13 @@ from drivegate_models.loop.closed_loop import ClosedLoopRun
 SCHEMA: Final = 1
 STILL_FAILS: Final = "still fails"
 FIXED: Final = "fixed"
+NOT_REPRODUCED: Final = "not reproduced"
+"""Verdict where nothing was changed and the check is met all the same."""
 NOT_APPLICABLE: Final = "not applicable"
+_PARTED: Final = (
+    "two runs of the same scenario differ: neither the candidate nor drivegate has changed since then, and the margin "
+    f"has; {SEED_IN_RESET}"
+)
 
 
 @dataclass(frozen=True)
@@ -157,18 +165,35 @@ def signals_shown(stored: Counterexample, ended: Replay | Fault) -> RunSignals |
     return signals_of_run(stored.scenario, ended.run, ended.window)
 
 
-def verdict_on(ended: Replay | Fault) -> str:
+def verdict_on(ended: Replay | Fault, remark: str) -> str:
     """Tell whether a check still fails."""
     if isinstance(ended, Fault):
         return STILL_FAILS
     if ended.margin is None:
         return NOT_APPLICABLE
-    return FIXED if ended.margin.met else STILL_FAILS
+    if not ended.margin.met:
+        return STILL_FAILS
+    return NOT_REPRODUCED if remark else FIXED
+
+
+def remark_on(stored: Counterexample, candidate: Candidate, ended: Replay | Fault) -> str:
+    """Tell where the same candidate came to another margin than then, which the same commands cannot give."""
+    if (
+        isinstance(ended, Fault)
+        or ended.margin is None
+        or stored.margin in (None, finite(ended.margin.value))
+    ):
+        return ""
+    # A file may also tell where it was found, on which nothing depends.
+    used = all(stored.versions.get(name) == told for name, told in versions().items())
+    same = used and stored.candidate.hash == candidate.content_hash
+    return _PARTED if same and not check_of(stored).volatile else ""
 
 
 def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fault) -> dict[str, Any]:
     """Write what became of a counterexample as plain data."""
-    check, verdict = check_of(stored), verdict_on(ended)
+    check, remark = check_of(stored), remark_on(stored, candidate, ended)
+    verdict = verdict_on(ended, remark)
     margin = None if isinstance(ended, Fault) else ended.margin
     fault = asdict(ended) | {"kind": ended.kind.value} if isinstance(ended, Fault) else None
     signals = signals_shown(stored, ended)
@@ -177,7 +202,7 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
         "schema": SCHEMA,
         "kind": "replay",
         "verdict": verdict,
-        "exit_code": failed_code if verdict == STILL_FAILS else 0,
+        "exit_code": failed_code if verdict in (STILL_FAILS, NOT_REPRODUCED) else 0,
         "check": check.id,
         "requirement": check.requirement,
         "limit": check.limit,
@@ -190,6 +215,7 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
         "rows": None if isinstance(ended, Fault) or ended.rows is None else list(ended.rows),
         "account": [] if signals is None else list(account(signals)),
         "reason": _reason(check, candidate, verdict),
+        "remark": remark,
         "fault": fault,
         "files": [],
     }

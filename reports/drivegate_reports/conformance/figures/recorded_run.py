@@ -87,7 +87,7 @@ def _draw_angle(panel: Axes, signals: RunSignals) -> None:
         if point.best_deg - point.edge_deg > 1.0:
             panel.plot(reach, [point.best_deg] * 2, color=GREEN, linewidth=1.2, linestyle=_DASHED)
             lines.append(("least Σ|i|", point.best_deg, GREEN))
-    panel.set_ylabel("advance angle (°)")
+    panel.set_ylabel("angle (el. deg)")
     _end_labels(panel, signals, *lines)
 
 

@@ -138,7 +138,7 @@ def draw(data: CycleWaveforms) -> Figure:
             )
         panel.set_xlim(-6.0, 366.0)
         panel.set_xticks(np.arange(0.0, 361.0, 36.0))
-        panel.set_xlabel("electrical angle since the window opened (deg)")
+        panel.set_xlabel("electrical angle since the window opened (el. deg)")
     return figure
 
 
@@ -146,9 +146,9 @@ def _draw_voltages(panel: Axes, data: CycleWaveforms) -> None:
     panel.plot(data.angle_deg, data.transformer_emf_v, color=GREEN, linewidth=1.2)
     panel.plot(data.angle_deg, data.voltage_v, color=BLUE)
     panel.plot(data.angle_deg, data.emf_v, color=VERMILION)
-    label(panel, 14.0, 104.0, "L di/dt: transformer EMF", GREEN, weight="bold")
+    label(panel, 24.0, 82.0, "L di/dt: transformer EMF", GREEN, weight="bold")
     label(panel, 222.0, 62.0, "v: terminal voltage", BLUE, weight="bold")
-    label(panel, 330.0, 30.0, "e: rotational\nEMF", VERMILION, weight="bold", ha="right", va="center")
+    label(panel, 318.0, 30.0, "e: rotational\nEMF", VERMILION, weight="bold", ha="right", va="center")
     panel.set_ylabel("voltage (V)")
 
 

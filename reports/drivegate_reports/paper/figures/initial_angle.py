@@ -153,9 +153,15 @@ def draw(data: InitialAngles) -> Figure:
     label(panel, 1450.0, 16.0, text, GREY, ha="center")
     for point in data.points:
         panel.plot([point.speed_rpm], [point.advance_deg], color="black", marker="o", markersize=5)
-        offset = -4.5 if point.figure == "Fig. 6" else 3.0
+        # Below the curves, or above them: two of the points lie on one.
+        right, up, side = (22.0, -4.5, "left") if point.figure == "Fig. 6" else (-22.0, 4.4, "right")
         panel.text(
-            point.speed_rpm + 22.0, point.advance_deg + offset, point.figure, fontsize=9.0, va="center"
+            point.speed_rpm + right,
+            point.advance_deg + up,
+            point.figure,
+            fontsize=9.0,
+            ha=side,
+            va="center",
         )
     panel.set_xlim(0.0, 2440.0)
     panel.set_ylim(-2.0, 94.0)

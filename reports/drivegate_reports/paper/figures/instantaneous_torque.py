@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_cases.scenario.operating_point import load_operating_point
+from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.steady.oracle import point_at_torque
+from drivegate_models.half_bridge.steady.steady_state import steady_state
 from drivegate_models.half_bridge.steady.waveform import periodic_waveforms
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREY, VERMILION, label, new_figure
@@ -71,19 +73,26 @@ class TorqueCycle:
 def torque_cycle(advance_deg: float = ADVANCE_DEG) -> TorqueCycle:
     """Compute the torque at the speed and mean torque of Fig. 6."""
     point = load_operating_point(POINT)
-    speed = point.speed_rpm * RADIANS_PER_RPM
+    return cycle_at(ideal_drive(), point.speed_rpm, advance_deg, point.torque_nm)
+
+
+def cycle_at(drive: Drive, speed_rpm: float, advance_deg: float, torque_nm: float) -> TorqueCycle:
+    """Compute the torque at an operating point; at the current limit where the mean torque is out of reach."""
+    speed = speed_rpm * RADIANS_PER_RPM
     advance = math.radians(advance_deg)
-    found = point_at_torque(ideal_drive(), speed, advance, point.torque_nm)
-    waves = periodic_waveforms(ideal_drive(), speed, found.reference, advance)
+    found = point_at_torque(drive, speed, advance, torque_nm)
+    reference = found.reference if found.static else drive.current_limit
+    waves = periodic_waveforms(drive, speed, reference, advance)
+    state = found if found.static else steady_state(drive, speed, reference, advance)
     return TorqueCycle(
         angle_deg=np.degrees(waves.angles),
         torque_nm=waves.torque,
-        mean_nm=found.torque,
-        lowest_nm=found.torque_lowest,
-        highest_nm=found.torque_highest,
-        speed_rpm=point.speed_rpm,
+        mean_nm=state.torque,
+        lowest_nm=state.torque_lowest,
+        highest_nm=state.torque_highest,
+        speed_rpm=speed_rpm,
         advance_deg=advance_deg,
-        current_reference_a=found.reference,
+        current_reference_a=reference,
         certified=waves.certified,
     )
 
@@ -126,6 +135,6 @@ def draw(data: TorqueCycle) -> Figure:
     panel.set_xlim(0.0, 420.0)
     panel.set_ylim(0.0, 1.15 * data.highest_nm)
     panel.set_xticks(np.arange(0.0, 361.0, 72.0))
-    panel.set_xlabel("electrical angle since the first phase's window opened (deg)")
+    panel.set_xlabel("electrical angle since the first phase's window opened (el. deg)")
     panel.set_ylabel("torque (N·m)")
     return figure

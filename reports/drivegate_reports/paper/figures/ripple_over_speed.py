@@ -139,7 +139,8 @@ def draw(data: RippleOverSpeed) -> Figure:
     panel.axhline(LIMIT_PERCENT, color=GREY, linewidth=1.0, linestyle=(0, (4, 3)))
     label(panel, 30.0, LIMIT_PERCENT + 0.3, f"published: below {LIMIT_PERCENT:.0f} %", GREY, va="bottom")
     panel.plot(data.slow_rpm, data.slow_percent, color=GREY)
-    label(panel, data.slow_rpm[-1], data.slow_percent[-1] + 0.4, "0°, 26 A", GREY, ha="right", va="bottom")
+    peak = int(np.argmax(data.slow_percent))
+    label(panel, data.slow_rpm[peak] + 70.0, 0.8 * data.slow_percent[peak], "0°, 26 A", GREY, va="center")
     panel.plot(data.speed_rpm, data.banded_percent, color=SKY, linewidth=1.0, marker=".", markersize=4)
     panel.plot(data.speed_rpm, data.initial_percent, color=VERMILION)
     panel.plot(data.speed_rpm, data.optimal_percent, color=BLUE)
@@ -152,9 +153,7 @@ def draw(data: RippleOverSpeed) -> Figure:
         text = "least Σ|i|,\nwith the band"
         label(panel, data.speed_rpm[last] + 20.0, data.banded_percent[last] + 0.8, text, SKY, va="bottom")
     panel.plot([data.published_rpm], [data.published_percent], color="black", marker="o", markersize=5)
-    panel.text(
-        data.published_rpm - 15.0, data.published_percent - 0.6, "Fig. 6", fontsize=9.0, ha="right", va="top"
-    )
+    panel.text(data.published_rpm + 25.0, data.published_percent, "Fig. 6", fontsize=9.0, va="center")
     panel.set_xlim(0.0, 2420.0)
     panel.set_ylim(bottom=0.0)
     panel.set_xticks(np.arange(0.0, 2001.0, 250.0))

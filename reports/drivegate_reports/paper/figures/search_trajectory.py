@@ -208,7 +208,8 @@ def _draw_plane(panel: Axes, data: SearchTrajectory) -> None:
         )
     lost = data.published
     text = "published: over the edge, speed lost, frozen"
-    label(panel, lost.advance_deg[-1], lost.current_sum_a[-1] + 4.2, text, VERMILION, weight="bold")
+    at = (data.curve_advance_deg[-1], lost.current_sum_a[-1] + 1.5)
+    label(panel, *at, text, VERMILION, ha="right", weight="bold")
     end = data.reference
     at = (end.advance_deg[-1] + 0.8, end.current_sum_a[-1] - 0.4)
     label(panel, *at, "reference", BLUE, va="top", weight="bold")

@@ -1,16 +1,21 @@
 """`drivegate campaign` from end to end: bytes, faults, refusals, and a folder that cannot be written."""
 
 import errno
+import html
 import json
 import os
+import re
 import resource
+import shlex
 from pathlib import Path
 
 import pandas
 import pytest
 
+from drivegate.commands.command_line import main
 from drivegate.studies.campaign.folder import LOCK
 from drivegate.studies.campaign.manifest import MANIFEST
+from drivegate_reports.campaign.report import REPORT_FILE
 
 
 def test_the_bytes_do_not_depend_on_the_number_of_workers(write, finish_alone, folder, bytes_of):
@@ -54,6 +59,31 @@ def test_a_fault_is_a_row_and_the_worst_cases_can_be_run_again(write, finish, ru
     again = run("replay", Path("out") / broken["counterexample"], "--json")
     assert again.code == 1, again.err
     assert json.loads(again.out)["now"]["margin"] == pytest.approx(broken["worst_margin"])
+
+
+def test_every_command_of_the_page_and_of_the_console_works_as_printed(write, run, folder, monkeypatch):
+    file = write(
+        candidates=["controllers.py:Dying", "published"],
+        cases=["short.json", "lock-up"],
+        grid={"inertia_kg_m2": [0.05, 0.06]},
+        draws=1,
+        runs_per_file=4,
+        checks=["ADV-2", "ROB-1"],
+    )
+    ended = run("campaign", file, "--output", "my out", "--workers", 1)
+    assert ended.code == 0, ended.err
+    hints = [line.removeprefix("next: ") for line in ended.out.splitlines() if line.startswith("next: ")]
+    assert hints[0].startswith(f"my out/{REPORT_FILE} ")
+    assert run(*shlex.split(hints[1])[1:]).code == 1, "it still fails"
+    page = folder / "my out" / REPORT_FILE
+    text = page.read_text(encoding="utf-8")
+    listed = [html.unescape(command) for command in re.findall("<code>drivegate (.*?)</code>", text)]
+    assert len(listed) == len(set(listed)) == 5, "a crash, and two checks of each candidate"
+    monkeypatch.chdir(page.parent)
+    for command in listed:
+        with pytest.raises(SystemExit) as again:
+            main(shlex.split(command))
+        assert again.value.code in (0, 1), f"{command}: it ends with {again.value.code}"
 
 
 def test_people_get_a_table_a_hint_and_progress_in_lines(write, run):

@@ -36,7 +36,7 @@ class Steady:
         return self.answer(sense)
     def answer(self, sense): return Command(5.0 + 1e-3 * sense.phase_currents[2], 0.0)
 
-class Counting(Steady):
+class Keeping(Steady):
     runs = 0
     def reset(self, nameplate):
         super().reset(nameplate)
@@ -119,9 +119,9 @@ def test_the_first_difference_comes_with_inputs_commands_and_plant(candidate):
 
 
 def test_an_instance_that_has_run_before_shows_what_reset_keeps(candidate):
-    counting, steady = candidate("Counting"), candidate("Steady")
-    assert compare(counting, counting).difference is None, "each instance runs once"
-    found = compared(counting, counting, SHORT, Rule(), before=0, after=0, again=True).difference
+    keeping, steady = candidate("Keeping"), candidate("Steady")
+    assert compare(keeping, keeping).difference is None, "each instance runs once"
+    found = compared(keeping, keeping, SHORT, Rule(), before=0, after=0, again=True).difference
     assert (found.step, found.answers[0, 1]) == (12, 0.61)
     assert compared(steady, steady, SHORT, Rule(), before=0, after=0, again=True).difference is None
 

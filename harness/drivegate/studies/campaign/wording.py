@@ -1,0 +1,26 @@
+"""How probabilities are written, the same on the console and on the page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+
+def probability_text(value: float | None) -> str:
+    """Write a probability with three digits and never in powers of ten."""
+    return "–" if value is None else np.format_float_positional(float(f"{value:.3g}"), trim="-")
+
+
+def interval_text(stated: Mapping[str, Any]) -> str:
+    """Write the interval of a probability; a dash where there were no runs."""
+    if not stated["runs"]:
+        return "–"
+    low, high = stated["interval"]
+    return f"{probability_text(low)} to {probability_text(high)}"
+
+
+def share_text(stated: Mapping[str, Any]) -> str:
+    """Write how often something happened."""
+    return f"{stated['violations']} of {stated['runs']}" if stated["runs"] else "–"

@@ -1,0 +1,290 @@
+"""From the summary of a campaign to what its page shows: bounded, printable text and plain numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from shlex import quote
+from typing import Any
+
+import numpy as np
+
+from drivegate.studies.campaign.summary import KIND, SCHEMA
+from drivegate.studies.campaign.wording import interval_text, probability_text, share_text
+from drivegate_cases.documents.wording import counted
+from drivegate_models.errors import InputError
+from drivegate_reports.campaign import distributions
+from drivegate_reports.campaign.distributions import CheckDistribution
+from drivegate_reports.page.figure import PageFigure
+from drivegate_reports.page.printable import clean, plain_number
+from drivegate_reports.page.style import house_style, inline_svg
+
+Row = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class ShareRow:
+    """How often something happened, as a row.
+
+    Attributes
+    ----------
+    name, level, requirement : str
+        The check, its level and what it requires; the last two are empty for a case.
+    share, probability, interval : str
+        How often it happened, of how many runs; the estimate, and its interval.
+    low, high, at : float
+        The interval and the estimate as percentages of a bar; None of them without runs.
+    tone : str
+        ``pass``, ``caution`` or ``fail``.
+    margins : tuple of str
+        Least margin, that of 5 % of the runs, and the median.
+    """
+
+    name: str
+    level: str
+    requirement: str
+    share: str
+    probability: str
+    interval: str
+    low: float
+    high: float
+    at: float | None
+    tone: str
+    margins: tuple[str, str, str] = ("–", "–", "–")
+
+
+@dataclass(frozen=True)
+class WorstRow:
+    """A run that can be run again.
+
+    Attributes
+    ----------
+    what : str
+        The check, or the kind of fault.
+    run : str
+        Number of the run.
+    facts : str
+        Its case and the values of its parameters.
+    margin, measured : str
+        What it came to.
+    tone : str
+        ``pass``, ``caution`` or ``fail``.
+    command : str
+        What runs it again, in the folder of the page.
+    """
+
+    what: str
+    run: str
+    facts: str
+    margin: str
+    measured: str
+    tone: str
+    command: str
+
+
+@dataclass(frozen=True)
+class CandidateView:
+    """One candidate as the page shows it.
+
+    Attributes
+    ----------
+    name : str
+        The candidate.
+    tone, outcome, sentence : str
+        Whether any of its runs failed: as a colour, in short, and with the probability.
+    rows : tuple of ShareRow
+        Any required check, then each check.
+    cases : tuple of ShareRow
+        By case; empty where there is one case alone.
+    worst : tuple of WorstRow
+        First of each kind of fault, then the worst run of each check, those that are violated first.
+    figure : PageFigure or None
+        The distribution of margins; None where no check decided.
+    """
+
+    name: str
+    tone: str
+    outcome: str
+    sentence: str
+    rows: tuple[ShareRow, ...]
+    cases: tuple[ShareRow, ...]
+    worst: tuple[WorstRow, ...]
+    figure: PageFigure | None
+
+
+@dataclass(frozen=True)
+class CampaignView:
+    """A campaign as the page shows it.
+
+    Attributes
+    ----------
+    name, confidence : str
+        Its name, and the confidence of the intervals.
+    facts : tuple of tuple of str
+        Names and values.
+    candidates : tuple of CandidateView
+        In the order of the file.
+    """
+
+    name: str
+    confidence: str
+    facts: tuple[tuple[str, str], ...]
+    candidates: tuple[CandidateView, ...]
+
+
+def view_of(document: Row) -> CampaignView:
+    """Prepare a summary for the page."""
+    if document.get("kind") != KIND:
+        raise InputError(f"the document is of kind {document.get('kind')!r}, but must be of kind '{KIND}'")
+    schema = document.get("schema")
+    if not isinstance(schema, int) or schema > SCHEMA:
+        raise InputError(f"the summary has the schema {schema!r}, but this version reads up to {SCHEMA}")
+    confidence = f"{100.0 * document['confidence']:g} %"
+    shares = document["quantiles"]
+    with house_style():
+        candidates = tuple(
+            _candidate(entry, specification, f"margins-{place}", shares, confidence)
+            for place, (entry, specification) in enumerate(
+                zip(document["candidates"], document["specifications"], strict=True), 1
+            )
+        )
+    facts = (
+        ("runs", str(document["runs"])),
+        ("seed", str(document["seed"])),
+        ("confidence of intervals", confidence),
+        ("candidates", str(len(candidates))),
+    )
+    return CampaignView(clean(document["campaign"]), confidence, facts, candidates)
+
+
+def _candidate(
+    entry: Row, specification: str, identifier: str, shares: Sequence[float], confidence: str
+) -> CandidateView:
+    stated, checks = entry["not_passed"], entry["checks"]
+    tone = "fail" if stated["violations"] else ("pass" if stated["runs"] else "quiet")
+    outcome = ", ".join(f"{count} {clean(verdict)}" for verdict, count in entry["verdicts"].items())
+    sentence = (
+        f"{share_text(stated)} runs violate a required check or end in a fault: with {confidence} confidence the "
+        f"probability lies from {interval_text(stated)}."
+        if stated["runs"]
+        else "No run says anything about this candidate."
+    )
+    cases = entry["cases"]
+    everything = _share_row(
+        "any", stated, "required", "A required check is violated, or a fault ends the run."
+    )
+    return CandidateView(
+        name=clean(entry["name"]),
+        tone=tone,
+        outcome=outcome,
+        sentence=sentence,
+        rows=(everything, *(_check_row(check, shares) for check in checks)),
+        cases=tuple(_share_row(clean(case), of) for case, of in cases.items()) if len(cases) > 1 else (),
+        worst=tuple(_worst(entry, specification)),
+        figure=_figure(entry, identifier),
+    )
+
+
+def _check_row(check: Row, shares: Sequence[float]) -> ShareRow:
+    at = dict(zip(shares, check["margin_quantiles"], strict=False))
+    margins = tuple(_number(at.get(share)) for share in (0.0, 0.05, 0.5))
+    advised = check["advisory_runs"]
+    level = clean(check["level"])
+    if advised:
+        level += f", advises alone in {counted(advised, 'run')}"
+    return _share_row(
+        clean(check["id"]), check, level, clean(check["requirement"]), (margins[0], margins[1], margins[2])
+    )
+
+
+def _share_row(
+    name: str,
+    stated: Row,
+    level: str = "",
+    requirement: str = "",
+    margins: tuple[str, str, str] = ("–", "–", "–"),
+) -> ShareRow:
+    low, high = (100.0 * float(bound) for bound in stated["interval"])
+    probability = stated["probability"]
+    return ShareRow(
+        name=name,
+        level=level,
+        requirement=requirement,
+        share=share_text(stated),
+        probability=probability_text(probability),
+        interval=interval_text(stated),
+        low=low,
+        high=high,
+        at=None if probability is None else 100.0 * probability,
+        tone=_tone(stated["violations"], level),
+        margins=margins,
+    )
+
+
+def _tone(violations: int, level: str) -> str:
+    if not violations:
+        return "pass"
+    return "caution" if level.startswith("advisory") else "fail"
+
+
+def _worst(entry: Row, specification: str) -> list[WorstRow]:
+    words = quote(specification)
+    rows = [
+        WorstRow(
+            what=clean(fault["verdict"]),
+            run=str(fault["run"]),
+            facts="the first run that ended so",
+            margin="–",
+            measured="–",
+            tone="fail",
+            command=clean(f"drivegate simulate {words} --case {quote(fault['file'])}"),
+        )
+        for fault in entry["first_faults"]
+    ]
+    violated = [check for check in entry["checks"] if check["counterexample"] is not None]
+    met = [check for check in entry["checks"] if check["worst_scenario"] is not None]
+    for check in (*sorted(violated, key=lambda check: check["level"] != "required"), *met):
+        counterexample = check["counterexample"]
+        rows.append(
+            WorstRow(
+                what=clean(check["id"]),
+                run=str(check["worst_run"]),
+                facts=_facts(check),
+                margin=_number(check["worst_margin"]),
+                measured=clean(check["worst_measured"]) or "–",
+                tone=_tone(check["violations"], check["level"]),
+                command=clean(
+                    f"drivegate simulate {words} --case {quote(check['worst_scenario'])}"
+                    if counterexample is None
+                    else f"drivegate replay {quote(counterexample)} --candidate {words}"
+                ),
+            )
+        )
+    return rows
+
+
+def _facts(check: Row) -> str:
+    values = [f"{clean(key)} {value:g}" for key, value in check["worst_parameters"].items()]
+    return "; ".join([clean(check["worst_case"]), *values])
+
+
+def _number(value: float | None) -> str:
+    return "–" if value is None else plain_number(value)
+
+
+def _figure(entry: Row, identifier: str) -> PageFigure | None:
+    rows = [
+        CheckDistribution(
+            clean(check["id"], 40),
+            # An infinite loss cannot be written as JSON.
+            np.array([-np.inf if value is None else value for value in check["margins"]], dtype=np.float64),
+            share_text(check),
+        )
+        for check in entry["checks"]
+        if check["margins"]
+    ]
+    if not rows:
+        return None
+    svg = inline_svg(distributions.draw(rows), identifier)
+    title = f"{distributions.TITLE}: {clean(entry['name'], 80)}"
+    return PageFigure(identifier, title, svg, distributions.alternative(rows), distributions.CAPTION)

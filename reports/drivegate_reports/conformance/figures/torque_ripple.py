@@ -1,0 +1,80 @@
+"""Torque over one electrical period, beside how high its ripple may be."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from drivegate_reports.conformance.ripple import Ripple
+from drivegate_reports.page.style import BLUE, GREEN, VERMILION, label_ends, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TITLE: Final = "Torque over one electrical period"
+_PERIOD_DEG: Final = 360.0
+_DASHED: Final = (0, (4, 3))
+
+
+def alternative(ripple: Ripple) -> str:
+    """Describe the figure in words, for who cannot see it."""
+    low, high = _extremes(ripple)
+    return (
+        f"The torque goes from {low:.2f} to {high:.2f} N·m around its mean of {ripple.cycle.mean_nm:.2f} N·m, a ripple "
+        f"of {_percent(ripple):.1f} % peak to peak; the band allows {100.0 * ripple.limit:.0f} %."
+    )
+
+
+def caption(ripple: Ripple) -> str:
+    """Say what the figure shows."""
+    cycle = ripple.cycle
+    words = (
+        f"Steady state at {cycle.speed_rpm:.0f} rpm, {cycle.advance_deg:.1f}° and {cycle.current_reference_a:.2f} A "
+        f"with ideal current regulators: {_percent(ripple):.1f} % peak to peak over the mean. Shaded: the mean ± half "
+        f"of the limit, {100.0 * ripple.limit:.0f} % peak to peak."
+    )
+    if ripple.is_short:
+        words += (
+            f" The {ripple.demanded_nm:.2f} N·m of the run are out of reach at that speed and angle; this is what "
+            "the current limit gives."
+        )
+    return words
+
+
+def draw(ripple: Ripple) -> Figure:
+    """Draw the torque, its mean, and the band that the limit leaves around it."""
+    figure, (panel,) = new_figure(2.0, 1, fitted=False)
+    cycle = ripple.cycle
+    half = 0.5 * ripple.limit * cycle.mean_nm
+    border = cycle.mean_nm - half, cycle.mean_nm + half
+    low, high = _extremes(ripple)
+    panel.fill_between([0.0, _PERIOD_DEG], *border, color=GREEN, alpha=0.14, linewidth=0)
+    panel.plot([0.0, _PERIOD_DEG], [cycle.mean_nm] * 2, color=GREEN, linewidth=1.2, linestyle=_DASHED)
+    panel.plot(cycle.angle_deg, cycle.torque_nm, color=BLUE, linewidth=1.4)
+    least, greatest = min(low, border[0]), max(high, border[1])
+    room = 0.08 * (greatest - least)
+    panel.set_xlim(0.0, 1.2 * _PERIOD_DEG)
+    panel.set_ylim(least - room, greatest + room)
+    panel.set_xticks(np.arange(0.0, _PERIOD_DEG + 1.0, 72.0))
+    outside = VERMILION if _percent(ripple) > 100.0 * ripple.limit else BLUE
+    label_ends(
+        panel,
+        1.012 * _PERIOD_DEG,
+        (f"max {high:.2f}", high, outside),
+        (f"mean {cycle.mean_nm:.2f}", cycle.mean_nm, GREEN),
+        (f"min {low:.2f}", low, outside),
+    )
+    panel.set_xlabel("electrical angle since the first phase's window opened (el. deg)")
+    panel.set_ylabel("torque (N·m)")
+    return figure
+
+
+def _extremes(ripple: Ripple) -> tuple[float, float]:
+    """Give the least and the greatest torque that are drawn (N·m)."""
+    return float(ripple.cycle.torque_nm.min()), float(ripple.cycle.torque_nm.max())
+
+
+def _percent(ripple: Ripple) -> float:
+    low, high = _extremes(ripple)
+    return 100.0 * (high - low) / ripple.cycle.mean_nm
