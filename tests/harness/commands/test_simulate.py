@@ -212,3 +212,20 @@ def test_a_run_that_will_take_long_is_told_while_it_runs(command, tmp_path, monk
     assert "500 steps of 0.00" in line
     fast = command("simulate", "initial", "--case", case)
     assert "at this pace" not in fast.err
+
+
+def test_a_motor_a_thousand_times_off_its_kind_warns_and_runs_all_the_same(command, tmp_path):
+    case = tmp_path / "brief.json"
+    brief = load_scenario("lock-up").replaced(duration_s=0.25)
+    case.write_text(brief.to_json(), encoding="utf-8")
+    ended = command("simulate", "initial", "--case", case, "--set", "inductance_h=2.88", "--json")
+    assert (ended.code, ended.document["fault"]) == (0, None)
+    (warning,) = [line for line in ended.err.splitlines() if line.startswith("warning: ")]
+    assert warning.startswith(
+        "warning: the motor's inductance_h is 2.88, but usual for 48 V and 26 A at 500 rpm"
+    )
+    assert warning.endswith("it is expected in henry: is it in millihenry?")
+    case.write_text(
+        brief.replaced(motor=brief.motor.with_overrides(["resistance_ohm=300"])).to_json(), "utf-8"
+    )
+    assert "warning: the motor's resistance_ohm is 300" in command("simulate", "initial", "--case", case).err
