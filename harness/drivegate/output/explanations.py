@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from drivegate.output.distinct_faults import distinct_faults
-from drivegate_cases.documents.wording import one_line
+from drivegate_cases.documents.wording import counted, one_line
 
 _NOT_JUDGED = "not judged"
 _IN_PART = "judged in part only"
@@ -32,12 +32,16 @@ def explanations(document: Mapping[str, Any]) -> dict[str, str]:
         for cause in causes_of(document):
             words = f"{cause.words} (common cause of {', '.join(cause.checks)})"
             explained |= dict.fromkeys(cause.checks, words)
-    faults = [
-        f"{fault['kind']}: {fault['message']}" for fault, _ in distinct_faults(list(document["faults"]))
-    ]
     for check in _unjudged(document):
-        explained[str(check["id"])] = f"{_how_judged(check)}, because of {'; '.join(faults)}"
+        explained[str(check["id"])] = f"{_how_judged(check)}, because of {_first_fault(document)}"
     return {check: one_line(words) for check, words in explained.items()}
+
+
+def _first_fault(document: Mapping[str, Any]) -> str:
+    """Tell the first fault, and how many there are beside it."""
+    (fault, _), *others = distinct_faults(list(document["faults"]))
+    more = f" and {counted(len(others), 'more fault')}" if others else ""
+    return f"{fault['kind']}: {fault['message']}{more}"
 
 
 def _unjudged(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
