@@ -8,12 +8,13 @@ from typing import Final
 
 from drivegate.checks.check import Check
 from drivegate.checks.declared_speeds import unless_speeds_from
+from drivegate.checks.feasible_angles import given_below_limit
 from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.record import RunRecord, SteadyWindow, rated_torque
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.sensors import IdealSensors
-from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum
+from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, point_at_torque
 from drivegate_models.loop import observation
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -165,15 +166,39 @@ def _excess(record: RunRecord, window: SteadyWindow) -> Margin:
     advisory = torque < REQUIRED_SHARE * rated_torque(record.scenario, window.speed) * (1.0 - 1e-3)
     least = least_current_sum(record.drive, speed, torque, window.dwell.supply_v).current_sum
     if not math.isfinite(least):
-        measured = f"Σ|i| {mean:.4g} A where no angle is feasible{described(window)}"
-        return Margin("CNV-2", -1.0, measured, advisory)
+        return Margin("CNV-2", -1.0, _without_optimum(record, window, speed), advisory)
     if least == 0.0:
         return Margin("CNV-2", -1.0, f"Σ|i| {mean:.4g} A gives no torque{described(window)}", advisory)
-    excess = 100.0 * (mean / least - 1.0)
-    side = "above" if excess >= 0.0 else "below"
-    measured = f"Σ|i| {mean:.4g} A, {abs(excess):.2f} % {side} the least {least:.4g} A{described(window)}"
+    lost = _lost_at_limit(record, window, speed) if mean < least else ""
+    measured = f"Σ|i| {mean:.4g} A, {_excess_in_words(mean, least, lost)}{described(window)}{lost}"
     allowed = OPTIMUM_TOLERANCE * least
     return Margin("CNV-2", at_most(mean - least, allowed), measured, advisory)
+
+
+def _excess_in_words(mean: float, least: float, lost: str) -> str:
+    """Tell how far a current sum is from the least one; by how much it is below only with what is lost for it."""
+    excess = 100.0 * (mean / least - 1.0)
+    if mean < least and not lost:
+        return f"no more than the least {least:.4g} A"
+    return f"{abs(excess):.2f} % {'above' if excess >= 0.0 else 'below'} the least {least:.4g} A"
+
+
+def _without_optimum(record: RunRecord, window: SteadyWindow, speed: float) -> str:
+    """Tell why there is no least Σ|i|."""
+    mean, limit = window.values.current_sum, record.drive.current_limit
+    if is_stalled(window):
+        return f"stalled, with Σ|i| {mean:.4g} A{described(window)}"
+    words = f"no angle gives the torque with the current at its limit of {limit:g} A"
+    return f"Σ|i| {mean:.4g} A{described(window)}, where {words}{_lost_at_limit(record, window, speed)}"
+
+
+def _lost_at_limit(record: RunRecord, window: SteadyWindow, speed: float) -> str:
+    """Tell that the window's angle gives the torque with less current than the limit alone; nothing if it does not."""
+    values = window.values
+    found = point_at_torque(record.drive, speed, values.angle, values.torque, window.dwell.supply_v)
+    if found.robust or not found.static:
+        return ""
+    return f": at {math.degrees(values.angle):.3g}°, {given_below_limit(found.reference)}"
 
 
 CNV_1 = Check(
@@ -199,8 +224,9 @@ CNV_1 = Check(
 CNV_2 = Check(
     id="CNV-2",
     requirement=(
-        "The search converges to the optimum: Σ|i| lies within 2 % of the least that any angle gives at that speed "
-        "and mean torque; required from half the torque of rated power upward, advisory below."
+        "The search converges to the optimum: Σ|i| lies within 2 % of the least at that speed and mean torque, of all "
+        "angles that give this torque with the current at its limit too (at others a regulator at its limit may lose "
+        "it); required from half the torque of rated power upward, advisory below."
     ),
     source="P6, P11, P12",
     subject="candidate",

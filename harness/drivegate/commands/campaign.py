@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, json_option
+from drivegate.commands.options import bounded, json_option, looked_at
 from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
@@ -78,6 +78,8 @@ def command(
     from drivegate.studies.campaign.summary import broken_harness, summarised
 
     plan = planned(campaign, Path(file).resolve().parent)
+    for motor in dict.fromkeys(case.motor for case in plan.cases):
+        looked_at(motor)
     began = time.monotonic()
     with CampaignFolder(output, plan) as folder:
         with progress_on(sys.stderr) as display:

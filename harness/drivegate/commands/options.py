@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from math import inf, isfinite, nan
 from pathlib import Path
@@ -68,7 +69,17 @@ def chosen_motor(name: str | None, settings: tuple[str, ...], default: Callable[
     from drivegate_cases.motor.motor import load_motor
 
     motor = default() if name is None else load_motor(name)
-    return motor.with_overrides(settings)
+    return looked_at(motor.with_overrides(settings))
+
+
+def looked_at(motor: Motor) -> Motor:
+    """Warn of values that are far off the motor's kind, which change nothing else."""
+    from drivegate.output.streams import write_to
+    from drivegate_cases.motor.usual_values import unusual_values
+
+    for words in unusual_values(motor):
+        write_to(sys.stderr, f"warning: {words}\n")
+    return motor
 
 
 def chosen_scenario(
@@ -81,6 +92,7 @@ def chosen_scenario(
     """Find the scenario that the options request, also the one in a counterexample or of a kept result."""
     scenario = _requested_scenario(case, report, run)
     if motor is None and not settings:
+        looked_at(scenario.motor)
         return scenario
     return scenario.replaced(motor=chosen_motor(motor, settings, lambda: scenario.motor))
 

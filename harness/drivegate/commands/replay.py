@@ -1,7 +1,8 @@
-"""``drivegate replay``: run a counterexample again."""
+"""``drivegate replay``: run a counterexample again, or every one of a folder."""
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @click.command("replay")
-@click.argument("file", type=click.Path(path_type=Path), metavar="FILE")
+@click.argument("file", type=click.Path(path_type=Path), metavar="FILE|FOLDER")
 @click.option(
     "--candidate",
     metavar="CANDIDATE",
@@ -31,9 +32,17 @@ if TYPE_CHECKING:
 def command(file: Path, candidate: str | None, plot: Path | None) -> Outcome:
     """Run the counterexample in FILE again, and tell whether its check STILL FAILS or is FIXED.
 
-    The exit code is 1 when it still fails, or is not reproduced by the very candidate that was at fault; it is 0 when
-    it is fixed or does not apply to the candidate.
+    Of a FOLDER, such as drivegate-report, every counterexample is run again, and told on one line.
+
+    The exit code is 1 when one still fails, or is not reproduced by the very candidate that was at fault; it is 0 when
+    all are fixed or do not apply to the candidate.
     """
+    if file.is_dir():
+        if plot is not None:
+            raise click.UsageError(
+                "--plot draws one counterexample, but a folder is named; name one of its files"
+            )
+        return _replay_all(file, candidate)
     from drivegate.output.trace_files import check_targets
     from drivegate.results.counterexample import read_counterexample
 
@@ -57,5 +66,24 @@ def command(file: Path, candidate: str | None, plot: Path | None) -> Outcome:
         from drivegate.studies.replay.display import next_step, show_replay
 
         show_replay(console, document, next_step(document, file, candidate))
+
+    return Outcome(document, show, document["exit_code"])
+
+
+def _replay_all(folder: Path, candidate: str | None) -> Outcome:
+    """Run every counterexample of a folder again."""
+    from drivegate.output.compiled_kernels import with_compiled_kernels
+    from drivegate.output.progress import progress_on
+    from drivegate.studies.replay.folder import document_of_all, kept_in, replayed_all
+
+    all_kept = kept_in(folder, candidate)
+    with_compiled_kernels()
+    with progress_on(sys.stderr) as display:
+        document = document_of_all(folder, replayed_all(all_kept, display))
+
+    def show(console: Console) -> None:
+        from drivegate.studies.replay.display import next_step_of_all, show_all_replays
+
+        show_all_replays(console, document, next_step_of_all(document, candidate))
 
     return Outcome(document, show, document["exit_code"])

@@ -4,6 +4,7 @@ What comes back from it is never believed: commands are played back by whoever j
 """
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from multiprocessing.connection import wait
 from typing import Final
@@ -17,6 +18,7 @@ from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, bounded
 from drivegate.candidates.kinds import KINDS
 from drivegate.containment.candidate_handle import CandidateHandle
 from drivegate.containment.orders import MakeInstance, Order, Setup
+from drivegate.containment.pace_watch import PaceWatch, SlowRun
 from drivegate.containment.reply import CHECK_BYTES, Ending, Reply, UnreadableReply, fault_of
 from drivegate.containment.serving import LOST_CONNECTION
 from drivegate.containment.shared_progress import Activity
@@ -59,9 +61,15 @@ class Answered:
 class CandidateProcess:
     """Carries out orders with one candidate, in a process that is replaced after a crash or a hang."""
 
-    def __init__(self, candidate: Candidate, limits: WorkerLimits | None = None) -> None:
+    def __init__(
+        self,
+        candidate: Candidate,
+        limits: WorkerLimits | None = None,
+        on_slow: Callable[[SlowRun], None] | None = None,
+    ) -> None:
         self.candidate = candidate
         self._limits = limits or WorkerLimits()
+        self._on_slow = on_slow
         self._handle: CandidateHandle | None = None
         self.generation = 0
         self._is_set_up = False
@@ -143,9 +151,11 @@ class CandidateProcess:
         handle = self._running
         handle.forget_output()
         watch = StallWatch(self._limits, handle.processor_seconds(), time.monotonic(), steps)
+        pace = PaceWatch(steps, self._limits.allowed_seconds(steps))
         handle.send(order, steps * COMMAND.itemsize)
         while True:
             wait(handle.waitables, LOOK_EVERY)
+            self._look_at_pace(handle, pace, steps)
             handle.drain_output()
             # A process that has ended may have answered before.
             ended = handle.has_ended()
@@ -158,6 +168,15 @@ class CandidateProcess:
             fault = self._crash(handle) if ended else self._hang(handle, watch)
             if fault is not None:
                 raise CandidateFault(fault)
+
+    def _look_at_pace(self, handle: CandidateHandle, pace: PaceWatch, steps: int) -> None:
+        """Tell once of a run that will take long; orders without steps are none."""
+        if self._on_slow is None or steps == 0 or handle.progress.activity is not Activity.RUNNING:
+            return
+        slow = pace.slow(int(handle.progress.steps[0]), time.monotonic())
+        if slow is not None:
+            on_slow, self._on_slow = self._on_slow, None
+            on_slow(slow)
 
     def _settled(self, reply: Reply) -> Reply:
         if reply.ending is Ending.REFUSED:

@@ -5,6 +5,7 @@ A candidate that comes along with drivegate is drivegate's own code, and needs n
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from types import TracebackType
 from typing import Any, Self
@@ -14,6 +15,7 @@ from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.loading import load_controller
 from drivegate.containment.messages import AnyController, Job, JudgedCandidate, ResultT
+from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.stall_watch import WorkerLimits
 
 
@@ -23,11 +25,21 @@ def own_candidate(candidate: Candidate) -> JudgedCandidate:
 
 
 class Judge:
-    """Does jobs with one candidate, one after another; on Linux the candidate's process ends with this one."""
+    """Does jobs with one candidate, one after another; on Linux the candidate's process ends with this one.
 
-    def __init__(self, candidate: Candidate, *, limits: WorkerLimits | None = None) -> None:
+    `on_slow` is called with the first run that will take long, while it runs.
+    """
+
+    def __init__(
+        self,
+        candidate: Candidate,
+        *,
+        limits: WorkerLimits | None = None,
+        on_slow: Callable[[SlowRun], None] | None = None,
+    ) -> None:
         self._candidate = candidate
         self._limits = limits
+        self._on_slow = on_slow
         self._process: Any = None
 
     def run(self, job: Job[ResultT]) -> ResultT | Fault:
@@ -53,7 +65,7 @@ class Judge:
         from drivegate.containment.contained_controller import ContainedController
 
         if self._process is None:
-            self._process = CandidateProcess(self._candidate, self._limits)
+            self._process = CandidateProcess(self._candidate, self._limits, self._on_slow)
         return ContainedController(self._process)
 
     def kill(self) -> None:

@@ -5,6 +5,7 @@ import pickle
 import tempfile
 import traceback
 import weakref
+from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
@@ -16,6 +17,7 @@ from drivegate.candidates.kinds import KINDS
 from drivegate.containment.judge import Judge
 from drivegate.containment.kept_process import KeptProcess, Role
 from drivegate.containment.messages import Broken, Faulted, Finished, Job, Outcome, Refused
+from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.parent_death import end_with_parent
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate_models.errors import HarnessFault, InputError
@@ -26,9 +28,15 @@ _KILLED = "a process of the harness that watched the candidate was killed"
 class JudgeProcess:
     """Does jobs with one candidate, one after another, in a process that is replaced when it has died."""
 
-    def __init__(self, candidate: Candidate, limits: WorkerLimits | None) -> None:
+    def __init__(
+        self,
+        candidate: Candidate,
+        limits: WorkerLimits | None,
+        on_slow: Callable[[SlowRun], None] | None = None,
+    ) -> None:
         self._candidate = candidate
         self._limits = limits
+        self._on_slow = on_slow
         self._kept: KeptProcess | None = None
         self._connection: Connection[Any, Any] | None = None
         self._busy = False
@@ -65,9 +73,13 @@ class JudgeProcess:
         try:
             if not connection.poll():
                 return None
-            outcome: Outcome = connection.recv()
+            outcome: Outcome | SlowRun = connection.recv()
         except (EOFError, ConnectionResetError):
             return self._died()
+        if isinstance(outcome, SlowRun):
+            if self._on_slow is not None:
+                self._on_slow(outcome)
+            return None
         self._busy = False
         if isinstance(outcome, Refused):
             raise InputError(outcome.sentence)
@@ -112,7 +124,11 @@ def judge_jobs(connection: int, temporary: str, parent: int) -> None:
     channel: Connection[Any, Any] = Connection(connection)
     try:
         candidate, limits = channel.recv()
-        with Judge(candidate, limits=limits) as judge:
+
+        def tell(run: SlowRun) -> None:
+            channel.send_bytes(_written(run))
+
+        with Judge(candidate, limits=limits, on_slow=tell) as judge:
             while True:
                 channel.send_bytes(_written(_outcome(judge, channel.recv())))
     except (EOFError, BrokenPipeError, ConnectionResetError):
@@ -130,7 +146,7 @@ def _outcome(judge: Judge, job: Job[Any]) -> Outcome:
     return Faulted(result) if isinstance(result, Fault) else Finished(result)
 
 
-def _written(outcome: Outcome) -> bytes:
+def _written(outcome: Outcome | SlowRun) -> bytes:
     try:
         return pickle.dumps(outcome, pickle.HIGHEST_PROTOCOL)
     except Exception:

@@ -1,7 +1,7 @@
 """Doing many jobs with one candidate in several processes; the results do not depend on how many."""
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from multiprocessing.connection import wait
 from types import TracebackType
 from typing import Any, Generic, Self
@@ -11,16 +11,28 @@ from drivegate.candidates.fault import Fault
 from drivegate.containment.judge import is_hang
 from drivegate.containment.judge_process import JudgeProcess
 from drivegate.containment.messages import Faulted, Finished, Job, ResultT
+from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.stall_watch import WorkerLimits
 
 _LOOK_EVERY = 0.25
 
 
 class WorkerPool:
-    """Several judges of one candidate, each with a process of the candidate's, watched by a single thread."""
+    """Several judges of one candidate, each with a process of the candidate's, watched by a single thread.
 
-    def __init__(self, candidate: Candidate, *, workers: int, limits: WorkerLimits | None = None) -> None:
-        self._workers = [JudgeProcess(candidate, limits) for _ in range(max(workers, 1))]
+    `on_slow` is called with the first run that will take long, while it runs.
+    """
+
+    def __init__(
+        self,
+        candidate: Candidate,
+        *,
+        workers: int,
+        limits: WorkerLimits | None = None,
+        on_slow: Callable[[SlowRun], None] | None = None,
+    ) -> None:
+        told = None if on_slow is None else _once(on_slow)
+        self._workers = [JudgeProcess(candidate, limits, told) for _ in range(max(workers, 1))]
         self._final: Fault | None = None
 
     def map(self, jobs: Iterable[Job[ResultT]]) -> Iterator[ResultT | Fault]:
@@ -130,3 +142,14 @@ class _Schedule(Generic[ResultT]):
         for left in (self._waiting, self._suspects):
             while left:
                 self._outcomes[left.popleft()] = fault
+
+
+def _once(on_slow: Callable[[SlowRun], None]) -> Callable[[SlowRun], None]:
+    """Make what tells of the first slow run alone."""
+    left = [on_slow]
+
+    def tell(run: SlowRun) -> None:
+        if left:
+            left.pop()(run)
+
+    return tell

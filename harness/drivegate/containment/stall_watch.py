@@ -32,13 +32,17 @@ class WorkerLimits:
     order_step_seconds: float = 1e-3
     memory_bytes: int = 4 * 2**30
 
+    def allowed_seconds(self, steps: int) -> float:
+        """Give the time of an order of so many steps (s)."""
+        return self.order_seconds + steps * self.order_step_seconds
+
 
 class StallWatch:
     """Follows one order from its start."""
 
     def __init__(self, limits: WorkerLimits, processor: float, now: float, steps: int = 0) -> None:
         self._limits = limits
-        self._allowed = limits.order_seconds + steps * limits.order_step_seconds
+        self._allowed = limits.allowed_seconds(steps)
         self._began = now
         self._state: tuple[int, int] | None = None
         self._processor = processor

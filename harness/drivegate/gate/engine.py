@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import astuple, dataclass, field
 from datetime import UTC, datetime
 from typing import Any, Final
@@ -14,6 +14,7 @@ from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
+from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.pool import WorkerPool
 from drivegate.gate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
 from drivegate.gate.focus import WHOLE, Focus
@@ -94,8 +95,9 @@ def check_candidate(
     waivers: Sequence[Waiver] = (),
     fail_on: str = "required",
     focus: Focus = WHOLE,
+    on_slow: Callable[[SlowRun], None] | None = None,
 ) -> Iterator[Event]:
-    """Check a candidate, and tell what is done as events."""
+    """Check a candidate, and tell what is done as events; `on_slow` is told of a run that will take long."""
     if effort not in EXAMPLES:
         raise InputError(f"the effort is '{effort}', but must be one of {', '.join(EXAMPLES)}")
     if seed < 0:
@@ -122,7 +124,7 @@ def check_candidate(
     waived = {waiver.check for waiver in waivers if waiver.candidate == candidate.name}
     counting = frozenset(_REQUIRED if fail_on == "required" else _COUNTED) - waived
     progress = _Progress(None if max_time is None else began + max_time, focus, counting)
-    with WorkerPool(candidate, workers=count) as pool:
+    with WorkerPool(candidate, workers=count, on_slow=on_slow) as pool:
         yield from _run_all(pool, work, progress)
         if not progress.time_is_up and progress.complete:
             _repeat(pool, progress)

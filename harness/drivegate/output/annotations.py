@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.output.distinct_faults import distinct_faults, in_runs
+from drivegate.output.explanations import explanations
 from drivegate.results.result import STALE_WAIVERS
 from drivegate_cases.documents.wording import one_line
 
@@ -30,10 +31,12 @@ def workflow_commands(result: dict[str, Any]) -> list[str]:
         _command("error", f"{name} {fault['kind']}{in_runs(count)}", fault["message"])
         for fault, count in distinct_faults(result["faults"])
     ]
+    explained = explanations(result)
     for check in result["checks"]:
         level = _level(check, counted)
         if level:
-            lines.append(_command(level, f"{name} {check['id']} {check['verdict']}", check["message"]))
+            message = "; ".join(filter(None, (explained.get(check["id"]), check["message"])))
+            lines.append(_command(level, f"{name} {check['id']} {check['verdict']}", message))
     lines += [
         _command("error", f"{name} {entry['check']} against the baseline", entry["message"])
         for entry in result["baseline"] or ()

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from drivegate.gate.events import CheckFinished, CheckStarted, Event, RunDone, Shrinking
+from drivegate.output.pace import CheckPace
 from drivegate.output.progress import Display
 from drivegate.results.result import CheckResult
 from drivegate_models.errors import HarnessFault
@@ -20,9 +21,17 @@ def followed(events: Iterable[Event], display: Display) -> CheckResult | None:
     return result
 
 
+def _with_pace(events: Iterable[Event], display: Display, pace: CheckPace) -> Iterator[Event]:
+    """Tell of a check that will take hours, as its events go by."""
+    for event in events:
+        if isinstance(event, RunDone) and (words := pace.slow_in_words(event.done, event.planned)):
+            display.announce(words)
+        yield event
+
+
 def finished(events: Iterable[Event], display: Display) -> CheckResult:
-    """Show every event of a check, and give its result."""
-    result = followed(events, display)
+    """Show every event of a check, and give its result; tell if it will take hours."""
+    result = followed(_with_pace(events, display, CheckPace()), display)
     if result is None:
         raise HarnessFault("the check ended without a result")
     return result

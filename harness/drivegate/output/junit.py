@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.output.distinct_faults import distinct_faults, in_runs
+from drivegate.output.explanations import explanations
 from drivegate.results.result import STALE_WAIVERS
 from drivegate_cases.documents.wording import one_line
 
@@ -25,19 +26,22 @@ def junit_xml(result: dict[str, Any]) -> bytes:
     """Make JUnit XML of a result document.
 
     An advisory check that fails is reported in the output of its case, which passes unless advisory checks count. One
-    that is waived is skipped, with its owner and the last day of the waiver. A comparison with a baseline has cases of
-    its own. The class of a case is the candidate and the family of the check. A run serves many checks, so the time of
-    a check is its share of all times that a run was judged.
+    that is waived is skipped, with its owner and the last day of the waiver, and so is an advisory one that a fault
+    kept from being judged; of a required one that is an error. What explains an outcome comes first in its message:
+    the cause that several failures share, or that fault. A comparison with a baseline has cases of its own. The class
+    of a case is the candidate and the family of the check. A run serves many checks, so the time of a check is its
+    share of all times that a run was judged.
     """
     name = one_line(result["candidate"]["name"])
     suite = ElementTree.Element("testsuite", name=f"drivegate {name}")
     counted = ("required", "advisory") if result.get("fail_on") == "advisory" else ("required",)
     seconds = result["timing"].get("seconds", 0.0)
+    explained = explanations(result)
     judged = sum(check["runs"] for check in result["checks"]) or 1
     for check in result["checks"]:
         case = _case(suite, f"{name}.{check['id'].partition('-')[0]}", check["id"])
         case.set("time", f"{seconds * check['runs'] / judged:.3f}")
-        _judge(case, check, counted)
+        _judge(case, check, counted, explained.get(check["id"], ""))
         _tell_what_happened(case, result, check)
     for entry in result["baseline"] or ():
         _compare(_case(suite, name, f"{entry['check']} against the baseline"), entry, counted)
@@ -66,10 +70,14 @@ def _case(suite: ElementTree.Element, group: str, name: str) -> ElementTree.Elem
     return ElementTree.SubElement(suite, "testcase", classname=group, name=one_line(name))
 
 
-def _judge(case: ElementTree.Element, check: dict[str, Any], counted: Collection[str]) -> None:
-    verdict, message = check["verdict"], one_line(check["message"])
+def _judge(
+    case: ElementTree.Element, check: dict[str, Any], counted: Collection[str], explanation: str
+) -> None:
+    verdict = check["verdict"]
+    message = one_line(f"{explanation}; {check['message']}" if explanation else check["message"])
     required = check["level"] in counted
-    if verdict in ("not applicable", "waived"):
+    unjudged = verdict == "inconclusive" and explanation
+    if verdict in ("not applicable", "waived") or (unjudged and not required):
         # The message of a waived check ends with owner, last day and reason.
         ElementTree.SubElement(case, "skipped", message=message)
     elif verdict in STALE_WAIVERS or (required and verdict == "fail"):
@@ -80,7 +88,7 @@ def _judge(case: ElementTree.Element, check: dict[str, Any], counted: Collection
         ElementTree.SubElement(case, "error", type=one_line(verdict), message=message)
     else:
         output = ElementTree.SubElement(case, "system-out")
-        output.text = one_line(f"{check['level']}, {verdict}: {check['message']}")
+        output.text = one_line(f"{check['level']}, {verdict}: {message}")
 
 
 def _tell_what_happened(case: ElementTree.Element, result: dict[str, Any], check: dict[str, Any]) -> None:

@@ -8,6 +8,7 @@ from shlex import quote
 from typing import Any, Final
 
 from drivegate.output.distinct_faults import distinct_faults, in_runs
+from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.results.wording import printed_margin, runs_in_short
 from drivegate_cases.documents.wording import one_line
@@ -37,9 +38,10 @@ def markdown(result: dict[str, Any]) -> str:
         "",
         f"{runs_in_short(result)}, effort {escaped(result['effort'])}, "
         f"seed {result['seed']}, drivegate {escaped(result['provenance']['drivegate'])}.",
+        *_faults(result),
+        *_causes(result),
         *_what_failed(result),
         "",
-        *_causes(result),
         "| check | level | verdict | margin | message |",
         "|---|---|---|---:|---|",
     ]
@@ -56,9 +58,7 @@ def _what_failed(result: dict[str, Any]) -> list[str]:
     counted = ("required", "advisory") if result.get("fail_on") == "advisory" else ("required",)
     failed = [check for check in result["checks"] if check["counterexample"] is not None]
     failed.sort(key=lambda check: (check["verdict"] == "waived", check["level"] not in counted))
-    lines = _faults(result["faults"])
-    if failed:
-        lines += ["", "## What failed", ""]
+    lines = ["", "## What failed", ""] if failed else []
     for check in failed:
         file = counterexample_name(check["id"])
         lines.append(
@@ -86,7 +86,7 @@ def _causes(result: dict[str, Any]) -> list[str]:
     from drivegate.output.causes import causes_of
 
     lines = [f"- {escaped(cause)}" for cause in causes_of(result)]
-    return [*lines, ""] if lines else []
+    return ["", "## Common cause", "", *lines] if lines else []
 
 
 def _account(result: dict[str, Any], check: dict[str, Any]) -> list[str]:
@@ -106,11 +106,12 @@ def _comparisons(entries: list[dict[str, Any]]) -> list[str]:
     return lines
 
 
-def _faults(faults: list[dict[str, Any]]) -> list[str]:
-    if not faults:
+def _faults(result: dict[str, Any]) -> list[str]:
+    if not result["faults"]:
         return []
     listed = (
         f"- {escaped(fault['kind'])}{in_runs(count)}: {escaped(fault['message'])}"
-        for fault, count in distinct_faults(faults)
+        for fault, count in distinct_faults(result["faults"])
     )
-    return ["", "## Faults", "", *listed]
+    left = unjudged_in_words(result)
+    return ["", "## Faults", "", *listed, *(["", escaped(left)] if left else [])]

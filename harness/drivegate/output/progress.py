@@ -10,7 +10,7 @@ from typing import Final, TextIO
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from drivegate.output.console import console_for
+from drivegate.output.console import console_for, plain
 from drivegate_cases.documents.wording import one_line
 
 SECONDS_BETWEEN_LINES: Final = 2.0
@@ -42,12 +42,15 @@ class Display:
         """Tell how long the rest takes at the rate so far; nothing before there is one."""
         if not 0 < done < total:
             return ""
-        return f"{_duration((time.monotonic() - self._began) * (total - done) / done)} left"
+        return f"{duration_in_words((time.monotonic() - self._began) * (total - done) / done)} left"
 
     def remark(self, words: str, *, always: bool = False) -> None:
         """Tell what is no part done."""
         self._move_bar(words)
         self._print(words, always)
+
+    def announce(self, words: str) -> None:
+        """Tell at once, on a line of its own that stays, what is told but once."""
 
     def _begin_bar(self, total: int, words: str) -> None:
         """Show a new bar."""
@@ -92,6 +95,9 @@ class _Bar(Display):
     def _move_bar(self, words: str, done: int | None = None, total: int | None = None) -> None:
         self._bars.update(self._task, completed=done, total=total, words=one_line(words))
 
+    def announce(self, words: str) -> None:
+        self._bars.console.print(plain(f"{self._title}: {words}"))
+
 
 class _Lines(Display):
     def __init__(self, stream: TextIO) -> None:
@@ -118,10 +124,13 @@ class _Lines(Display):
             due = max(self._next, self._began + SECONDS_BETWEEN_LINES)
             if self._title and time.monotonic() >= due - SECONDS_BETWEEN_LINES / 4.0:
                 told = f"{self._last}, " if self._last else ""
-                self._write(f"{told}{_duration(time.monotonic() - self._began)} so far")
+                self._write(f"{told}{duration_in_words(time.monotonic() - self._began)} so far")
 
     def _begin_bar(self, total: int, words: str) -> None:  # noqa: ARG002  (what a bar needs)
         self._last = words
+
+    def announce(self, words: str) -> None:
+        self._write(words)
 
     def _print(self, words: str, always: bool) -> None:
         self._last = words
@@ -164,13 +173,16 @@ def with_rate(
         if made <= 0 or seconds <= 0.0:
             words = "starting" if done < total else "complete"
         else:
-            words = f"{made / seconds:.3g} {unit}/s, {_duration((total - done) * seconds / made)} left"
+            words = (
+                f"{made / seconds:.3g} {unit}/s, {duration_in_words((total - done) * seconds / made)} left"
+            )
         display.advance(done, total, words, unit=unit, always=done >= total)
 
     return report
 
 
-def _duration(seconds: float) -> str:
+def duration_in_words(seconds: float) -> str:
+    """Write a time as people tell it."""
     whole = round(seconds)
     if whole < 100:
         return f"{whole} s"

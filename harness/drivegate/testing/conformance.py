@@ -156,10 +156,13 @@ class Conformance:
 
     def _message(self, outcome: Mapping[str, Any]) -> str:
         """Tell a check that is not met: what, by how much, and how to see it again."""
+        from drivegate.output.explanations import explanations
         from drivegate.output.result_file import counterexample_name
 
         verdict = "fails" if outcome["verdict"] == "fail" else outcome["verdict"]
-        lines = [f"{self.item} {verdict} ({outcome['level']}): {outcome['message']}"]
+        explained = explanations(self.result or {"checks": (), "faults": ()}).get(self.item)
+        message = "; ".join(filter(None, (explained, outcome["message"])))
+        lines = [f"{self.item} {verdict} ({outcome['level']}): {message}"]
         lines.append(f"  required: {outcome['requirement']} Limit: {outcome['limit']}.")
         if outcome["subject"] == "plant":
             lines.append(

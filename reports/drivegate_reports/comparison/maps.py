@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.checks.feasible_angles import FEASIBLE
 from drivegate_reports.comparison.cells import name, written
 from drivegate_reports.comparison.inks import Ink
 from drivegate_reports.page.style import GREY, WIDTH_INCH, ink
@@ -48,7 +49,7 @@ MAPS: Final = (
     MapQuantity(
         "gap_current_percent",
         "Optimality gap: Σ|i| above the least possible",
-        "How far each candidate stays from the angle of least Σ|i| for the same torque.",
+        f"How far each candidate stays from the feasible angle of least Σ|i| for the same torque. {FEASIBLE}",
         "Σ|i| above least (%)",
         1,
     ),

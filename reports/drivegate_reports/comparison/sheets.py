@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from drivegate.checks.feasible_angles import FEASIBLE
 from drivegate_reports.comparison.cells import Cell, Sheet, figure, name, written
 from drivegate_reports.page.printable import clean
 
@@ -52,7 +53,8 @@ def ranking_sheet(document: Row) -> Sheet:
     )
     caption = (
         f"Input power, Σ|i| and what they are above {first} are means over the points that both hold; the columns "
-        "after them are about the points that the candidate holds itself."
+        "after them are about the points that the candidate holds itself, among those with a feasible angle. "
+        f"{FEASIBLE}"
     )
     return Sheet("ranking", caption, heads, tuple(rows))
 

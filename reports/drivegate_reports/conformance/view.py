@@ -10,6 +10,7 @@ from shlex import quote
 from typing import Any, Final
 
 from drivegate.output.causes import causes_of, first_to_mend
+from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.results.result import RESULT_SCHEMA
 from drivegate.results.signature import fingerprint
@@ -188,8 +189,8 @@ def _meaning(verdict: str, failing: Sequence[str]) -> str:
 
 
 def _causes(document: Mapping[str, Any]) -> list[str]:
-    causes = (clean(str(cause)) for cause in causes_of(document))
-    return [f"{cause[0].upper()}{cause[1:]}." for cause in causes]
+    clauses = [clean(clause) for clause in (*map(str, causes_of(document)), unjudged_in_words(document))]
+    return [f"{clause[0].upper()}{clause[1:]}." for clause in clauses if clause]
 
 
 def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[str, ...]:

@@ -179,6 +179,35 @@ def test_two_percent_above_the_least_current_sum(record, assert_limit):
     )
 
 
+BELOW_THE_EDGE = {"SPEED": 700.0 * RPM, "TORQUE": 20.46, "ANGLE": math.radians(27.85), "CURRENT_SUM": 66.2}
+"""At 700 rpm and 1.5 kW the smallest angle that gives the torque at the current limit too is 32.6°."""
+
+
+def test_less_than_the_least_is_told_with_what_is_lost_for_it(record, scenario, checks):
+    slow = scenario(speed_rpm=[[0.0, 700.0]])
+    measured = checks["CNV-2"].evaluate(record(slow, window=BELOW_THE_EDGE)).measured
+    assert "% below the least 68.23 A at 700 rpm, 20.5 N·m: at 27.9°, " in measured, measured
+    assert measured.endswith(" A gives the torque, but a regulator at its limit may lose it"), measured
+
+
+def test_less_than_the_least_at_a_feasible_angle_is_no_number(record, scenario, checks):
+    slow = scenario(speed_rpm=[[0.0, 700.0]])
+    dithering = BELOW_THE_EDGE | {"ANGLE": math.radians(33.0)}
+    measured = checks["CNV-2"].evaluate(record(slow, window=dithering)).measured
+    assert measured.startswith("Σ|i| 66.2 A, no more than the least 68.23 A at 700 rpm, 20.5 N·m"), measured
+    assert "%" not in measured
+
+
+def test_a_torque_that_no_angle_gives_at_the_limit_is_told_so(record, scenario, checks):
+    slow = scenario(speed_rpm=[[0.0, 700.0]])
+    margin = checks["CNV-2"].evaluate(record(slow, window=BELOW_THE_EDGE | {"TORQUE": 30.0}))
+    assert not margin.met
+    assert "where no angle gives the torque with the current at its limit of 26 A" in margin.measured
+    stalled = {"SPEED": 0.0, "SPEED_ERROR": 700.0 * RPM, "TORQUE": 30.0, "CURRENT_SUM": 104.0}
+    measured = checks["CNV-2"].evaluate(record(slow, window=stalled)).measured
+    assert measured == "stalled, with Σ|i| 104 A where 700 rpm are demanded"
+
+
 def test_below_half_load_the_optimum_is_only_advised(record, scenario, checks):
     half = 0.5 * 1500.0 / (1500.0 * RPM)
     inside, below = half * (1.0 - 1e-3), np.nextafter(half * (1.0 - 1e-3), 0.0)

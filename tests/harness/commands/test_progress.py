@@ -7,6 +7,7 @@ import pytest
 
 from drivegate.gate.events import CheckStarted, RunDone
 from drivegate.output.event_loop import followed
+from drivegate.output.pace import CheckPace
 from drivegate.output.progress import Display, progress_on, with_rate
 
 
@@ -87,3 +88,38 @@ def test_the_time_left_is_reported_as_people_say_it(seconds, time_left):
     now[0] = seconds
     tell(1, 0)
     assert kept.last.endswith(time_left)
+
+
+def test_a_check_that_takes_hours_is_told_once_with_what_makes_it_shorter():
+    now = [0.0]
+    pace = CheckPace(clock=lambda: now[0])
+    told = []
+    for now[0], done in ((30.0, 2), (35.0, 4), (130.0, 6), (230.0, 8)):
+        told.append(pace.slow_in_words(done, 302))
+    # From 30 s on it made 4 runs in 100 s.
+    assert told == [
+        "",
+        "",
+        "at this pace this check takes about 2 h 3 min more; --effort quick or --only makes it shorter, and "
+        "--max-time ends it",
+        "",
+    ]
+
+
+def test_a_check_of_less_than_an_hour_is_not_told_to_be_long():
+    now = [0.0]
+    pace = CheckPace(clock=lambda: now[0])
+    for now[0], done in ((30.0, 2), (130.0, 16), (230.0, 30)):
+        assert pace.slow_in_words(done, 302) == ""
+
+
+@pytest.mark.parametrize("stream", [io.StringIO(), Terminal()], ids=["a file", "a terminal"])
+def test_an_announcement_stays_and_is_not_repeated(stream, monkeypatch):
+    monkeypatch.setattr("drivegate.output.progress.SECONDS_BETWEEN_LINES", 0.05)
+    with progress_on(stream) as display:
+        display.begin("mine", 3)
+        display.announce("at this pace \x1b[31m it takes hours")
+        time.sleep(0.3)
+    text = stream.getvalue()
+    assert text.count("takes hours") == 1, text
+    assert r"mine: at this pace \x1b[31m it takes hours" in text

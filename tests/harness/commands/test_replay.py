@@ -160,7 +160,12 @@ def test_a_name_that_only_looks_built_in_is_refused(refused, file, tmp_path):
     [
         (["missing.json"], "missing.json does not exist"),
         (["controllers.txt"], "neither a TOML nor a JSON file"),
-        ([], "FILE"),
+        ([], "FILE|FOLDER"),
+        (
+            ["."],
+            ". holds no counterexample; name the report of a check that failed, such as drivegate-report",
+        ),
+        ([".", "--plot", "run.svg"], "--plot draws one counterexample, but a folder is named"),
         (["FOUND", "--candidate", "nobody"], "'nobody' is unknown"),
         (["FOUND", "--plot", "run.pdf"], ".png or .svg"),
         (["FOUND", "--plot", "no/where.svg"], "folder does not exist"),
@@ -225,6 +230,14 @@ def test_what_does_not_show_again_with_nothing_changed_is_not_called_fixed(comma
     assert ended.code == 1, "nothing was mended"
 
 
+def test_a_folder_tells_it_too(command, by_chance):
+    path, candidate = by_chance(seeded=False, check="CMD-1")
+    ended = command("replay", path.parent, "--candidate", candidate)
+    assert "1 counterexample: 1 not reproduced" in ended.out
+    assert ended.out.splitlines()[-1].endswith("--only DET-1")
+    assert ended.code == 1, "nothing was mended"
+
+
 def test_another_margin_of_the_same_failure_is_told(command, by_chance):
     path, candidate = by_chance(seeded=False, check="CMD-1", current=80.0)
     ended = command("replay", path, "--candidate", candidate, "--json").document
@@ -244,3 +257,86 @@ def test_what_was_changed_or_repeats_itself_has_no_such_remark(command, by_chanc
     path, candidate = by_chance(seeded=True, check="CUR-1", **other[change])
     again = command("replay", path, "--candidate", candidate, "--json").document
     assert (again["remark"], again["verdict"]) == ("", "fixed" if now >= 0.0 else "still fails")
+
+
+SHORT = SCENARIO.replaced(duration_s=1.0).to_mapping()
+
+
+@pytest.fixture
+def report(tmp_path):
+    """Write a report's folder with counterexamples by check, each of another candidate."""
+
+    def write(folder="drivegate-report", **names):
+        place = tmp_path / folder / "counterexamples"
+        place.mkdir(parents=True)
+        (tmp_path / folder / "result.json").write_text("{}", encoding="utf-8")
+        for check, name in names.items():
+            table = counterexample(check=check.replace("_", "-"), scenario=SHORT, candidate={"name": name})
+            (place / f"{table['check']}.json").write_text(json.dumps(table), encoding="utf-8")
+        return tmp_path / folder
+
+    return write
+
+
+def test_every_counterexample_of_a_report_is_told_on_one_line(command, report, controllers):
+    folder = report(CMD_1="published", PWR_2="published", DET_1="published")
+    ended = command("replay", folder, "--candidate", f"{controllers}:Steady")
+    assert ended.code == 0, ended.err
+    *lines, total, following = ended.out.splitlines()
+    assert [line.split()[:2] for line in lines] == [
+        ["FIXED", "CMD-1"],
+        ["FIXED", "DET-1"],
+        ["NOT", "APPLICABLE"],
+    ]
+    for line, check in zip(lines, ("CMD-1", "DET-1", "PWR-2"), strict=True):
+        assert line.endswith(f"{folder}/counterexamples/{check}.json")
+    assert "was -2.5, by controllers.py:Steady" in lines[0]
+    assert total == "3 counterexamples: 2 fixed, 1 not applicable"
+    assert f"cp {folder}/counterexamples/*.json corpus/ && drivegate check" in following
+    assert "replay: " in ended.err, "progress belongs on standard error"
+
+
+def test_one_that_still_fails_decides_and_the_folder_inside_will_do(command, report, controllers):
+    folder = report(CMD_1="published", DET_1="published") / "counterexamples"
+    words = ("replay", folder, "--candidate", f"{controllers}:Raising")
+    text, data = command(*words), command(*words, "--json")
+    assert text.code == data.code == data.document["exit_code"] == 1
+    assert "2 counterexamples: 2 still fail\n" in text.out
+    assert (
+        f"next: drivegate replay {folder}/CMD-1.json --candidate {controllers}:Raising --plot CMD-1.svg"
+        in text.out
+    )
+    assert data.document["counts"] == {
+        "still fails": 2,
+        "not reproduced": 0,
+        "fixed": 0,
+        "not applicable": 0,
+    }
+    assert [replay["check"] for replay in data.document["replays"]] == ["CMD-1", "DET-1"]
+    single = command("replay", folder / "CMD-1.json", *words[2:], "--json").document
+    assert data.document["replays"][0] == {"file": str(folder / "CMD-1.json")} | single
+
+
+def test_each_file_of_a_folder_runs_its_own_candidate(command, report, tmp_path):
+    report("both/initial", CMD_1="initial")
+    report("both/reference", CMD_1="reference")
+    documents = command("replay", tmp_path / "both", "--json").document["replays"]
+    assert [document["candidate"]["name"] for document in documents] == ["initial", "reference"]
+
+
+def test_a_corpus_is_replayed_and_a_broken_file_in_it_refused(command, refused, file):
+    corpus = file(check="CMD-1", scenario=SHORT, candidate={"name": "reference"}).parent
+    ended = command("replay", corpus)
+    assert (ended.code, ended.out.count("FIXED")) == (0, 1)
+    assert f"next: drivegate check reference --corpus {corpus}" in ended.out
+    (corpus / "broken.json").write_text("{", encoding="utf-8")
+    assert "broken.json" in refused("replay", corpus)
+
+
+def test_a_report_without_counterexamples_names_what_would_be_right(refused, report):
+    assert "holds no counterexample; name the report of a check that failed" in refused("replay", report())
+
+
+def test_a_folder_does_not_say_what_is_executed(refused, report):
+    folder = report(CMD_1="reference", DET_1="mine.py:Mine")
+    assert "say which one to run with --candidate" in refused("replay", folder)

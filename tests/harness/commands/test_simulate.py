@@ -184,3 +184,48 @@ def test_a_run_that_a_report_does_not_keep_is_refused(command, refused, engine):
     assert "keeps no run 'lock-upp', the nearest is 'lock-up'" in refused(*words, "--run", "lock-upp")
     assert "--from FOLDER --run NAME" in refused(*words)
     assert "--from FOLDER --run NAME" in refused(*words, "--run", "CNV-1", "--case", "lock-up")
+
+
+SLOW = """
+import time
+from drivegate import Command
+
+class Slow:
+    def reset(self, nameplate): pass
+    def step(self, sense):
+        time.sleep(0.005)
+        return Command(current_reference=5.0, advance_angle=0.5)
+"""
+
+
+def test_a_run_that_will_take_long_is_told_while_it_runs(command, tmp_path, monkeypatch):
+    monkeypatch.setattr("drivegate.containment.pace_watch.KNOWN_AFTER", 0.3)
+    monkeypatch.setattr("drivegate.containment.pace_watch.LONG", 1.0)
+    case = tmp_path / "half.json"
+    case.write_text(load_scenario("lock-up").replaced(duration_s=0.25).to_json(), encoding="utf-8")
+    (tmp_path / "slow.py").write_text(SLOW, encoding="utf-8")
+    ended = command("simulate", "slow.py:Slow", "--case", case, "--json")
+    assert ended.code == 0
+    assert ended.document["summary"]["steps"] == 500, "what is told changes nothing"
+    (line,) = [line for line in ended.err.splitlines() if "at this pace" in line]
+    assert line.startswith("at this pace this run takes about "), line
+    assert "500 steps of 0.00" in line
+    fast = command("simulate", "initial", "--case", case)
+    assert "at this pace" not in fast.err
+
+
+def test_a_motor_a_thousand_times_off_its_kind_warns_and_runs_all_the_same(command, tmp_path):
+    case = tmp_path / "brief.json"
+    brief = load_scenario("lock-up").replaced(duration_s=0.25)
+    case.write_text(brief.to_json(), encoding="utf-8")
+    ended = command("simulate", "initial", "--case", case, "--set", "inductance_h=2.88", "--json")
+    assert (ended.code, ended.document["fault"]) == (0, None)
+    (warning,) = [line for line in ended.err.splitlines() if line.startswith("warning: ")]
+    assert warning.startswith(
+        "warning: the motor's inductance_h is 2.88, but usual for 48 V and 26 A at 500 rpm"
+    )
+    assert warning.endswith("it is expected in henry: is it in millihenry?")
+    case.write_text(
+        brief.replaced(motor=brief.motor.with_overrides(["resistance_ohm=300"])).to_json(), "utf-8"
+    )
+    assert "warning: the motor's resistance_ohm is 300" in command("simulate", "initial", "--case", case).err

@@ -338,3 +338,16 @@ def test_a_pool_may_be_left_early_and_used_again(candidate, jobs):
 def test_a_pool_without_jobs_starts_nothing(candidate):
     with WorkerPool(candidate(), workers=2) as pool:
         assert list(pool.map([])) == []
+
+
+def test_a_slow_run_is_told_while_it_runs(jobs, candidate):
+    # Its steps take 50 ms, and the 150th raises, which no wait for a hang comes after.
+    slow = candidate(answer="1.0 / (self.count < 150) + (time.sleep(0.05) or 0.0)")
+    limits = WorkerLimits(order_seconds=100.0, order_step_seconds=0.0)
+    told = []
+    with WorkerPool(slow, workers=2, limits=limits, on_slow=told.append) as pool:
+        endings = list(pool.map([Job(jobs.drive, 4000), Job(jobs.drive, 4000)]))
+    assert [ending.error for ending in endings] == ["ZeroDivisionError"] * 2
+    (run,) = told
+    assert (run.steps, run.allowed_seconds) == (4000, 100.0)
+    assert run.seconds > 200.0, "a step takes 50 ms and what a busy machine adds"

@@ -22,7 +22,14 @@ def result(
 
 
 def check(verdict: str, level: str = "required", message: str = "as measured") -> dict[str, Any]:
-    return {"id": "CNV-1", "verdict": verdict, "level": level, "message": message}
+    return {
+        "id": "CNV-1",
+        "verdict": verdict,
+        "level": level,
+        "message": message,
+        "runs": 0,
+        "counterexample": None,
+    }
 
 
 @pytest.mark.parametrize(

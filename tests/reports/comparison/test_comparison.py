@@ -1,6 +1,7 @@
 """The comparison page and its figures, from a document made up for them."""
 
 import copy
+import io
 import json
 import math
 import re
@@ -8,6 +9,9 @@ import re
 import numpy as np
 import pytest
 
+from drivegate.checks.feasible_angles import FEASIBLE
+from drivegate.output.console import console_for
+from drivegate.studies.compare.display import show_comparison
 from drivegate.studies.compare.plan import EFFORTS
 from drivegate_models.errors import InputError
 from drivegate_reports.comparison.cells import written
@@ -56,6 +60,15 @@ def test_the_page_begins_with_the_decision(text):
     assert "loses takes as much input power and as much Σ|i| over the 12 points that both hold" in top
     assert "but loses 4 of 16 points" in top
     assert "Rule:" in top
+
+
+def test_page_and_terminal_say_which_points_count_and_why_less_than_the_least_is_possible(document):
+    stream = io.StringIO()
+    show_comparison(console_for(stream), document, ())
+    assert f"points and the best possible are of feasible angles: {FEASIBLE}" in stream.getvalue()
+    assert ranking_sheet(document).caption.endswith(FEASIBLE)
+    gap = next(quantity for quantity in MAPS if quantity.key == "gap_current_percent")
+    assert gap.caption.endswith(FEASIBLE), "a gap below zero needs its reason"
 
 
 def test_ranking_and_regions_say_by_how_much(document):

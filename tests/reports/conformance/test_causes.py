@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import io
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 
 from drivegate.output.causes import by_urgency, causes_of, first_to_mend
 from drivegate.output.console import console_for
+from drivegate.output.junit import junit_xml
 from drivegate.output.markdown import markdown
 from drivegate.studies.check.checked import Checked
 from drivegate.studies.check.display import show_checked
@@ -62,6 +64,14 @@ def test_the_cause_stands_before_the_table_and_next_points_at_it(
     assert markdown(three_failed).index("past the feasible edge") < markdown(three_failed).index("| check |")
 
 
+def test_junit_begins_a_message_with_the_cause(three_failed: dict[str, Any]) -> None:
+    cases = ElementTree.fromstring(junit_xml(three_failed)).iter("testcase")
+    messages = {case.get("name"): case[0].get("message", "") for case in cases}
+    for check in ("CNV-1", "CPW-1"):
+        assert messages[check].startswith(f"{EDGE} (common cause of CNV-1, CPW-1); "), messages[check]
+    assert EDGE not in messages["CMD-1"], "a check that fails alone has no common cause"
+
+
 def test_failed_rows_come_first_in_the_order_of_the_catalogue(three_failed: dict[str, Any]) -> None:
     assert [check["id"] for check in by_urgency(three_failed["checks"])] == [
         "CMD-1",
@@ -88,8 +98,20 @@ def test_a_fault_without_failed_checks_is_what_next_names(recorded: dict[str, An
     document = copy.deepcopy(recorded)
     document["checks"] = document["checks"][1:]
     document["faults"] = [
-        {"kind": "crash", "phase": "step", "message": "died", "traceback": "", "step": 3, "time_s": 0.1}
+        {
+            "kind": "crash",
+            "phase": "step",
+            "message": "died",
+            "error": "",
+            "traceback": "",
+            "step": 3,
+            "time_s": 0.1,
+            "sense": None,
+        }
     ]
-    assert "next: mend what is named first (crash), then drivegate check mine.py:Mine" in shown(
-        document, tmp_path
-    )
+    document["checks"][0] |= {"verdict": "inconclusive", "runs": 0}
+    name = document["checks"][0]["id"]
+    text = shown(document, tmp_path)
+    assert "next: mend what is named first (crash), then drivegate check mine.py:Mine" in text
+    assert text.index("crash: died") < text.index(f"not judged: {name}") < text.index("margin")
+    assert f"Not judged: {name}." in view_of(document).meaning

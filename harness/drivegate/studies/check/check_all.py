@@ -13,6 +13,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.output.event_loop import finished
 from drivegate.output.failure import is_of_the_disk
+from drivegate.output.pace import slow_in_words
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
 from drivegate.output.report_writers import WrittenReports
@@ -196,8 +197,10 @@ def _check(
     from drivegate.gate.engine import check_candidate
 
     def work() -> WrittenReports:
-        events = check_candidate(candidate, **options)
         with progress_on(None if quiet else sys.stderr) as display:
+            events = check_candidate(
+                candidate, on_slow=lambda run: display.announce(slow_in_words(run)), **options
+            )
             result = finished(events, display)
             # Whatever reports do to the document that they get, this one is the result's.
             checked.document = finish(result)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from drivegate.output.causes import by_urgency, causes_of, first_to_mend
 from drivegate.output.console import ADVISED, STYLES, plain, table, verdict_text
 from drivegate.output.distinct_faults import distinct_faults, in_runs
+from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.scenario_words import scenario_in_short
 from drivegate.results.signature import fingerprint
@@ -28,6 +29,8 @@ def show_checked(console: Console, checked: Checked) -> None:
     assert document is not None, "only a candidate with a result is shown"
     for fault, count in distinct_faults(document["faults"]):
         _show_fault(console, fault, count)
+    if left := unjudged_in_words(document):
+        console.print(plain(f"  {left}", "bold"))
     _show_causes(console, document)
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
     counted = ("required", "advisory") if document.get("fail_on") == "advisory" else ("required",)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from drivegate.checks.feasible_angles import FEASIBLE
 from drivegate.output.console import number, plain, table
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ def show_comparison(console: Console, document: dict[str, Any], pages: Sequence[
     console.print(listed)
     _show_differences(console, document)
     console.print(plain(f"rule: {document['rule']}"))
+    console.print(plain(f"points and the best possible are of feasible angles: {FEASIBLE}"))
     for entry in document["candidates"]:
         for fault in entry["faults"]:
             console.print(plain(f"{entry['label']}: {fault['kind']}: {fault['message']}", "bold red"))

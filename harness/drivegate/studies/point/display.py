@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
+from drivegate.checks.feasible_angles import given_below_limit
 from drivegate.output.console import number, plain, table
 
 if TYPE_CHECKING:
@@ -35,11 +36,7 @@ def show_point(console: Console, document: dict[str, Any], drive: Drive, torque:
     console.print(values)
     if not document["feasible"]:
         below = document.get("reference_below_limit_a")
-        lost = (
-            ""
-            if below is None
-            else f"; {below:.3g} A gives the torque, but a regulator at its limit may lose it"
-        )
+        lost = "" if below is None else f"; {given_below_limit(below)}"
         reason = (
             f"{torque:g} N·m cannot be produced here at the current limit of {drive.current_limit:g} A; "
             f"the values are those at the limit{lost}"

@@ -1,4 +1,4 @@
-"""A counterexample that was run again on the console."""
+"""Counterexamples that were run again on the console."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from drivegate.output.console import plain
+from drivegate.output.result_file import COUNTEREXAMPLES
 from drivegate.studies.replay.replay import FIXED, NOT_REPRODUCED, STILL_FAILS
+from drivegate_cases.documents.wording import counted
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -70,3 +72,59 @@ def _margin_text(measured: dict[str, Any]) -> str:
     margin = measured["margin"]
     text = "margin –" if margin is None else f"margin {margin:+.4g}"
     return f"{text} ({measured['measured']})" if measured["measured"] else text
+
+
+def next_step_of_all(document: dict[str, Any], candidate: str | None) -> str:
+    """Tell what to do when one of a folder's counterexamples still fails, or none does."""
+    replays = document["replays"]
+    failing = next((replay for replay in replays if replay["verdict"] == STILL_FAILS), None)
+    parted = next((replay for replay in replays if replay["verdict"] == NOT_REPRODUCED), None)
+    if failing is None and parted is not None:
+        return next_step(parted, Path(parted["file"]), candidate)
+    if failing is not None:
+        named = "" if candidate is None else f" --candidate {quote(candidate)}"
+        return f"drivegate replay {quote(failing['file'])}{named} --plot {failing['check']}.svg"
+    who = quote(candidate or replays[0]["candidate"]["name"])
+    places = {Path(replay["file"]).parent for replay in replays}
+    if len(places) > 1:
+        return f"drivegate check {who}"
+    place = places.pop()
+    if place.name != COUNTEREXAMPLES:
+        return f"drivegate check {who} --corpus {quote(str(place))}"
+    # A report's own folder is replaced by the next one, and is no place to keep anything.
+    copied = f"mkdir -p corpus && cp {quote(str(place))}/*.json corpus/"
+    return f"keep them in a corpus: {copied} && drivegate check {who} --corpus corpus"
+
+
+def show_all_replays(console: Console, document: dict[str, Any], hint: str) -> None:
+    """Print one line for each counterexample of a folder, and how many still fail."""
+    replays = document["replays"]
+    widths = [max(len(replay[key]) for replay in replays) for key in ("verdict", "check")]
+    for replay in replays:
+        style = {STILL_FAILS: "bold red", NOT_REPRODUCED: "bold red", FIXED: "bold green"}.get(
+            replay["verdict"], ""
+        )
+        line = plain(replay["verdict"].upper().ljust(widths[0]), style)
+        line.append_text(
+            plain(f"  {replay['check'].ljust(widths[1])}  {_in_short(replay)}  {replay['file']}")
+        )
+        console.print(line)
+    failing = document["counts"][STILL_FAILS]
+    words = {STILL_FAILS: STILL_FAILS if failing == 1 else "still fail"}
+    told = [
+        f"{count} {words.get(verdict, verdict)}" for verdict, count in document["counts"].items() if count
+    ]
+    console.print(plain(f"{counted(len(replays), 'counterexample')}: {', '.join(told)}", "bold"))
+    console.print(plain(f"next: {hint}", "dim"))
+
+
+def _in_short(replay: dict[str, Any]) -> str:
+    """Tell in short what a counterexample came to, and was."""
+    name, fault = replay["candidate"]["name"], replay["fault"]
+    if fault is not None:
+        return f"{fault['kind']}: {fault['message']}, by {name}"
+    if replay["now"] is None:
+        return f"{replay['reason']}; {name} ran"
+    then = replay["then"]["margin"]
+    was = "" if then is None else f", was {then:+.4g}"
+    return f"{_margin_text(replay['now'])}{was}, by {name}"

@@ -26,6 +26,7 @@ from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import Repetition, different_elsewhere, explanation_jobs, repetition_job
 from drivegate.output.account import account
 from drivegate.output.compiled_kernels import with_compiled_kernels
+from drivegate.output.pace import tell_slow
 from drivegate.output.run_signals import RunSignals, signals_of_run
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import versions
@@ -44,6 +45,7 @@ FIXED: Final = "fixed"
 NOT_REPRODUCED: Final = "not reproduced"
 """Verdict where nothing was changed and the check is met all the same."""
 NOT_APPLICABLE: Final = "not applicable"
+VERDICTS: Final = (STILL_FAILS, NOT_REPRODUCED, FIXED, NOT_APPLICABLE)
 _PARTED: Final = (
     "two runs of the same scenario differ: neither the candidate nor drivegate has changed since then, and the margin "
     f"has; {SEED_IN_RESET}"
@@ -102,7 +104,7 @@ def _comes_along(candidate: Candidate) -> bool:
 def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
     """Run a counterexample again."""
     with_compiled_kernels()
-    with Judge(candidate) as judge:
+    with Judge(candidate, on_slow=tell_slow) as judge:
         replay = judge.run(Job(run_replay, stored))
         if isinstance(replay, Fault) or isinstance(stored.scenario, Script) or stored.check != REPEATED:
             return replay

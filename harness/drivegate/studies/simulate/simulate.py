@@ -12,6 +12,7 @@ from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.running import run_scenario
 from drivegate.output.compiled_kernels import with_compiled_kernels
+from drivegate.output.pace import tell_slow
 from drivegate.scenarios.windows import observed_windows
 from drivegate.studies.simulate.clamping import clamped_in_words
 from drivegate_cases.scenario.scenario import Scenario
@@ -30,7 +31,7 @@ MOST_ROWS: Final = 1_000_000
 def simulated(candidate: Candidate, scenario: Scenario) -> ClosedLoopRun | Fault:
     """Run a candidate through a scenario."""
     with_compiled_kernels()
-    with Judge(candidate) as judge:
+    with Judge(candidate, on_slow=tell_slow) as judge:
         return judge.run(Job(run_once, scenario))
 
 

@@ -1,0 +1,58 @@
+"""Telling from the first seconds of a run how long it will take, where that is longer than anyone waits."""
+
+from dataclasses import dataclass
+from typing import Final
+
+KNOWN_AFTER: Final = 4.0
+"""Time of stepping after which the pace is known (s)."""
+LONG: Final = 600.0
+"""Time from which on a run is long (s)."""
+
+
+@dataclass(frozen=True)
+class SlowRun:
+    """A run that will take long.
+
+    Attributes
+    ----------
+    steps : int
+        Its steps.
+    step_seconds : float
+        Time of one step so far, in the mean (s).
+    allowed_seconds : float
+        Time after which the run is ended as a hang (s).
+    """
+
+    steps: int
+    step_seconds: float
+    allowed_seconds: float
+
+    @property
+    def seconds(self) -> float:
+        """Time of the whole run at this pace (s)."""
+        return self.steps * self.step_seconds
+
+
+class PaceWatch:
+    """Follows one run from its start."""
+
+    def __init__(self, steps: int, allowed_seconds: float) -> None:
+        self._steps = steps
+        self._allowed = allowed_seconds
+        self._first: tuple[int, float] | None = None
+        self._told = False
+
+    def slow(self, begun: int, now: float) -> SlowRun | None:
+        """Look at the number of steps begun; gives what is to be told, once."""
+        # The first step may compile, and says nothing about the others.
+        if self._told or begun < 2:
+            return None
+        # A count that falls is that of another run.
+        if self._first is None or begun < self._first[0]:
+            self._first = begun, now
+        first, since = self._first
+        if begun == first or now - since < KNOWN_AFTER:
+            return None
+        self._told = True
+        run = SlowRun(self._steps, (now - since) / (begun - first), self._allowed)
+        return run if run.seconds > min(LONG, self._allowed) else None

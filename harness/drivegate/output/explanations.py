@@ -1,0 +1,55 @@
+"""What explains the outcomes of checks: a cause that several share, or a fault that kept them from being judged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from drivegate.output.distinct_faults import distinct_faults
+from drivegate_cases.documents.wording import counted, one_line
+
+_NOT_JUDGED = "not judged"
+_IN_PART = "judged in part only"
+
+
+def unjudged_in_words(document: Mapping[str, Any]) -> str:
+    """List the checks that a fault kept from being judged; nothing where there is none."""
+    told = []
+    for how in (_NOT_JUDGED, _IN_PART):
+        names = [str(check["id"]) for check in _unjudged(document) if _how_judged(check) == how]
+        if names:
+            told.append(f"{how}: {', '.join(names)}")
+    return "; ".join(told)
+
+
+def explanations(document: Mapping[str, Any]) -> dict[str, str]:
+    """Tell by check what explains its outcome, where something does."""
+    explained: dict[str, str] = {}
+    if any(check["counterexample"] is not None for check in document["checks"]):
+        # It brings the oracle, which a result without failures does not need.
+        from drivegate.output.causes import causes_of
+
+        for cause in causes_of(document):
+            words = f"{cause.words} (common cause of {', '.join(cause.checks)})"
+            explained |= dict.fromkeys(cause.checks, words)
+    for check in _unjudged(document):
+        explained[str(check["id"])] = f"{_how_judged(check)}, because of {_first_fault(document)}"
+    return {check: one_line(words) for check, words in explained.items()}
+
+
+def _first_fault(document: Mapping[str, Any]) -> str:
+    """Tell the first fault, and how many there are beside it."""
+    (fault, _), *others = distinct_faults(list(document["faults"]))
+    more = f" and {counted(len(others), 'more fault')}" if others else ""
+    return f"{fault['kind']}: {fault['message']}{more}"
+
+
+def _unjudged(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Choose the checks that a fault of the candidate has left open."""
+    if not document["faults"]:
+        return []
+    return [check for check in document["checks"] if check["verdict"] == "inconclusive"]
+
+
+def _how_judged(check: Mapping[str, Any]) -> str:
+    return _IN_PART if check["runs"] else _NOT_JUDGED

@@ -1,0 +1,60 @@
+"""Telling that a candidate is so slow that what was begun will take long, as soon as that can be known."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from typing import Final
+
+from drivegate.containment.pace_watch import SlowRun
+from drivegate.output.progress import duration_in_words
+from drivegate.output.streams import write_to
+
+LONG_CHECK: Final = 3600.0
+"""Time that is left of a check from which on it is long (s)."""
+CHECK_KNOWN_AFTER: Final = 20.0
+"""Time between two looks at a check from which its pace is known (s)."""
+
+
+class CheckPace:
+    """Follows the runs of a check."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._first: tuple[int, float] | None = None
+        self._told = False
+
+    def slow_in_words(self, done: int, planned: int) -> str:
+        """Tell once how long the rest takes, where it is long; otherwise nothing."""
+        now = self._clock()
+        if self._first is None:
+            # Compiling and starting say nothing about how fast runs are made.
+            self._first = done, now
+        first, since = self._first
+        if self._told or done == first or now - since < CHECK_KNOWN_AFTER:
+            return ""
+        left = (planned - done) * (now - since) / (done - first)
+        if left < LONG_CHECK:
+            return ""
+        self._told = True
+        return (
+            f"at this pace this check takes about {duration_in_words(left)} more; --effort quick or --only makes it "
+            "shorter, and --max-time ends it"
+        )
+
+
+def slow_in_words(run: SlowRun) -> str:
+    """Tell how long a run takes at its pace, and what will become of it."""
+    words = (
+        f"at this pace this run takes about {duration_in_words(run.seconds)}: {run.steps} steps of "
+        f"{run.step_seconds:.2g} s each"
+    )
+    if run.seconds > run.allowed_seconds:
+        words += f"; it will be ended as a hang after {run.allowed_seconds:.0f} s"
+    return words
+
+
+def tell_slow(run: SlowRun) -> None:
+    """Tell of a slow run on standard error."""
+    write_to(sys.stderr, f"{slow_in_words(run)}\n")
