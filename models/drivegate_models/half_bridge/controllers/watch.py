@@ -35,9 +35,13 @@ JOLT: Final = 0.3
 """Share of k1 beyond which a search by steps of a degree takes a loss of speed for another load: 1.5 rpm."""
 
 _SETTLED = 0.01
+# A load that is still coming on may look settled once.
+_SETTLED_INTERVALS = 2
 _CHANGED = 0.03
-# Of what the current sum was where the search came to rest: steps off the edge explain less.
-_MOVED_ON = 0.015
+# Of what the current sum was where the search came to rest: steps off the edge cost a little, and save nothing.
+_LESS = 0.01
+_MORE = 0.02
+_EITHER_WAY = 0.4
 # More than the way back to the initial angle explains.
 _HEAVIER_LOAD = 1.6
 _SMALLEST_POWER = 1.0
@@ -47,6 +51,7 @@ _CALM = 1.5
 _ANSWER = 2.0
 # With a band the torque climbs in jumps, up which the regulator creeps to its limit within seconds.
 _CREEP = 1.15
+_CREEP_AT_REST = 1.05
 _CREEP_LEAST = 0.15
 _RESTLESS = 0.003
 # The same creep before any good angle is known: an integral that grows for no more current.
@@ -68,7 +73,7 @@ def begin_holding(state: Any, power: float) -> None:
     """
     state.mode = HOLDING
     state.held_power = power
-    state.rest_power = power
+    state.rest_power = inf
     # Without a step before it, the angle held is the only good one known.
     if state.good_power == inf:
         state.good_offset = state.offset
@@ -151,9 +156,10 @@ def is_creeping(state: Any, power: float) -> bool:
         False as long as no good angle is known, and well above it.
     """
     near = state.offset < state.good_offset + state.first_step
+    most = _CREEP_AT_REST if state.mode == HOLDING else _CREEP
     creeping: bool = (
         near
-        and state.integral > _CREEP * state.good_integral + _CREEP_LEAST
+        and state.integral > most * state.good_integral + _CREEP_LEAST
         and power < (1.0 + 0.5 * _CHANGED) * state.good_power
     )
     return creeping
@@ -215,7 +221,9 @@ def decide_holding(state: Any, power: float, change: float) -> None:
     """
     uneasy = is_uneasy(state)
     # A load that comes or goes slowly moves `held_power` along, step off the edge by step.
-    moved_on = abs(power - state.rest_power) > _MOVED_ON * power + 0.4
+    state.rest_power = power if state.rest_power == inf else state.rest_power
+    share = _LESS if power < state.rest_power else _MORE
+    moved_on = abs(power - state.rest_power) > share * power + _EITHER_WAY
     changed = moved_on or is_another_load(power, state.held_power)
     if is_creeping(state, power):
         state.integral = state.good_integral
@@ -262,8 +270,8 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     state.last_integral = state.integral
     state.last_power = power
     if power > _HEAVIER_LOAD * state.forbidden_power:
-        # It was this load that lost the torque, not the one of the interval before.
-        state.forbidden_power = power
+        # It was this load that lost the torque, not the angle with the load of before.
+        state.forbidden = -inf
     regulated = state.worst_error <= state.speed_tolerance and state.saturated == 0
     change = power - state.old_power
     state.old_power = power
@@ -300,8 +308,10 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     if state.mode == SETTLING:
         # A load that is still coming on would be taken for the effect of the first step.
         wound = state.integral > STARVED * power / state.conducting_phases + SLACK * state.current_limit
-        if not settled or wound or is_uneasy(state):
+        state.quiet = state.quiet + 1 if settled else 0
+        if state.quiet < _SETTLED_INTERVALS or wound or is_uneasy(state):
             return WAITING, change
+        state.quiet = 0
         state.mode = SEARCHING
         state.climb = 0.5 * state.first_step
         state.regained = -inf
