@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Sequence
 from struct import Struct
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -30,8 +30,12 @@ class Restarter:
     def __init__(self, controller: Controller, nameplate: Nameplate) -> None:
         self._controller = controller
         self._nameplate = nameplate
-        self._called = _CALLED(self._restart)
+        self._called: Any = _CALLED(self._restart)
         self.failure: BaseException | None = None
+
+    def let_go(self) -> None:
+        """Keep the controller no longer than its run: the callback and its owner would hold each other."""
+        del self._controller, self._called
 
     def restarts(self, steps: Sequence[int]) -> Restarts:
         """Give what the loop takes; valid as long as this object lives."""

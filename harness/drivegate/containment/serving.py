@@ -67,7 +67,6 @@ class _Server:
         self._controller: Controller | None = None
         self._nameplate: Any = None
         self._exchange: Any = None
-        self._restarter: Restarter | None = None
 
     def serve(self) -> None:
         process = os.getpid()
@@ -160,25 +159,28 @@ class _Server:
     def _loop_closed(self, pending: list[Any], memory: SharedMemory) -> Reply:
         from drivegate_models.loop.exchange import COMPLETED
 
-        loop, records = self._made_ready(pending, memory)
+        restarter = Restarter(self._instance, self._nameplate)
+        loop, records = self._made_ready(pending, memory, restarter)
         with self._progress.running():
             status, _ = loop(*pending.pop())
+        restarter.let_go()
         steps = int(records.run["steps"][0])
-        if self._restarter is not None and self._restarter.failure is not None:
-            return self._not_restarted(self._restarter.failure, int(status), steps)
+        if restarter.failure is not None:
+            return self._not_restarted(restarter.failure, int(status), steps)
         if status == COMPLETED:
             return Reply(Ending.DONE, status, steps, check=check_of(records))
         return self._stopped(int(status), steps)
 
-    def _made_ready(self, pending: list[Any], memory: SharedMemory) -> tuple[Callable[..., Any], Any]:
+    def _made_ready(
+        self, pending: list[Any], memory: SharedMemory, restarter: Restarter
+    ) -> tuple[Callable[..., Any], Any]:
         """Exchange a pending order for the arguments of the compiled loop."""
         order: CloseLoop = pending.pop()
-        self._restarter = Restarter(self._instance, self._nameplate)
         prepared = order.prepare(
             *order.plant,
             **order.options,
             windows=[],
-            restarts=self._restarter.restarts(order.restart_steps),
+            restarts=restarter.restarts(order.restart_steps),
             step_address=self._instance.step_address,
             state_address=self._instance.state_address,
             progress=self._progress.steps,

@@ -201,6 +201,10 @@ def _fingerprint(function: Callable[..., object]) -> str:
 
 def _compiled(function: _Function, **options: Any) -> _Function:
     njit: Any = numba.njit
+    if function.__closure__:
+        # numba names code by the function and by a number that it counts up in each process. Two functions of one
+        # factory, compiled by two processes, may so have one name, and one would be linked in place of the other.
+        function.__qualname__ += f".{_fingerprint(function)[:16]}"
     dispatcher = njit(error_model="numpy", **options)(function)
     if KEEPS_CACHE and not vars(numba.config)["DISABLE_JIT"]:
         dispatcher._cache = _KernelCache(function)

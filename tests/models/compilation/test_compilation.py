@@ -82,6 +82,47 @@ def test_changed_sources_are_compiled_anew(tmp_path: Path) -> None:
     assert _compiled_at(tmp_path / "one", tmp_path / "cache") == [1, 0, 0]
 
 
+_FACTORY = """
+from drivegate_models.compilation.kernels import inlined, kernel
+def times(factor):
+    def product(x):
+        return factor * x
+    return inlined(product)
+double, triple = times(2.0), times(3.0)
+@kernel
+def both(x):
+    return double(x), triple(x)
+"""
+_FIRST_OF_A_PROCESS = """
+import itertools
+from numba.core.bytecode import FunctionIdentity
+from drivegate_models.factory import both, double, triple
+FunctionIdentity._unique_ids = itertools.count(1_000_000)
+"""
+
+
+def test_functions_of_one_factory_stay_apart_whichever_process_compiled_them(tmp_path: Path) -> None:
+    package = shutil.copytree(
+        Path(drivegate_models.__file__).parent,
+        tmp_path / "drivegate_models",
+        ignore=shutil.ignore_patterns("__pycache__"),
+    )
+    (package / "factory.py").write_text(_FACTORY, encoding="utf-8")
+    surroundings = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    # numba numbers the functions that a process compiles, and each of these is the first one of its process.
+    for use in ("double(1.0)", "triple(1.0)", "print(both(1.0))"):
+        done = subprocess.run(
+            [sys.executable, "-c", _FIRST_OF_A_PROCESS + use],
+            cwd=tmp_path,
+            env={**surroundings, compilation.CACHE_VARIABLE: str(tmp_path / "cache")},
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=120,
+        )
+    assert done.stdout.strip() == "(2.0, 3.0)", "one function was linked in place of the other"
+
+
 def test_folders_that_nothing_has_used_for_long_go(tmp_path: Path) -> None:
     used, recent, old, foreign = (tmp_path / name for name in ("a" * 16, "b" * 16, "c" * 16, "my-results"))
     for folder in (used, recent, old, foreign):
