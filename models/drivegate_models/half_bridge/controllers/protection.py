@@ -45,6 +45,7 @@ _LONGEST_CLIMB = radians(8.0)
 # Current sums, over that at which an angle was forbidden, that mean another load.
 _LIGHTER = 0.88
 _HEAVIER = 1.35
+_HEAVIER_THAN_HELD = 1.1
 
 
 @unfused
@@ -227,7 +228,8 @@ def guard_regulation(
         # The load has grown, or the angle was below what it needs from the start; neither is to be tried again.
         forbid(state)
         forbidden = state.forbidden
-        forbidden_power = state.forbidden_power
+        # An angle that was held gave the torque until then: what lost it is a load heavier than the one held.
+        forbidden_power = (_HEAVIER_THAN_HELD if state.mode == HOLDING else 1.0) * state.forbidden_power
         rearm(state)
         state.forbidden = forbidden
         state.forbidden_power = forbidden_power

@@ -31,8 +31,8 @@ CONTINUING: Final = 2
 
 LOAD_CHANGED: Final = 0.12
 """Share of the current sum beyond which a search by steps of a degree takes a difference for another load."""
-JOLT: Final = 0.3
-"""Share of k1 beyond which a search by steps of a degree takes a loss of speed for another load: 1.5 rpm."""
+JOLT: Final = 0.5
+"""Share of k1 beyond which a search by steps of a degree takes a loss of speed for another load: 2.5 rpm."""
 
 _SETTLED = 0.01
 # A load that is still coming on may look settled once.
@@ -51,7 +51,6 @@ _CALM = 1.5
 _ANSWER = 2.0
 # With a band the torque climbs in jumps, up which the regulator creeps to its limit within seconds.
 _CREEP = 1.15
-_CREEP_AT_REST = 1.05
 _CREEP_LEAST = 0.15
 _RESTLESS = 0.003
 # The same creep before any good angle is known: an integral that grows for no more current.
@@ -156,10 +155,9 @@ def is_creeping(state: Any, power: float) -> bool:
         False as long as no good angle is known, and well above it.
     """
     near = state.offset < state.good_offset + state.first_step
-    most = _CREEP_AT_REST if state.mode == HOLDING else _CREEP
     creeping: bool = (
         near
-        and state.integral > most * state.good_integral + _CREEP_LEAST
+        and state.integral > _CREEP * state.good_integral + _CREEP_LEAST
         and power < (1.0 + 0.5 * _CHANGED) * state.good_power
     )
     return creeping
