@@ -22,7 +22,7 @@ LATEST_DECISION: Final = 51
 """Decisions after which the angle is kept, still or not."""
 
 _STILL = 3
-_STILL_LIGHT = 10
+_STILL_LIGHT = 15
 _RESTLESS = 3
 _BEATING = 0.0035
 _UNREST = 0.03 * RADIANS_PER_RPM

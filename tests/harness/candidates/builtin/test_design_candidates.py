@@ -70,15 +70,17 @@ def test_a_design_does_not_rest_where_regulator_and_band_beat() -> None:
 
 
 @pytest.mark.parametrize("name", DESIGN_CANDIDATES)
-@pytest.mark.parametrize("seed", [0, 4, 158])
-def test_a_design_does_not_rest_where_the_current_sum_swings_within_a_step_of_the_encoder(
-    name: str, seed: int
-) -> None:
+def test_a_design_does_not_rest_where_the_current_sum_swings_within_a_step_of_the_encoder(name: str) -> None:
     steady = steady_scenario(load_motor("paper-5-phase"), 1440.0, power_share=1.0, constant_power=False)
-    seen = with_mcs96(with_load_shares(steady, (0.0, 0.7), (10.0, 0.1)), seed)
-    record = RunRecord(seen, run_scenario(seen, load_controller(resolve_candidate(name))), Declaration())
-    margin, measured = window_convergence(list(record.windows())[-1])
-    assert margin >= 0.5, f"{name} rests where {measured}"
+    controller = load_controller(resolve_candidate(name))
+    margins = {}
+    for seed in (*range(12), 158):
+        seen = with_mcs96(with_load_shares(steady, (0.0, 0.7), (10.0, 0.1)), seed)
+        record = RunRecord(seen, run_scenario(seen, controller), Declaration())
+        margins[seed], _ = window_convergence(list(record.windows())[-1])
+    assert min(margins.values()) >= 0.0, f"{name} rests where Σ|i| swings beyond the limit: {margins}"
+    swinging = [seed for seed, margin in margins.items() if margin < 0.5]
+    assert len(swinging) <= 1, f"{name} rests where Σ|i| swings by half the limit at the seeds {swinging}"
 
 
 def test_designs_move_differently() -> None:
