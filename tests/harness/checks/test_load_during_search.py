@@ -1,9 +1,12 @@
-"""The reference finds the optimum although the load changes while its search moves."""
+"""Controllers find the optimum although the load changes while their search moves, or slowly while it rests."""
 
 import pytest
 
-from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DESIGN_CANDIDATES
 from drivegate.candidates.builtin.loading import BuiltinController
+from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.convergence import converges_again, reaches_optimum
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
@@ -25,3 +28,33 @@ def test_a_step_of_the_load_is_not_taken_for_the_effect_of_a_step_of_the_angle(
     for margin in (reaches_optimum(record), converges_again(record)):
         assert margin is not None
         assert margin.met, f"{margin.check}: {margin.measured}"
+
+
+@pytest.mark.parametrize(
+    ("speed", "torque", "before", "after"), [(1380.0, 10.4, 0.85, 0.75), (1430.0, 10.0, 0.45, 0.65)]
+)
+def test_a_load_that_drifts_while_the_search_rests_is_followed(
+    speed: float, torque: float, before: float, after: float
+) -> None:
+    plain = steady_scenario(load_motor("paper-5-phase"), speed, power_share=1.0, constant_power=False)
+    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
+    ramp = ((0.0, 0.0), (0.2, before), (8.0, before), (10.0, after))
+    scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.0)
+    for name, controller in (
+        ("reference", BuiltinController(SEARCHES["reference"])),
+        *((name, load_controller(resolve_candidate(name))) for name in DESIGN_CANDIDATES),
+    ):
+        margin = reaches_optimum(RunRecord(scenario, run_scenario(scenario, controller), Declaration()))
+        assert margin is not None
+        assert margin.met, f"{name}: {margin.measured}"
+
+
+@pytest.mark.parametrize("name", DESIGN_CANDIDATES)
+def test_an_angle_lost_to_a_pulse_of_the_load_is_found_again(name: str) -> None:
+    plain = steady_scenario(load_motor("paper-5-phase"), 1500.0, power_share=1.0, constant_power=False)
+    pulse = ((0.0, 0.0), (0.2, 0.95), (6.0, 0.95), (6.0, 1.0), (7.0, 1.0), (7.0, 0.95))
+    scenario = with_load_factor(plain, pulse).replaced(duration_s=16.0)
+    run = run_scenario(scenario, load_controller(resolve_candidate(name)))
+    margin = reaches_optimum(RunRecord(scenario, run, Declaration()))
+    assert margin is not None
+    assert margin.met, margin.measured
