@@ -31,6 +31,8 @@ CONTINUING: Final = 2
 
 LOAD_CHANGED: Final = 0.12
 """Share of the current sum beyond which a search by steps of a degree takes a difference for another load."""
+EXACT: Final = 1e-9
+"""Greatest error of a speed that an encoder shows as exact by chance (rad/s): by rounding alone."""
 JOLT: Final = 0.5
 """Share of k1 beyond which a search by steps of a degree takes a loss of speed for another load: 2.5 rpm."""
 
@@ -261,7 +263,9 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         Change of the mean current sum from the interval before (A).
     """
     power = state.power_sum / state.count
-    state.calm_error = min(state.calm_error, state.worst_error)
+    # An encoder may show a speed as exact by chance, which is no measure of its steps.
+    if state.worst_error > EXACT:
+        state.calm_error = min(state.calm_error, state.worst_error)
     winding = state.integral - state.last_integral > _WINDING * state.current_limit
     winding = winding and abs(power - state.last_power) < _IDLE * power
     state.winding = state.winding + 1 if winding else 0

@@ -13,7 +13,7 @@ from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import unfused
-from drivegate_models.half_bridge.controllers.watch import noise_of_regulator
+from drivegate_models.half_bridge.controllers.watch import EXACT, noise_of_regulator
 from drivegate_models.half_bridge.designs.confirmation import is_worth_confirming
 from drivegate_models.half_bridge.designs.probe import aim
 from drivegate_models.units import RADIANS_PER_RPM
@@ -123,7 +123,7 @@ def stands_still(state: Any) -> bool:
         state.rest_integral = controller.integral
     state.watched += 1
     # Where the speed is never calmer than this, except where an encoder shows it as exact, the sensor makes the rest.
-    if controller.worst_error > 0.0:
+    if controller.worst_error > EXACT:
         state.finest = min(state.finest, controller.worst_error)
     sensed = state.finest > _SENSED
     restless = controller.worst_error > (_CALM * state.finest if sensed else _UNREST)
