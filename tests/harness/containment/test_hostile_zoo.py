@@ -310,6 +310,12 @@ IN_PROGRAM = {
         FaultKind.INVALID_OUTPUT,
         "the program ",
     ),
+    "two lines, and late from then on": (
+        "say(current_reference=1.0, advance_angle=0.5); plain = say\n"
+        "def say(**answer): time.sleep(0.005); plain(**answer)",
+        FaultKind.INVALID_OUTPUT,
+        "the program ",
+    ),
     "endless line": (
         "[os.write(1, b'x' * 4096) for _ in range(10**6)]",
         FaultKind.INVALID_OUTPUT,

@@ -135,6 +135,7 @@ def alter_search_before(state: Any, fault: int) -> None:
         # Just before the decision that would see the fall; a rise is still seen.
         if controller.mode == HOLDING and controller.count + 1 >= controller.decision_steps:
             controller.held_power = min(controller.held_power, mean_power(state))
+            controller.rest_power = min(controller.rest_power, mean_power(state))
     elif fault == faults.ANGLE_CAPPED:
         line = initial_angle(
             state.sense.speed, controller.base_speed, controller.angle_at_base, controller.angle_slope
