@@ -49,7 +49,7 @@ LONGEST = 60.0
 """Most time of one candidate (s): the limits of a hang, and of what has to be ended by force, on a busy machine."""
 LONGEST_CHECK = 240.0
 """Most time of one check that begins no more work after 5 s (s)."""
-DRAWS = int(os.environ.get("DRIVEGATE_TEST_DRAWS", "24"))
+DRAWS = int(os.environ.get("DRIVEGATE_TEST_DRAWS", "16"))
 """Number of candidates; more of them for a hunt."""
 DRAWN_ONCE = settings(
     deadline=None,
