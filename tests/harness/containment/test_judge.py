@@ -350,4 +350,5 @@ def test_a_slow_run_is_told_while_it_runs(jobs, candidate):
     assert [ending.error for ending in endings] == ["ZeroDivisionError"] * 2
     (run,) = told
     assert (run.steps, run.allowed_seconds) == (4000, 100.0)
-    assert run.seconds > 200.0, "a step takes 50 ms and what a busy machine adds"
+    # Steps are counted in whole ones between two looks, so the pace is known to one step in some.
+    assert run.seconds > 150.0, "a step takes 50 ms and what a busy machine adds"
