@@ -27,19 +27,23 @@ from drivegate.gate.warm_up import compile_kernels, missing_marker
 from drivegate.results.baseline import Baseline, compared
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import machine, provenance
-from drivegate.results.result import BaselineComparison, CheckOutcome, CheckResult, FixedMargins
+from drivegate.results.result import (
+    BaselineComparison,
+    CheckOutcome,
+    CheckResult,
+    FixedMargins,
+    counted_levels,
+)
 from drivegate.results.verdict import candidate_verdict, check_outcomes, machine_dependent
 from drivegate.results.waivers import Waiver, present_day, under_waivers
 from drivegate_models.errors import InputError
 
-_REQUIRED: Final = frozenset(check.id for check in CHECKS if check.level == "required")
 _TELLING: Final = frozenset(
     check.id
     for check in CHECKS
     if check.level == "required" and check.subject == "candidate" and not check.volatile
 )
 """Checks whose margins progress tells; one of 0 that is met is a clamped command's."""
-_COUNTED: Final = frozenset(check.id for check in CHECKS)
 _VOLATILE: Final = frozenset(check.id for check in CHECKS if check.volatile)
 
 
@@ -122,7 +126,7 @@ def check_candidate(
         compile_kernels(marker)
 
     waived = {waiver.check for waiver in waivers if waiver.candidate == candidate.name}
-    counting = frozenset(_REQUIRED if fail_on == "required" else _COUNTED) - waived
+    counting = frozenset(check.id for check in CHECKS if check.level in counted_levels(fail_on)) - waived
     progress = _Progress(None if max_time is None else began + max_time, focus, counting)
     with WorkerPool(candidate, workers=count, on_slow=on_slow) as pool:
         yield from _run_all(pool, work, progress)

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.output.explanations import explanations
-from drivegate.results.result import STALE_WAIVERS
+from drivegate.results.result import STALE_WAIVERS, counted_levels
 from drivegate_cases.documents.wording import one_line
 
 ANNOTATIONS_FILE: Final = "annotations.txt"
@@ -26,7 +26,7 @@ def write_annotations(result: dict[str, Any], folder: Path) -> Path:
 def workflow_commands(result: dict[str, Any]) -> list[str]:
     """Make one command for each fault and for each check that is not simply met."""
     name = result["candidate"]["name"]
-    counted = ("required", "advisory") if result.get("fail_on") == "advisory" else ("required",)
+    counted = counted_levels(result.get("fail_on"))
     lines = [
         _command("error", f"{name} {fault['kind']}{in_runs(count)}", fault["message"])
         for fault, count in distinct_faults(result["faults"])

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.output.explanations import explanations
-from drivegate.results.result import STALE_WAIVERS
+from drivegate.results.result import STALE_WAIVERS, counted_levels
 from drivegate_cases.documents.wording import one_line
 
 JUNIT_FILE: Final = "junit.xml"
@@ -34,7 +34,7 @@ def junit_xml(result: dict[str, Any]) -> bytes:
     """
     name = one_line(result["candidate"]["name"])
     suite = ElementTree.Element("testsuite", name=f"drivegate {name}")
-    counted = ("required", "advisory") if result.get("fail_on") == "advisory" else ("required",)
+    counted = counted_levels(result.get("fail_on"))
     seconds = result["timing"].get("seconds", 0.0)
     explained = explanations(result)
     judged = sum(check["runs"] for check in result["checks"]) or 1

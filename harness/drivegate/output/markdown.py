@@ -10,6 +10,7 @@ from typing import Any, Final
 from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
+from drivegate.results.result import counted_levels
 from drivegate.results.wording import printed_margin, runs_in_short
 from drivegate_cases.documents.wording import one_line
 
@@ -55,7 +56,7 @@ def markdown(result: dict[str, Any]) -> str:
 
 def _what_failed(result: dict[str, Any]) -> list[str]:
     """Lead with what failed and how to run it again, what counts first."""
-    counted = ("required", "advisory") if result.get("fail_on") == "advisory" else ("required",)
+    counted = counted_levels(result.get("fail_on"))
     failed = [check for check in result["checks"] if check["counterexample"] is not None]
     failed.sort(key=lambda check: (check["verdict"] == "waived", check["level"] not in counted))
     lines = ["", "## What failed", ""] if failed else []

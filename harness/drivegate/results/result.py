@@ -23,6 +23,11 @@ STALE_WAIVERS: Final = ("waiver expired", "unexpectedly passes")
 """Verdicts of checks whose waiver has to be renewed or removed."""
 
 
+def counted_levels(fail_on: str | None) -> tuple[str, ...]:
+    """Give the levels of checks whose failure fails a candidate; earlier results do not say, and mean required ones."""
+    return ("required", "advisory") if fail_on == "advisory" else ("required",)
+
+
 @dataclass(frozen=True)
 class Found:
     """What a counterexample gave.

@@ -12,7 +12,13 @@ from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
-from drivegate.results.result import MOST_MARGINS, STALE_WAIVERS, BaselineComparison, CheckOutcome
+from drivegate.results.result import (
+    MOST_MARGINS,
+    STALE_WAIVERS,
+    BaselineComparison,
+    CheckOutcome,
+    counted_levels,
+)
 from drivegate_cases.documents.wording import counted
 
 _NAMED: Final = 4
@@ -121,7 +127,7 @@ def candidate_verdict(
     fail_on: str = "required",
 ) -> tuple[str, int]:
     """Judge the candidate."""
-    levels = ("required",) if fail_on == "required" else ("required", "advisory")
+    levels = counted_levels(fail_on)
     required = [outcome for outcome in outcomes if outcome.level in levels]
     found = {outcome.verdict for outcome in required}
     found |= {entry.verdict for entry in baseline if entry.level in levels} & {"fail"}

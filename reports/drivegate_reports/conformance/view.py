@@ -12,7 +12,7 @@ from typing import Any, Final
 from drivegate.output.causes import causes_of, first_to_mend
 from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
-from drivegate.results.result import RESULT_SCHEMA
+from drivegate.results.result import RESULT_SCHEMA, counted_levels
 from drivegate.results.signature import fingerprint
 from drivegate.results.waivers import DAY_VARIABLE, present_day
 from drivegate_models.errors import InputError
@@ -121,7 +121,7 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
     times = _shown_times(document)
     checks = tuple(check_row(_with_timed_numbers(check, times)) for check in document["checks"])
     faults = tuple(fault_row(fault) for fault in document["faults"][:MOST_FAULTS])
-    counted = ("required", "advisory") if document.get("fail_on") == "advisory" else ("required",)
+    counted = counted_levels(document.get("fail_on"))
     failing = tuple(row.id for row in checks if row.verdict == "fail" and row.level in counted)
     verdict = clean(document["verdict"])
     return ResultView(

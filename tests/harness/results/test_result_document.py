@@ -21,7 +21,7 @@ from drivegate.results.document import (
     ResultDocument,
     result_schema,
 )
-from drivegate.results.result import BaselineComparison, CheckOutcome, Found, Recording
+from drivegate.results.result import BaselineComparison, CheckOutcome, Found, Recording, counted_levels
 from drivegate_cases.documents.document import parse_document
 from drivegate_models.errors import InputError
 
@@ -101,6 +101,16 @@ def test_schema_and_reader_refuse_the_same(
     assert not jsonschema.Draft202012Validator(schema).is_valid(document)
     with pytest.raises(InputError, match=key):
         parse_document(document, ResultDocument, "the result")
+
+
+@pytest.mark.parametrize(
+    ("fail_on", "counted"),
+    [(None, {"required"}), ("required", {"required"}), ("advisory", {"required", "advisory"})],
+)
+def test_the_levels_that_count_are_required_ones_unless_a_result_says_more(
+    fail_on: str | None, counted: set[str]
+) -> None:
+    assert set(counted_levels(fail_on)) == counted
 
 
 def test_lists_of_numbers_stand_on_one_line() -> None:

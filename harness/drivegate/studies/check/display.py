@@ -11,6 +11,7 @@ from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.scenario_words import scenario_in_short
+from drivegate.results.result import counted_levels
 from drivegate.results.signature import fingerprint
 from drivegate.results.wording import printed_margin
 from drivegate.scenarios.facts import facts_in_short
@@ -33,7 +34,7 @@ def show_checked(console: Console, checked: Checked) -> None:
         console.print(plain(f"  {left}", "bold"))
     _show_causes(console, document)
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
-    counted = ("required", "advisory") if document.get("fail_on") == "advisory" else ("required",)
+    counted = counted_levels(document.get("fail_on"))
     for check in by_urgency(document["checks"]):
         verdict = verdict_text(check["verdict"], counts=check["level"] in counted)
         margin = printed_margin(document, check)

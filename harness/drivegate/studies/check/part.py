@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.output.result_file import RESULT_FILE, counterexamples
+from drivegate.results.result import counted_levels
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -105,5 +106,5 @@ def _last_failed(output: Path, candidate: Candidate) -> list[Counterexample]:
 
 def _required_alone(result: dict[str, Any]) -> dict[str, Any]:
     """Leave out checks that only advise, where these did not count."""
-    counted = ("required", "advisory") if result.get("fail_on") == "advisory" else ("required",)
+    counted = counted_levels(result.get("fail_on"))
     return {**result, "checks": [check for check in result["checks"] if check["level"] in counted]}
