@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from struct import Struct
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -21,21 +21,18 @@ _STOP: Final = Struct("=q").pack(STOP)
 class Restarter:
     """Resets one controller at steps of its run, and stops the run where that fails.
 
+    Nothing here refers to itself, so that the controller is kept no longer than this object: what a candidate does
+    when its instance is deleted happens there, and not whenever Python collects cycles.
+
     Attributes
     ----------
-    failure : BaseException or None
-        What the reset raised that stopped the run.
+    failures : list of BaseException
+        What the reset raised that stopped the run; empty where all went well.
     """
 
     def __init__(self, controller: Controller, nameplate: Nameplate) -> None:
-        self._controller = controller
-        self._nameplate = nameplate
-        self._called: Any = _CALLED(self._restart)
-        self.failure: BaseException | None = None
-
-    def let_go(self) -> None:
-        """Keep the controller no longer than its run: the callback and its owner would hold each other."""
-        del self._controller, self._called
+        self.failures: list[BaseException] = []
+        self._called = _CALLED(_reset_by_call(controller, nameplate, self.failures))
 
     def restarts(self, steps: Sequence[int]) -> Restarts:
         """Give what the loop takes; valid as long as this object lives."""
@@ -44,9 +41,18 @@ class Restarter:
         address = ctypes.c_void_p.from_address(ctypes.addressof(self._called)).value or 0
         return Restarts(np.array(steps, np.int64), address)
 
-    def _restart(self, _state: int | None, _sense: int, command: int) -> None:
+
+def _reset_by_call(
+    controller: Controller, nameplate: Nameplate, failures: list[BaseException]
+) -> Callable[[int | None, int, int], None]:
+    """Make what resets a controller when it is called with the arguments of a step."""
+
+    def reset(_state: int | None, _sense: int, command: int) -> None:
         try:
-            self._controller.reset(self._nameplate)
+            controller.reset(nameplate)
         except BaseException as failure:
             ctypes.memmove(command, _STOP, len(_STOP))
-            self.failure = failure
+            # Without this frame, which has the list that the failure goes into.
+            failures.append(failure.with_traceback(failure.__traceback__ and failure.__traceback__.tb_next))
+
+    return reset

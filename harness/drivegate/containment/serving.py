@@ -163,10 +163,9 @@ class _Server:
         loop, records = self._made_ready(pending, memory, restarter)
         with self._progress.running():
             status, _ = loop(*pending.pop())
-        restarter.let_go()
         steps = int(records.run["steps"][0])
-        if restarter.failure is not None:
-            return self._not_restarted(restarter.failure, int(status), steps)
+        if restarter.failures:
+            return self._not_restarted(restarter.failures[0], int(status), steps)
         if status == COMPLETED:
             return Reply(Ending.DONE, status, steps, check=check_of(records))
         return self._stopped(int(status), steps)

@@ -176,8 +176,9 @@ def run_in_closed_loop(
         kept=kept,
     )
     run = prepared.run()
-    if restarter.failure is not None:
-        raise restarter.failure
+    if restarter.failures:
+        # Taken out, since what is raised keeps this frame, and with it the restarter.
+        raise restarter.failures.pop()
     if run.status != COMPLETED:
         _raise_ending(run, by_address)
     if isinstance(by_address, PlayedCommands) and (fault := by_address.disturbed(prepared)) is not None:

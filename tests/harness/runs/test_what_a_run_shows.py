@@ -1,6 +1,8 @@
 """What a scenario makes of clock, rotor and single current sensors, and a controller that is reset in mid-run."""
 
-from collections.abc import Callable
+import gc
+import weakref
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -110,6 +112,30 @@ def test_a_reset_that_fails_in_mid_run_is_the_candidates_fault() -> None:
     assert caught.value.fault.phase == "reset"
     assert "not again" in caught.value.fault.message
     assert len(instance.senses) == 200, "the candidate is stepped after a reset that failed"
+
+
+@pytest.fixture
+def no_collector() -> Iterator[None]:
+    """Let nothing go but what nobody holds any more."""
+    gc.collect()
+    gc.disable()
+    yield
+    gc.enable()
+
+
+@pytest.mark.usefixtures("no_collector")
+@pytest.mark.parametrize("raises", [False, True], ids=["made to its end", "ended by a reset that fails"])
+def test_an_instance_goes_with_its_run_and_not_when_python_collects(raises: bool) -> None:
+    instance = Noting(raises)
+    gone = weakref.ref(instance)
+    controller = PythonController(instance)
+    del instance
+    try:
+        run_scenario(with_restarts(PLAIN, 0.1).replaced(duration_s=0.5), controller)
+    except CandidateFault:
+        assert raises
+    del controller
+    assert gone() is None, "the deletion of a candidate's instance comes at a moment that nobody has chosen"
 
 
 def test_an_estimate_over_time_begins_anew_with_the_candidate() -> None:
