@@ -33,13 +33,30 @@ class SlowRun:
         return self.steps * self.step_seconds
 
 
+class Pace:
+    """How long one of many parts takes, since the first look at how many are done."""
+
+    def __init__(self) -> None:
+        self._first: tuple[int, float] | None = None
+
+    def seconds_each(self, done: int, now: float, known_after: float) -> float | None:
+        """Look at the number of parts done; gives the mean time of one (s), once that is known."""
+        # A count that falls is that of other work.
+        if self._first is None or done < self._first[0]:
+            self._first = done, now
+        first, since = self._first
+        if done == first or now - since < known_after:
+            return None
+        return (now - since) / (done - first)
+
+
 class PaceWatch:
     """Follows one run from its start."""
 
     def __init__(self, steps: int, allowed_seconds: float) -> None:
         self._steps = steps
         self._allowed = allowed_seconds
-        self._first: tuple[int, float] | None = None
+        self._pace = Pace()
         self._told = False
 
     def slow(self, begun: int, now: float) -> SlowRun | None:
@@ -47,12 +64,9 @@ class PaceWatch:
         # The first step may compile, and says nothing about the others.
         if self._told or begun < 2:
             return None
-        # A count that falls is that of another run.
-        if self._first is None or begun < self._first[0]:
-            self._first = begun, now
-        first, since = self._first
-        if begun == first or now - since < KNOWN_AFTER:
+        step_seconds = self._pace.seconds_each(begun, now, KNOWN_AFTER)
+        if step_seconds is None:
             return None
         self._told = True
-        run = SlowRun(self._steps, (now - since) / (begun - first), self._allowed)
+        run = SlowRun(self._steps, step_seconds, self._allowed)
         return run if run.seconds > min(LONG, self._allowed) else None

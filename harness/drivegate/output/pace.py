@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Final
 
-from drivegate.containment.pace_watch import SlowRun
+from drivegate.containment.pace_watch import Pace, SlowRun
 from drivegate.output.progress import duration_in_words
 from drivegate.output.streams import write_to
 
@@ -22,19 +22,16 @@ class CheckPace:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._first: tuple[int, float] | None = None
+        self._pace = Pace()
         self._told = False
 
     def slow_in_words(self, done: int, planned: int) -> str:
         """Tell once how long the rest takes, where it is long; otherwise nothing."""
-        now = self._clock()
-        if self._first is None:
-            # Compiling and starting say nothing about how fast runs are made.
-            self._first = done, now
-        first, since = self._first
-        if self._told or done == first or now - since < CHECK_KNOWN_AFTER:
+        # Compiling and starting say nothing about how fast runs are made, and are over at the first look.
+        run_seconds = self._pace.seconds_each(done, self._clock(), CHECK_KNOWN_AFTER)
+        if self._told or run_seconds is None:
             return ""
-        left = (planned - done) * (now - since) / (done - first)
+        left = (planned - done) * run_seconds
         if left < LONG_CHECK:
             return ""
         self._told = True
