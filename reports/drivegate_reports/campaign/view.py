@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drivegate.studies.campaign.summary import KIND, SCHEMA
-from drivegate.studies.campaign.wording import interval_text, probability_text, share_text
+from drivegate.studies.campaign.wording import interval_text, probability_text, share_text, told_margins
 from drivegate_cases.documents.wording import counted
 from drivegate_models.errors import InputError
 from drivegate_reports.campaign import distributions
@@ -186,15 +186,12 @@ def _candidate(
 
 
 def _check_row(check: Row, shares: Sequence[float]) -> ShareRow:
-    at = dict(zip(shares, check["margin_quantiles"], strict=False))
-    margins = tuple(_number(at.get(share)) for share in (0.0, 0.05, 0.5))
+    least, of_few, median = map(_number, told_margins(shares, check))
     advised = check["advisory_runs"]
     level = clean(check["level"])
     if advised:
         level += f", advises alone in {counted(advised, 'run')}"
-    return _share_row(
-        clean(check["id"]), check, level, clean(check["requirement"]), (margins[0], margins[1], margins[2])
-    )
+    return _share_row(clean(check["id"]), check, level, clean(check["requirement"]), (least, of_few, median))
 
 
 def _share_row(

@@ -7,15 +7,15 @@ from shlex import quote
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.output.console import number, plain, table
-from drivegate.studies.campaign.wording import interval_text, probability_text, share_text
+from drivegate.studies.campaign.wording import interval_text, probability_text, share_text, told_margins
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
 _WORDS: Final = ("check", "level")
-_MARGINS: Final = {"worst margin": 0.0, "5 %": 0.05, "median": 0.5}
-"""Columns of margins, with the share of the runs whose margins are at most as large."""
+_MARGINS: Final = ("worst margin", "5 %", "median")
+"""Columns of the margins that are told."""
 _UNBOUNDED: Final = 10_000
 _SPARED: Final = ("5 %", "median", "probability", "level", "worst run")
 """Columns that a narrow console goes without, the first of them first."""
@@ -45,12 +45,11 @@ def _rows(document: dict[str, Any], candidate: dict[str, Any]) -> list[dict[str,
     interval = f"{100.0 * document['confidence']:g} % interval"
     rows = []
     for check in candidate["checks"]:
-        # The least, the 5 % quantile and the median.
-        margins = dict(zip(document["quantiles"], check["margin_quantiles"], strict=False))
+        margins = zip(_MARGINS, told_margins(document["quantiles"], check), strict=True)
         worst = check["worst_run"]
         rows.append(
             {"check": check["id"], "level": check["level"], **_counted(check, interval)}
-            | {name: number(margins.get(share)) for name, share in _MARGINS.items()}
+            | {name: number(margin) for name, margin in margins}
             | {"worst run": "–" if worst is None else str(worst)}
         )
     blank = dict.fromkeys((*_MARGINS, "worst run"), "")

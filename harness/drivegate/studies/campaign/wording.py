@@ -1,8 +1,8 @@
-"""How probabilities are written, the same on the console and on the page."""
+"""What is told of a check, the same on the console and on the page."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,3 +24,11 @@ def interval_text(stated: Mapping[str, Any]) -> str:
 def share_text(stated: Mapping[str, Any]) -> str:
     """Write how often something happened."""
     return f"{stated['violations']} of {stated['runs']}" if stated["runs"] else "–"
+
+
+def told_margins(
+    shares: Sequence[float], check: Mapping[str, Any]
+) -> tuple[float | None, float | None, float | None]:
+    """Give a check's least margin, that of 5 % of the runs and the median; None where no run had any."""
+    at = dict(zip(shares, check["margin_quantiles"], strict=False))
+    return at.get(0.0), at.get(0.05), at.get(0.5)

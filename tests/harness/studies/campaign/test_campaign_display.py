@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from drivegate.studies.campaign.display import show_campaign
-from drivegate.studies.campaign.wording import probability_text
+from drivegate.studies.campaign.wording import probability_text, told_margins
 
 
 def shown(document: dict[str, Any], width: int = 160) -> list[str]:
@@ -83,3 +83,9 @@ def test_wide_consoles_show_all_columns(document):
 )
 def test_a_probability_is_not_written_in_powers_of_ten(value, text):
     assert probability_text(value) == text
+
+
+def test_the_margins_that_are_told_are_found_by_their_shares_of_the_runs():
+    shares = [0.0, 0.01, 0.05, 0.5, 1.0]
+    assert told_margins(shares, {"margin_quantiles": [-4.0, -3.0, -2.0, 1.0, 9.0]}) == (-4.0, -2.0, 1.0)
+    assert told_margins(shares, {"margin_quantiles": []}) == (None, None, None), "a check without runs"
