@@ -11,6 +11,7 @@ import pytest
 from drivegate.studies.campaign.file import read_campaign
 from drivegate.studies.campaign.folder import LOCK, CampaignFolder
 from drivegate.studies.campaign.plan import planned
+from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 
 
@@ -26,20 +27,24 @@ def wait_for(output: Path, files: int, process) -> None:
 
 
 def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(write, start, finish_alone, folder, bytes_of):
-    file = write(cases=["fig5-search"], draws=12, runs_per_file=1, checks=["CMD-1", "ROB-1"])
+    # Of short runs nothing would be left to go on with a tenth of a second later.
+    minute = load_scenario("fig5-search").replaced(name="minute", duration_s=60.0)
+    (folder / "minute.json").write_text(minute.to_json(), encoding="utf-8")
+    file = write(cases=["minute.json"], draws=12, runs_per_file=1, checks=["CMD-1", "ROB-1"])
     finish_alone(file, "whole", 1)
     chance = random.Random(5)
     output = folder / "out"
-    for stop in (1, 4):
+    for more in (1, 2):
         process = start("campaign", file, "--output", "out", "--workers", 2)
         before = results(output)
-        wait_for(output, stop, process)
-        time.sleep(chance.uniform(0.0, 0.3))
+        wait_for(output, len(before) + more, process)
+        time.sleep(chance.uniform(0.0, 0.1))
         os.kill(process.pid, signal.SIGKILL)
         # Its workers hold its output open as long as they live.
         process.communicate(timeout=20)
         kept = results(output)
         assert {path: kept.get(path) for path in before} == before, "finished files must not be touched"
+        assert len(kept) < 12, "it was killed when all was done"
         assert (output / LOCK).exists(), "a killed campaign cannot tidy up, and the next one must cope"
     document = finish_alone(file, "out", 2)
     assert document["timing"]["runs_made"] == 12 - len(kept)
