@@ -226,9 +226,5 @@ def unallocating(function: _Function) -> _Function:
 
 
 def inlined(function: _Function) -> _Function:
-    """Compile a function like `unallocating`, and copy it into its callers."""
+    """Compile a function like `unallocating`, and copy it into its callers, as all of a controller is."""
     return _compiled(function, forceinline=True, _nrt=False)
-
-
-unfused = inlined
-"""How a controller's functions are compiled: as `inlined`, with the same commands as in Python and C, bit for bit."""

@@ -24,7 +24,7 @@ from drivegate.candidates.native.loading import LARGEST_STATE
 from drivegate.candidates.native.numba_controller import NumbaController
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.compilation.calling import double_at
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.outer_loop.records import COMMAND, NAMEPLATE, SENSE, STOP
 from drivegate_models.errors import InputError
 
@@ -42,7 +42,7 @@ _STATE_ADVICE: Final = (
 )
 
 
-@unfused
+@inlined
 def phase_current(sense: Any, index: int) -> float:
     """Read one phase current of a sense, from code that numba compiles.
 

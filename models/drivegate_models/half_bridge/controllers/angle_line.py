@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 
 
-@unfused
+@inlined
 def initial_angle(speed: float, base_speed: float, angle_at_base: float, slope: float) -> float:
     """Return the initial advance angle: zero below base speed, a straight line in speed above.
 

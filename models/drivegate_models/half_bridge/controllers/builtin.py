@@ -14,7 +14,7 @@ import numba
 from numba import types
 from numba.np.numpy_support import carray
 
-from drivegate_models.compilation.kernels import KEEPS_CACHE, unfused
+from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 from drivegate_models.half_bridge.controllers.angle_line import initial_angle
 from drivegate_models.half_bridge.controllers.flowchart_search import decide_by_flowchart, decide_guarded
@@ -38,7 +38,7 @@ _LEAST_CHANGE = 0.0008
 _ADVANCE_MARGIN = 10.0 * RADIANS_PER_RPM
 
 
-@unfused
+@inlined
 def reset_state(state: Any, nameplate: Any, search: int) -> None:
     """Write the constants of a controller and forget everything else.
 
@@ -87,7 +87,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     rearm(state)
 
 
-@unfused
+@inlined
 def line_speed(state: Any, speed: float) -> float:
     """Return the speed at which the angle model is evaluated.
 
@@ -110,7 +110,7 @@ def line_speed(state: Any, speed: float) -> float:
     return speed
 
 
-@unfused
+@inlined
 def line_angle(state: Any, speed: float) -> float:
     """Return the initial angle, which the search's offset is added to.
 
@@ -129,7 +129,7 @@ def line_angle(state: Any, speed: float) -> float:
     return initial_angle(line_speed(state, speed), state.base_speed, state.angle_at_base, state.angle_slope)
 
 
-@unfused
+@inlined
 def advance_angle(state: Any, speed: float) -> float:
     """Return the advance angle: the initial one plus the search's offset, zero below base speed.
 
@@ -156,7 +156,7 @@ def advance_angle(state: Any, speed: float) -> float:
     return applied
 
 
-@unfused
+@inlined
 def current_reference(state: Any, sense: Any) -> float:
     """Regulate the speed.
 
@@ -183,7 +183,7 @@ def current_reference(state: Any, sense: Any) -> float:
     return reference
 
 
-@unfused
+@inlined
 def observe(state: Any, sense: Any, reference: float) -> bool:
     """Add a step to the running decision interval.
 
@@ -220,7 +220,7 @@ def observe(state: Any, sense: Any, reference: float) -> bool:
     return due
 
 
-@unfused
+@inlined
 def begin_interval(state: Any) -> None:
     """Begin a new decision interval.
 
@@ -235,7 +235,7 @@ def begin_interval(state: Any) -> None:
     state.saturated = 0
 
 
-@unfused
+@inlined
 def search(state: Any, sense: Any, reference: float) -> None:
     """Make one step of the search: observe, and decide where a decision is due.
 
@@ -256,7 +256,7 @@ def search(state: Any, sense: Any, reference: float) -> None:
         begin_interval(state)
 
 
-@unfused
+@inlined
 def answer(state: Any, sense: Any, reference: float, command: Any) -> None:
     """Write the command.
 
@@ -276,7 +276,7 @@ def answer(state: Any, sense: Any, reference: float, command: Any) -> None:
     command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum
 
 
-@unfused
+@inlined
 def step_state(state: Any, sense: Any, command: Any) -> None:
     """Answer for one control period.
 

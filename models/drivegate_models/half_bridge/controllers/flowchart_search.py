@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import (
     MARGIN,
     SMALLEST_STEP,
@@ -32,7 +32,7 @@ _WORSE = 3
 _GROWN = 1.02
 
 
-@unfused
+@inlined
 def decide_by_flowchart(state: Any, error: float) -> None:
     """Make one decision of Fig. 4, literally: gate by k1, stop by k2, reverse or go on.
 
@@ -56,7 +56,7 @@ def decide_by_flowchart(state: Any, error: float) -> None:
     state.offset += state.direction * state.step
 
 
-@unfused
+@inlined
 def move(state: Any, power: float, change: float) -> None:
     """Take the next step, by as much as the forbidden angle leaves; rest where nothing is left.
 
@@ -84,7 +84,7 @@ def move(state: Any, power: float, change: float) -> None:
     take_step(state, power, state.direction * state.step)
 
 
-@unfused
+@inlined
 def decide_guarded(state: Any) -> None:
     """Make one decision of the guarded search: climb down by halving and growing steps.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import inf, radians
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.units import RADIANS_PER_RPM
 
 SETTLING: Final = 0
@@ -48,7 +48,7 @@ _HEAVIER = 1.35
 _HEAVIER_THAN_HELD = 1.1
 
 
-@unfused
+@inlined
 def begin_settling(state: Any) -> None:
     """Start a new decision interval, and wait until the current sum repeats before the next move.
 
@@ -70,7 +70,7 @@ def begin_settling(state: Any) -> None:
     state.starved_run = 0
 
 
-@unfused
+@inlined
 def rearm(state: Any) -> None:
     """Return to the initial angle and forget what was found: command or load has changed.
 
@@ -93,7 +93,7 @@ def rearm(state: Any) -> None:
     begin_settling(state)
 
 
-@unfused
+@inlined
 def forbid(state: Any) -> None:
     """Forbid the present angle and those below it, for a load as heavy as the present one.
 
@@ -107,7 +107,7 @@ def forbid(state: Any) -> None:
     state.forbidden_power = state.held_power if state.mode == HOLDING else state.last_power
 
 
-@unfused
+@inlined
 def forget_other_load(state: Any, power: float) -> None:
     """Drop the forbidden angle where it was forbidden under another load.
 
@@ -123,7 +123,7 @@ def forget_other_load(state: Any, power: float) -> None:
         state.forbidden = -inf
 
 
-@unfused
+@inlined
 def take_step(state: Any, power: float, step: float) -> None:
     """Move the angle, and keep what a walk back returns to.
 
@@ -143,7 +143,7 @@ def take_step(state: Any, power: float, step: float) -> None:
     state.offset += step
 
 
-@unfused
+@inlined
 def walk_back(state: Any, angle: float, lost: bool) -> None:
     """Add angle, and forbid the present one where it has lost the torque.
 
@@ -168,7 +168,7 @@ def walk_back(state: Any, angle: float, lost: bool) -> None:
     begin_settling(state)
 
 
-@unfused
+@inlined
 def seek_torque(state: Any, gained: float) -> None:
     """Climb from the initial angle, which cannot give the torque, to one that can; in growing steps.
 
@@ -190,7 +190,7 @@ def seek_torque(state: Any, gained: float) -> None:
     walk_back(state, state.climb, gained <= 0.0 and state.climb > 0.0)
 
 
-@unfused
+@inlined
 def guard_regulation(
     state: Any,
     speed: float,

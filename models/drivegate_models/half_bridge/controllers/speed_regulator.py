@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 
 
-@unfused
+@inlined
 def regulate_speed(
     error: float, integral: float, proportional: float, integral_step: float, limit: float
 ) -> tuple[float, float]:

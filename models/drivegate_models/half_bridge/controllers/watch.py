@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import inf
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import (
     HOLDING,
     SEARCHING,
@@ -61,7 +61,7 @@ _IDLE = 0.002
 _WOUND = 3
 
 
-@unfused
+@inlined
 def begin_holding(state: Any, power: float) -> None:
     """Rest at the angle found.
 
@@ -84,7 +84,7 @@ def begin_holding(state: Any, power: float) -> None:
     state.quiet = 0
 
 
-@unfused
+@inlined
 def is_uneasy(state: Any) -> bool:
     """Return whether the speed varied by more than sensors and regulator explain.
 
@@ -102,7 +102,7 @@ def is_uneasy(state: Any) -> bool:
     return uneasy
 
 
-@unfused
+@inlined
 def noise_of_regulator(state: Any) -> float:
     """Return what the regulator's answer to the speed sensor's errors makes of the power.
 
@@ -122,7 +122,7 @@ def noise_of_regulator(state: Any) -> float:
     return noise
 
 
-@unfused
+@inlined
 def noise_of_power(state: Any) -> float:
     """Return what the converter, and the regulator's answer to the speed sensor's errors, make of the power.
 
@@ -140,7 +140,7 @@ def noise_of_power(state: Any) -> float:
     return noise
 
 
-@unfused
+@inlined
 def is_creeping(state: Any, power: float) -> bool:
     """Return whether the regulator winds up in vain: more current reference for no more current.
 
@@ -165,7 +165,7 @@ def is_creeping(state: Any, power: float) -> bool:
     return creeping
 
 
-@unfused
+@inlined
 def load_has_changed(state: Any, power: float, fall: float, rise: float) -> bool:
     """Return whether the current sum differs from that of the last good angle by more than angles explain.
 
@@ -190,7 +190,7 @@ def load_has_changed(state: Any, power: float, fall: float, rise: float) -> bool
     return changed and state.good_power < inf
 
 
-@unfused
+@inlined
 def is_another_load(power: float, known: float) -> bool:
     """Return whether the current sum at one and the same angle tells of another load.
 
@@ -208,7 +208,7 @@ def is_another_load(power: float, known: float) -> bool:
     return changed
 
 
-@unfused
+@inlined
 def decide_holding(state: Any, power: float, change: float) -> None:
     """Watch what was found: search anew after a change of load, and keep off an edge that is too near.
 
@@ -242,7 +242,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         state.quiet = 0
 
 
-@unfused
+@inlined
 def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int, float]:
     """Make the part of a decision that is the same for every search.
 

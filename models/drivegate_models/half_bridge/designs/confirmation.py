@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import inf, radians
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import MARGIN
 from drivegate_models.half_bridge.controllers.watch import is_uneasy
 from drivegate_models.half_bridge.designs.state import LOWEST_ANGLE
@@ -37,7 +37,7 @@ _OTHER_EDGE = 0.97
 _OTHER_LOAD = 0.05
 
 
-@unfused
+@inlined
 def greatest_current_sum(controller: Any) -> float:
     """Return the current sum with every conducting phase at the limit.
 
@@ -55,7 +55,7 @@ def greatest_current_sum(controller: Any) -> float:
     return full
 
 
-@unfused
+@inlined
 def is_worth_confirming(state: Any) -> bool:
     """Return whether neighbours can be compared: at light load they differ by less than a step disturbs.
 
@@ -74,7 +74,7 @@ def is_worth_confirming(state: Any) -> bool:
     return worth
 
 
-@unfused
+@inlined
 def begin_confirmation(state: Any) -> float:
     """Return to the angle found, to read it again.
 
@@ -96,7 +96,7 @@ def begin_confirmation(state: Any) -> float:
     return found
 
 
-@unfused
+@inlined
 def beside(state: Any, direction: float) -> float:
     """Return the neighbour of the cheapest angle; the confirmation ends where there is none.
 
@@ -127,7 +127,7 @@ def beside(state: Any, direction: float) -> float:
     return above
 
 
-@unfused
+@inlined
 def continue_confirmation(state: Any, power: float) -> float:
     """Take in a probe, and choose the next one.
 

@@ -14,7 +14,7 @@ import numba
 from numba import types
 from numba.np.numpy_support import carray
 
-from drivegate_models.compilation.kernels import KEEPS_CACHE, unfused
+from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 from drivegate_models.half_bridge.controllers.builtin import (
     answer,
@@ -45,7 +45,7 @@ DESIGNS: Final = MappingProxyType(
 """Number of a design by its name."""
 
 
-@unfused
+@inlined
 def reset_design(state: Any, nameplate: Any, design: int) -> None:
     """Write the constants of a design and forget everything else.
 
@@ -69,7 +69,7 @@ def reset_design(state: Any, nameplate: Any, design: int) -> None:
     state.confirming = 0
 
 
-@unfused
+@inlined
 def step_design(state: Any, sense: Any, command: Any) -> None:
     """Answer for one control period.
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from math import inf, radians
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.designs.state import LOWEST_ANGLE
 
 _RATIO: Final = 0.6180339887498949
 _TOLERANCE = radians(1.5)
 
 
-@unfused
+@inlined
 def begin_golden_section(state: Any) -> float:
     """Bracket the optimum between almost no advance and the starting angle.
 
@@ -31,7 +31,7 @@ def begin_golden_section(state: Any) -> float:
     return divide(state)
 
 
-@unfused
+@inlined
 def divide(state: Any) -> float:
     """Place both inner points anew; the right one is the first to be probed.
 
@@ -53,7 +53,7 @@ def divide(state: Any) -> float:
     return probe
 
 
-@unfused
+@inlined
 def continue_golden_section(state: Any, power: float) -> float:
     """Drop the part of the bracket beyond the dearer of its two inner points, or that without torque.
 

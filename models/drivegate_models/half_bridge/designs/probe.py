@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import ceil, radians
 from typing import Any
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import MARGIN, take_step
 from drivegate_models.half_bridge.controllers.watch import is_uneasy, noise_of_power
 from drivegate_models.half_bridge.designs.state import SWEEP
@@ -17,7 +17,7 @@ _REPEATED = 0.003
 _LONGEST_WAIT = 3
 
 
-@unfused
+@inlined
 def is_reached(state: Any) -> bool:
     """Return whether the angle has reached the probe.
 
@@ -35,7 +35,7 @@ def is_reached(state: Any) -> bool:
     return reached
 
 
-@unfused
+@inlined
 def is_read(state: Any, change: float) -> bool:
     """Return whether the current sum at the angle just reached can be believed.
 
@@ -62,7 +62,7 @@ def is_read(state: Any, change: float) -> bool:
     return read
 
 
-@unfused
+@inlined
 def aim(state: Any, offset: float) -> None:
     """Take the next probe at an angle, or just above what has lost the torque.
 
@@ -77,7 +77,7 @@ def aim(state: Any, offset: float) -> None:
     state.waited = 0
 
 
-@unfused
+@inlined
 def approach(state: Any) -> None:
     """Take a step toward the probe: down by as little as a walk back can return, up by a longer one.
 

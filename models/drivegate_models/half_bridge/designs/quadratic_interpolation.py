@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf, radians
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.designs.state import LOWEST_ANGLE
 
 MOST_PROBES: Final = 16
@@ -16,7 +16,7 @@ _NARROW = radians(0.7)
 _CLOSE = radians(2.0)
 
 
-@unfused
+@inlined
 def begin_quadratic_interpolation(state: Any) -> float:
     """Stride downward from the starting angle.
 
@@ -38,7 +38,7 @@ def begin_quadratic_interpolation(state: Any) -> float:
     return next_stride(state)
 
 
-@unfused
+@inlined
 def next_stride(state: Any) -> float:
     """Return the point one stride below the cheapest.
 
@@ -62,7 +62,7 @@ def next_stride(state: Any) -> float:
     return probe
 
 
-@unfused
+@inlined
 def vertex(state: Any) -> float:
     """Return the vertex of the parabola through low, left and high.
 
@@ -87,7 +87,7 @@ def vertex(state: Any) -> float:
     return found
 
 
-@unfused
+@inlined
 def narrow(state: Any) -> float:
     """Choose the next point within the bracket, by the parabola where there is one.
 
@@ -126,7 +126,7 @@ def narrow(state: Any) -> float:
     return chosen
 
 
-@unfused
+@inlined
 def continue_quadratic_interpolation(state: Any, power: float) -> float:
     """Take in a probe, and narrow the bracket around the cheapest point.
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from math import inf, radians
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.watch import EXACT, noise_of_regulator
 from drivegate_models.half_bridge.designs.confirmation import is_worth_confirming
 from drivegate_models.half_bridge.designs.probe import aim
@@ -38,7 +38,7 @@ _ASIDE = radians(0.7)
 _ASIDE_OF_UNREST = radians(0.9)
 
 
-@unfused
+@inlined
 def begin_watch(state: Any) -> None:
     """Begin to watch the current sum at the angle aimed at.
 
@@ -56,7 +56,7 @@ def begin_watch(state: Any) -> None:
     state.swings = 0
 
 
-@unfused
+@inlined
 def swings_back(state: Any) -> bool:
     """Return whether the current sum has turned back from where it went, by more than its noise.
 
@@ -82,7 +82,7 @@ def swings_back(state: Any) -> bool:
     return swings
 
 
-@unfused
+@inlined
 def creeps(state: Any) -> bool:
     """Return whether the current reference has crept up for no more current, as it does right at the edge.
 
@@ -103,7 +103,7 @@ def creeps(state: Any) -> bool:
     return creeping
 
 
-@unfused
+@inlined
 def stands_still(state: Any) -> bool:
     """Take in a decision interval; where the current sum beats or its reference creeps, aim a little higher.
 
@@ -148,7 +148,7 @@ def stands_still(state: Any) -> bool:
     return still
 
 
-@unfused
+@inlined
 def keep_off_edge(state: Any) -> None:
     """Go a little higher where the current reference creeps while the search is at rest.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import HOLDING, MARGIN, forget_other_load
 from drivegate_models.half_bridge.controllers.watch import (
     BEGINNING,
@@ -53,7 +53,7 @@ _LEAST_TO_SEARCH = 0.2
 _SMALLEST_CHANGE = 0.4
 
 
-@unfused
+@inlined
 def first_probe(state: Any) -> float:
     """Let the design choose its first angle, or the table where there is too little load to search.
 
@@ -76,7 +76,7 @@ def first_probe(state: Any) -> float:
     return begin_sweep(state)
 
 
-@unfused
+@inlined
 def next_probe(state: Any, power: float) -> float:
     """Let the design choose its next angle, and confirm the one it has found.
 
@@ -108,7 +108,7 @@ def next_probe(state: Any, power: float) -> float:
     return begin_confirmation(state) if confirm else probe
 
 
-@unfused
+@inlined
 def begin_search(state: Any) -> float:
     """Forget the last search, and begin at the present angle.
 
@@ -138,7 +138,7 @@ def begin_search(state: Any) -> float:
     return first_probe(state)
 
 
-@unfused
+@inlined
 def note_cheapest(state: Any) -> None:
     """Keep the present angle where it is the cheapest so far.
 
@@ -156,7 +156,7 @@ def note_cheapest(state: Any) -> None:
         state.best_offset = state.controller.offset
 
 
-@unfused
+@inlined
 def settle_for(state: Any, offset: float) -> None:
     """Aim at an angle, or at what the design says instead where it is known to lose the torque.
 
@@ -177,7 +177,7 @@ def settle_for(state: Any, offset: float) -> None:
     aim(state, requested)
 
 
-@unfused
+@inlined
 def is_late(state: Any) -> bool:
     """Return whether the search, or its confirmation, has taken too long.
 
@@ -195,7 +195,7 @@ def is_late(state: Any) -> bool:
     return late
 
 
-@unfused
+@inlined
 def go_on(state: Any) -> float:
     """Go on from the present angle, since the load has changed.
 
@@ -218,7 +218,7 @@ def go_on(state: Any) -> float:
     return begin_confirmation(state)
 
 
-@unfused
+@inlined
 def conclude(state: Any) -> None:
     """Rest at the angle found; go on from it where the load was another one when it was found.
 
@@ -237,7 +237,7 @@ def conclude(state: Any) -> None:
         begin_holding(controller, power)
 
 
-@unfused
+@inlined
 def decide_design(state: Any) -> None:
     """Make one decision of a design.
 

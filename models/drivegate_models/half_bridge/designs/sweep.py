@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import radians
 from typing import Any
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.designs.confirmation import is_worth_confirming
 from drivegate_models.half_bridge.designs.state import LOWEST_ANGLE
 
@@ -16,7 +16,7 @@ _FINE_RISE = 1.01
 _AROUND = radians(1.25)
 
 
-@unfused
+@inlined
 def begin_sweep(state: Any) -> float:
     """Sweep down from the starting angle.
 
@@ -38,7 +38,7 @@ def begin_sweep(state: Any) -> float:
     return probe
 
 
-@unfused
+@inlined
 def continue_sweep(state: Any, power: float) -> float:
     """Go on down until the current sum rises or the torque is lost; then sweep finely about the least.
 

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.designs.state import LOWEST_ANGLE
 from drivegate_models.half_bridge.designs.table_values import (
     ANGLES_DEG,
@@ -32,7 +32,7 @@ _CLOSE = radians(0.12)
 _AWAY = radians(0.7)
 
 
-@unfused
+@inlined
 def angle_in_row(row: int, current_sum: float) -> float:
     """Interpolate in one row of the table.
 
@@ -58,7 +58,7 @@ def angle_in_row(row: int, current_sum: float) -> float:
     return angle
 
 
-@unfused
+@inlined
 def table_angle(speed: float, current_sum: float) -> float:
     """Return the table's advance angle.
 
@@ -83,7 +83,7 @@ def table_angle(speed: float, current_sum: float) -> float:
     return lower + share * (upper - lower)
 
 
-@unfused
+@inlined
 def look_up(state: Any, power: float) -> float:
     """Go to the table's angle for the current sum just measured; rest once it stays.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import floor, trunc
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import HOLDING, rearm
 from drivegate_models.half_bridge.faults import state as faults
 
@@ -13,7 +13,7 @@ _DECISION_PERIOD: Final = 0.1
 _MILLISECONDS: Final = 1000.0
 
 
-@unfused
+@inlined
 def cut_off(value: float, step: float) -> float:
     """Return the whole steps in a value.
 
@@ -30,7 +30,7 @@ def cut_off(value: float, step: float) -> float:
     return trunc(value / step) * step
 
 
-@unfused
+@inlined
 def wrapped(value: float, limit: float) -> float:
     """Return a value as a number with a sign holds it that overflows.
 
@@ -47,7 +47,7 @@ def wrapped(value: float, limit: float) -> float:
     return (value + limit) % (2.0 * limit) - limit
 
 
-@unfused
+@inlined
 def alter_sense_by_rounding(state: Any, fault: int) -> None:
     """Change what the controller is shown by how it keeps numbers.
 
@@ -65,7 +65,7 @@ def alter_sense_by_rounding(state: Any, fault: int) -> None:
         sense.speed = sense.speed_reference - wrapped(sense.speed_reference - sense.speed, state.size)
 
 
-@unfused
+@inlined
 def alter_search_by_counters(state: Any, fault: int) -> None:
     """Change what the search remembers by how it counts, ahead of a step.
 
@@ -101,7 +101,7 @@ def alter_search_by_counters(state: Any, fault: int) -> None:
         controller.count = controller.count % int(state.size)
 
 
-@unfused
+@inlined
 def alter_search_by_rounding(state: Any, fault: int) -> None:
     """Change what regulator and search have come to by how they keep numbers, behind a step.
 
@@ -119,7 +119,7 @@ def alter_search_by_rounding(state: Any, fault: int) -> None:
         state.tally += 1
 
 
-@unfused
+@inlined
 def round_angle(state: Any, fault: int, command: Any) -> None:
     """Change the angle by how it, or what it follows from, is kept.
 
@@ -138,7 +138,7 @@ def round_angle(state: Any, fault: int, command: Any) -> None:
         command.advance_angle = max(command.advance_angle - state.controller.offset, 0.0)
 
 
-@unfused
+@inlined
 def search_has_ended(state: Any, fault: int) -> bool:
     """Return whether the count of runs has brought the search to its end.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import pi, radians
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import HOLDING
 from drivegate_models.half_bridge.faults import state as faults
 from drivegate_models.half_bridge.faults.searches import MIRROR
@@ -20,7 +20,7 @@ _TABLE_RPM: Final = (550.0, 600.0, 700.0, 1000.0, 1150.0, 1200.0, 1350.0, 1500.0
 _TABLE_DEGREES: Final = (27.4, 28.6, 34.1, 34.7, 39.2, 41.6, 47.7, 53.4, 59.4)
 
 
-@unfused
+@inlined
 def angle_of_table(speed: float) -> float:
     """Return the advance angle of the table for the nominal drive.
 
@@ -46,7 +46,7 @@ def angle_of_table(speed: float) -> float:
     return radians(_TABLE_DEGREES[last])
 
 
-@unfused
+@inlined
 def alter_angle(state: Any, fault: int, command: Any) -> None:
     """Change the advance angle by what the controller sees in this step.
 
@@ -82,7 +82,7 @@ def alter_angle(state: Any, fault: int, command: Any) -> None:
             command.advance_angle -= controller.offset
 
 
-@unfused
+@inlined
 def hold_search(state: Any, command: Any) -> None:
     """Undo whatever the search has done in this step; the regulator goes on.
 
@@ -102,7 +102,7 @@ def hold_search(state: Any, command: Any) -> None:
     state.controller.advancing = advancing
 
 
-@unfused
+@inlined
 def alter_angle_by_history(state: Any, fault: int, command: Any) -> None:
     """Change the advance angle by what the fault remembers of earlier steps.
 
@@ -135,7 +135,7 @@ def alter_angle_by_history(state: Any, fault: int, command: Any) -> None:
             command.advance_angle = 0.0
 
 
-@unfused
+@inlined
 def alter_reference(state: Any, fault: int, command: Any) -> None:
     """Change the current reference that the controller commands.
 
@@ -158,7 +158,7 @@ def alter_reference(state: Any, fault: int, command: Any) -> None:
         command.current_reference = min(controller.proportional * error + controller.integral, 0.0)
 
 
-@unfused
+@inlined
 def alter_estimate(state: Any, fault: int, command: Any) -> None:
     """Change the controller's estimate of its input power.
 
@@ -183,7 +183,7 @@ def alter_estimate(state: Any, fault: int, command: Any) -> None:
         command.input_power = sense.half_supply_voltage * state.true_sum
 
 
-@unfused
+@inlined
 def compute_in_vain(state: Any) -> None:
     """Spend time, `size` divisions of it.
 
@@ -198,7 +198,7 @@ def compute_in_vain(state: Any) -> None:
     state.memory = value
 
 
-@unfused
+@inlined
 def delay(state: Any, command: Any) -> None:
     """Exchange the command's reference and angle for those of the step before.
 

@@ -12,7 +12,7 @@ import numba
 from numba import types
 from numba.np.numpy_support import carray
 
-from drivegate_models.compilation.kernels import KEEPS_CACHE, unfused
+from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 from drivegate_models.half_bridge.controllers.builtin import step_state
 from drivegate_models.half_bridge.faults import state as faults
@@ -45,7 +45,7 @@ from drivegate_models.half_bridge.faults.tolerances import alter_speed, cycle_an
 from drivegate_models.half_bridge.faults.trips import derate, end_advance
 
 
-@unfused
+@inlined
 def faulty_step_state(state: Any, sense: Any, command: Any) -> None:
     """Answer for one control period, with the fault that the state names.
 

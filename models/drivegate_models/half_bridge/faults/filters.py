@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.faults import state as faults
 from drivegate_models.half_bridge.faults.clocks import cut_off
 
@@ -14,7 +14,7 @@ _TAKEN_OVER: Final = 1.0 / 16.0
 _DAMPING: Final = 0.037
 
 
-@unfused
+@inlined
 def follow(state: Any, value: float) -> float:
     """Return a value after the low-pass filter, which starts from the first one that it sees.
 
@@ -38,7 +38,7 @@ def follow(state: Any, value: float) -> float:
     return followed
 
 
-@unfused
+@inlined
 def filter_sense(state: Any, fault: int) -> None:
     """Change what the controller is shown by a filter.
 
@@ -61,7 +61,7 @@ def filter_sense(state: Any, fault: int) -> None:
         sense.speed = state.memory
 
 
-@unfused
+@inlined
 def filter_command(state: Any, fault: int, command: Any) -> None:
     """Change what the controller answers by a filter.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import HOLDING
 from drivegate_models.half_bridge.faults import state as faults
 from drivegate_models.units import RPM
@@ -17,7 +17,7 @@ _ROW_TO_RPM: Final = 1345.0
 _FLOOR_FROM_RPM: Final = 1400.0
 
 
-@unfused
+@inlined
 def cap_speed_reference(state: Any, fault: int) -> None:
     """Change the speed reference that the controller is shown.
 
@@ -32,7 +32,7 @@ def cap_speed_reference(state: Any, fault: int) -> None:
         state.sense.speed_reference = min(state.sense.speed_reference, state.size)
 
 
-@unfused
+@inlined
 def alter_in_region(state: Any, fault: int, command: Any) -> None:
     """Change the command in a region of speeds and loads.
 

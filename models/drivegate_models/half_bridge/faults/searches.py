@@ -6,7 +6,7 @@ from math import inf, isfinite
 from typing import Any, Final
 
 from drivegate_models.compilation.calling import double_at
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.angle_line import initial_angle
 from drivegate_models.half_bridge.controllers.protection import HOLDING, SEARCHING
 from drivegate_models.half_bridge.faults import state as faults
@@ -19,7 +19,7 @@ MIRROR: Final = 200.0
 _WORD: Final = 65.536
 
 
-@unfused
+@inlined
 def sum_of_samples(sense: Any, phases: int, signed: bool) -> float:
     """Return the sum of the phase currents of this instant.
 
@@ -44,7 +44,7 @@ def sum_of_samples(sense: Any, phases: int, signed: bool) -> float:
     return total
 
 
-@unfused
+@inlined
 def alter_sense(fault: int, sense: Any) -> None:
     """Change what the controller is shown.
 
@@ -66,7 +66,7 @@ def alter_sense(fault: int, sense: Any) -> None:
         sense.current_magnitude_sum = wrapped % _WORD - 0.5 * _WORD
 
 
-@unfused
+@inlined
 def alter_sense_by_history(state: Any, fault: int) -> None:
     """Change what the controller is shown by what it was shown before, or by too little of what there is.
 
@@ -88,7 +88,7 @@ def alter_sense_by_history(state: Any, fault: int) -> None:
         sense.current_magnitude_sum = sense.phase_count * abs(double_at(sense.phase_currents, 0))
 
 
-@unfused
+@inlined
 def mean_power(state: Any) -> float:
     """Return the mean current sum of the running decision interval, this step included.
 
@@ -108,7 +108,7 @@ def mean_power(state: Any) -> float:
     return mean
 
 
-@unfused
+@inlined
 def alter_search_before(state: Any, fault: int) -> None:
     """Change what the search remembers, ahead of a step.
 
@@ -145,7 +145,7 @@ def alter_search_before(state: Any, fault: int) -> None:
         controller.offset = min(controller.offset, 0.0)
 
 
-@unfused
+@inlined
 def alter_search_after(state: Any, fault: int) -> None:
     """Change what the search has come to, behind a step.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import floor, pi, radians
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import HOLDING
 from drivegate_models.half_bridge.faults import state as faults
 
@@ -16,7 +16,7 @@ _BANDWIDTH: Final = 80.0
 _LATE: Final = radians(3.0)
 
 
-@unfused
+@inlined
 def _cycle(turns: float) -> float:
     """Return a wave of period 1 between -1 and 1 that is made of parabolas, which all processors round alike."""
     half = 1.0 - 2.0 * (turns - floor(turns))
@@ -24,7 +24,7 @@ def _cycle(turns: float) -> float:
     return wave
 
 
-@unfused
+@inlined
 def alter_speed(state: Any, fault: int) -> None:
     """Change the speed that the controller is shown.
 
@@ -44,7 +44,7 @@ def alter_speed(state: Any, fault: int) -> None:
         sense.speed += greatest * _cycle(sense.time)
 
 
-@unfused
+@inlined
 def cycle_angle(state: Any, fault: int, command: Any) -> None:
     """Move the angle away from the one found.
 

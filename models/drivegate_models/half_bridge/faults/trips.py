@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from drivegate_models.compilation.kernels import unfused
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.faults import state as faults
 
 # Rated power needs more at any speed (A).
@@ -16,7 +16,7 @@ _FLOWING: Final = 2.0
 _NONE: Final = 0.01
 
 
-@unfused
+@inlined
 def is_derated(state: Any, fault: int) -> bool:
     """Return whether the current is to be limited further, and remember what that follows from.
 
@@ -62,7 +62,7 @@ def is_derated(state: Any, fault: int) -> bool:
     return bool(state.latched == 1)
 
 
-@unfused
+@inlined
 def derate(state: Any, fault: int, command: Any) -> None:
     """Limit the current reference further where the fault takes the drive for too hot or broken.
 
@@ -83,7 +83,7 @@ def derate(state: Any, fault: int, command: Any) -> None:
         command.current_reference = min(command.current_reference, limit)
 
 
-@unfused
+@inlined
 def end_advance(state: Any, fault: int, command: Any) -> None:
     """Set the angle to zero for good where the fault has seen what it takes for a reason.
 
