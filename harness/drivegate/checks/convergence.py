@@ -9,8 +9,9 @@ from typing import Final
 from drivegate.checks.check import Check
 from drivegate.checks.declared_speeds import unless_speeds_from
 from drivegate.checks.feasible_angles import given_below_limit
-from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.margin import Margin, at_most, worst_required
 from drivegate.runs.record import RunRecord, SteadyWindow, rated_torque
+from drivegate.scenarios.speed_range import HIGHEST_LOADED
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.sensors import IdealSensors
@@ -128,8 +129,13 @@ def worst_convergence(check: str, windows: Iterable[SteadyWindow]) -> Margin | N
         value, measured = window_convergence(window)
         # Feasibility takes much longer to tell than convergence, and matters only without it.
         if value >= 0.0 or is_feasible(window):
-            margins.append(Margin(check, value, measured + described(window)))
-    return min(margins, key=lambda margin: margin.value, default=None)
+            margins.append(Margin(check, value, measured + described(window), is_beyond_range(window)))
+    return worst_required(margins)
+
+
+def is_beyond_range(window: SteadyWindow) -> bool:
+    """Tell whether a window lies above the range of constant power, where the paper requires no convergence."""
+    return window.dwell.speed_rpm > HIGHEST_LOADED * window.scenario.motor.base_speed_rpm
 
 
 def converges(record: RunRecord) -> Margin | None:
@@ -151,8 +157,7 @@ def reaches_optimum(record: RunRecord) -> Margin | None:
     if record.circumstance is not Circumstance.NOMINAL:
         return None
     margins = [_excess(record, window) for window in record.windows() if window.torque_required > 0.0]
-    required = [margin for margin in margins if not margin.advisory]
-    return min(required or margins, key=lambda margin: margin.value, default=None)
+    return worst_required(margins)
 
 
 def _excess(record: RunRecord, window: SteadyWindow) -> Margin:
@@ -163,7 +168,8 @@ def _excess(record: RunRecord, window: SteadyWindow) -> Margin:
     base_speed = record.scenario.motor.base_speed_rpm * RADIANS_PER_RPM
     speed = mean_speed if mean_speed > base_speed else window.speed
     # A load of exactly half the torque is met to the regulator's own error.
-    advisory = torque < REQUIRED_SHARE * rated_torque(record.scenario, window.speed) * (1.0 - 1e-3)
+    light = torque < REQUIRED_SHARE * rated_torque(record.scenario, window.speed) * (1.0 - 1e-3)
+    advisory = light or is_beyond_range(window)
     least = least_current_sum(record.drive, speed, torque, window.dwell.supply_v).current_sum
     if not math.isfinite(least):
         return Margin("CNV-2", -1.0, _without_optimum(record, window, speed), advisory)
@@ -206,7 +212,7 @@ CNV_1 = Check(
     requirement=(
         "Within 6 s of a steady reference the search has converged: from then on the true speed error stays within "
         "k1, the 100 ms means of Σ|i| within k2 (of no less than Σ|i| at a fifth of the rated torque), and the advance "
-        "angle within 1°."
+        "angle within 1°; required up to three times base speed, the range of constant power, advisory beyond."
     ),
     source="P6",
     subject="candidate",
@@ -226,7 +232,7 @@ CNV_2 = Check(
     requirement=(
         "The search converges to the optimum: Σ|i| lies within 2 % of the least at that speed and mean torque, of all "
         "angles that give this torque with the current at its limit too (at others a regulator at its limit may lose "
-        "it); required from half the torque of rated power upward, advisory below."
+        "it); required from half the torque of rated power upward and up to three times base speed, else advisory."
     ),
     source="P6, P11, P12",
     subject="candidate",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -56,3 +57,9 @@ def at_most(measured: float, limit: float) -> float:
 def below(measured: float, limit: float) -> float:
     """Judge a quantity that has to stay below its limit."""
     return at_most(measured, limit) if measured != limit else -_LEAST
+
+
+def worst_required(margins: Sequence[Margin]) -> Margin | None:
+    """Give the least margin of those that are required, or of those that only advise where there are no others."""
+    required = [margin for margin in margins if not margin.advisory]
+    return min(required or margins, key=lambda margin: margin.value, default=None)

@@ -8,7 +8,7 @@ from drivegate.checks.check import Check
 from drivegate.checks.constant_power import HIGHEST_RPM, LOWEST_RPM
 from drivegate.checks.convergence import ABOVE_BASE_SPEED, described
 from drivegate.checks.declared_speeds import unless_speeds_from
-from drivegate.checks.margin import Margin, below
+from drivegate.checks.margin import Margin, below, worst_required
 from drivegate.runs.record import RunRecord, SteadyWindow, rated_torque
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_models.half_bridge.steady.oracle import point_at_torque
@@ -73,8 +73,7 @@ def closed_loop_ripple(record: RunRecord) -> Margin | None:
     if record.circumstance is not Circumstance.NOMINAL:
         return None
     margins = [_closed_loop_margin(window) for window in record.windows() if window.torque_required > 0.0]
-    rated = [margin for margin in margins if not margin.advisory]
-    return min(rated or margins, key=lambda margin: margin.value, default=None)
+    return worst_required(margins)
 
 
 def _closed_loop_margin(window: SteadyWindow) -> Margin:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from drivegate.checks.check import Check, Evaluate
 from drivegate.checks.convergence import ABOVE_BASE_SPEED, worst_convergence
-from drivegate.checks.margin import Margin
+from drivegate.checks.margin import Margin, worst_required
 from drivegate.runs.record import RunRecord, SteadyWindow
 from drivegate_cases.motor.scales import Scales
 from drivegate_cases.scenario.circumstance import Circumstance
@@ -34,13 +36,13 @@ def robust_convergence(check: str, judged: Circumstance) -> Evaluate:
         if record.circumstance is not judged:
             return None
         margins = [
-            Margin(check, margin.value, f"{requirement}: {margin.measured}")
+            replace(margin, measured=f"{requirement}: {margin.measured}")
             for window in record.windows()
             if is_claimed(window.scales)
             for requirement in [_requirement(window)]
             if (margin := worst_convergence(check, [window])) is not None
         ]
-        return min(margins, key=lambda margin: margin.value, default=None)
+        return worst_required(margins)
 
     return evaluate
 

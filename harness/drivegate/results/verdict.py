@@ -74,7 +74,7 @@ def _outcome(
     advised = [other for run in runs for other in run.margins if other.check == check.id and other.advisory]
     unmet = sum(not other.met for other in advised)
     if unmet and not margin.advisory:
-        summary += f"; advisory: not met in {counted(unmet, 'run')} at light load"
+        summary += f"; advisory: not met in {counted(unmet, 'run')} beyond what is required"
     made = _made(check, verdict, margin, len(items), f"{margin.measured}; {summary}", run.scenario)
     return replace(made, margins=_spread([item.value for item, _ in items]))
 

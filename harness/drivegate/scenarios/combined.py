@@ -11,6 +11,7 @@ from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S, steady_scenario, 
 from drivegate.scenarios.changes import (
     moments,
     pulsed,
+    repeated,
     stepped,
     with_beginning,
     with_current_error,
@@ -46,6 +47,7 @@ LIGHTEST: Final = 0.1
 """Lightest load that is drawn, as a share of rated power (1)."""
 LONG_S: Final = 150.0
 """Length of a long run, beside which the time of every search is short (s)."""
+_REST_S: Final = 6.0
 _HIGHEST_ADVISED: Final = 4.0
 _SETTLED_S: Final = 7.0
 _PERIODS: Final = {"500 µs": 5e-4, "400 µs": 4e-4, "250 µs": 2.5e-4, "100 µs": 1e-4}
@@ -60,49 +62,73 @@ def combined_scenarios(
     The same seed gives the same ones, whatever the number of parts.
     """
     rows = list(enumerate(covering_rows()))[part::parts]
-    drawn = [_drawn(motor, speed_range, row, f"{seed}/{number}") for number, row in rows]
+    drawn = [_drawn(motor, speed_range, row, seed, number) for number, row in rows]
     fair = tuple(scenario for scenario in drawn if scenario is not None)
     return fair + long_scenarios(motor, speed_range, seed)[part::parts]
 
 
 def long_scenarios(motor: Motor, speed_range: SpeedRange | None, seed: int) -> tuple[Scenario, ...]:
-    """Draw runs of minutes at rated power: one undisturbed, one whose load changes late and through real sensors."""
+    """Draw runs of minutes at rated power.
+
+    One is undisturbed, one has a load that changes late and real sensors, and one a load that goes to and fro with time
+    for the search to come to rest in between.
+    """
     random = Random(f"{seed}/long")
     lowest, highest = loaded_range(motor, speed_range)
-    plain, late = (
+    plain, late, busy = (
         steady_scenario(motor, _whole(random, lowest, highest), power_share=1.0, constant_power=False)
-        for _ in range(2)
+        for _ in range(3)
     )
     changed = with_load_shares(late, (0.0, 1.0), (LONG_S - DWELL_S, 0.5))
-    return titled(plain.replaced(duration_s=LONG_S)), with_mcs96(changed, random.randrange(1000))
+    to_and_fro = repeated(1.0, 0.5, _REST_S, times=12, every_s=2.0 * _REST_S)
+    return (
+        titled(plain.replaced(duration_s=LONG_S)),
+        with_mcs96(changed, random.randrange(1000)),
+        with_load_factor(busy, ((0.0, 0.0), (LOAD_RAMP_S, 1.0), *to_and_fro[1:])),
+    )
+
+
+def _whole_speeds(lowest: float, highest: float) -> list[float]:
+    """List the speeds of whole steps of 10 rpm, or the highest where there is none."""
+    bottom, top = math.ceil(lowest / 10.0), math.floor(highest / 10.0)
+    return [10.0 * steps for steps in range(bottom, top + 1)] or [highest]
 
 
 def _whole(random: Random, lowest: float, highest: float) -> float:
-    """Draw a speed of whole steps of 10 rpm, or the highest where there is none."""
-    bottom, top = math.ceil(lowest / 10.0), math.floor(highest / 10.0)
-    return 10.0 * random.randint(bottom, top) if bottom <= top else highest
+    return random.choice(_whole_speeds(lowest, highest))
 
 
-def _drawn(motor: Motor, speed_range: SpeedRange | None, row: Row, seed: str) -> Scenario | None:
+def _speeds_of_row(motor: Motor, speed_range: SpeedRange | None, row: Row) -> tuple[float, float]:
+    if row["speed course"] == "overspeed":
+        return HIGHEST_LOADED * motor.base_speed_rpm, _HIGHEST_ADVISED * motor.base_speed_rpm
+    return loaded_range(motor, speed_range)
+
+
+def _speed_in_turn(lowest: float, highest: float, seed: int, number: int) -> float:
+    """Take a speed of a range in an order of chance: no two rows have the same one before all were had."""
+    speeds = _whole_speeds(lowest, highest)
+    Random(f"{seed}/speeds").shuffle(speeds)
+    return speeds[number % len(speeds)]
+
+
+def _drawn(motor: Motor, speed_range: SpeedRange | None, row: Row, seed: int, number: int) -> Scenario | None:
     if speed_range is not None and row["speed course"] in ("standstill", "overspeed"):
         return None
-    random = Random(seed)
+    random = Random(f"{seed}/{number}")
+    lowest, highest = _speeds_of_row(motor, speed_range, row)
+    speed = _speed_in_turn(lowest, highest, seed, number)
     for attempt in range(ATTEMPTS):
         heaviest = 1.0 - 0.8 * attempt / ATTEMPTS
-        scenario = _changed(_base(motor, speed_range, row, random, heaviest), row, random)
+        other = _whole(random, lowest, highest)
+        scenario = _changed(_base(motor, row, random, heaviest, (speed, other)), row, random)
         if unfair_because(scenario) is None:
             return scenario
     return None
 
 
-def _base(
-    motor: Motor, speed_range: SpeedRange | None, row: Row, random: Random, heaviest: float
-) -> Scenario:
-    """Make a run with the row's load and courses of speed and load."""
-    lowest, highest = loaded_range(motor, speed_range)
-    if row["speed course"] == "overspeed":
-        lowest, highest = HIGHEST_LOADED * motor.base_speed_rpm, _HIGHEST_ADVISED * motor.base_speed_rpm
-    slow, fast = sorted(_whole(random, lowest, highest) for _ in range(2))
+def _base(motor: Motor, row: Row, random: Random, heaviest: float, speeds: tuple[float, float]) -> Scenario:
+    """Make a run with the row's load and courses of speed and load, at the first speed or between both."""
+    slow, fast = sorted(speeds) if row["speed course"] in ("up", "down") else (speeds[0], speeds[0])
     share = _share(random, heaviest)
     at = _moment(row, random)
     if row["load"] == "vehicle":

@@ -18,6 +18,7 @@ from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 
 _LONGEST_NAME = 200
 _LONGEST_DESCRIPTION = 2000
+_LISTED_TURNS = 2
 
 
 class _Trait(NamedTuple):
@@ -55,7 +56,12 @@ def _levels(profile: Profile) -> list[float]:
 
 
 def _sequence(values: list[float], scale: float = 1.0) -> str:
-    return "-".join(f"{scale * value:.4g}" for value in values)
+    """Join values; what goes to and fro again and again is said once."""
+    turns = len(values) // 2
+    words = [f"{scale * value:.4g}" for value in values]
+    if turns > _LISTED_TURNS and values == (values[:2] * (turns + 1))[: len(values)]:
+        return "-".join([f"{words[0]}-{words[1]}×{turns}", *words[2 * turns :]])
+    return "-".join(words)
 
 
 def _in_words(values: list[float], unit: str, scale: float = 1.0) -> str:

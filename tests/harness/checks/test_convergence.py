@@ -215,6 +215,17 @@ def test_below_half_load_the_optimum_is_only_advised(record, scenario, checks):
     assert checks["CNV-2"].evaluate(record(window={"TORQUE": below})).advisory
 
 
+@pytest.mark.parametrize("check", CONVERGENCE)
+@pytest.mark.parametrize(("speed_rpm", "advisory"), [(1500.0, False), (1510.0, True)])
+def test_beyond_the_range_of_constant_power_convergence_is_only_advised(
+    record, scenario, checks, check, speed_rpm, advisory
+):
+    run = scenario(**CONVERGENCE[check], speed_rpm=((0.0, speed_rpm),), initial_speed_rpm=speed_rpm)
+    margin = checks[check].evaluate(record(run, window={"SPEED_ERROR": 2 * K1}))
+    assert not margin.met
+    assert margin.advisory is advisory, margin
+
+
 def test_a_worse_window_at_light_load_does_not_hide_a_required_one(record, scenario, checks):
     run = record(
         scenario(**TWO_STRETCHES), windows=[{"CURRENT_SUM": 80.0, "TORQUE": 3.0}, {"CURRENT_SUM": 40.3}]

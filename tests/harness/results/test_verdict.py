@@ -45,7 +45,7 @@ def test_where_a_check_only_advises_it_is_reported_and_does_not_decide() -> None
     light = run("light", Margin("CNV-2", -3.0, "x", advisory=True))
     outcome = judged("CNV-2", run("a", Margin("CNV-2", 0.2, "y")), light)
     assert (outcome.verdict, outcome.margin, outcome.runs) == ("pass", 0.2, 1)
-    assert outcome.message.endswith("advisory: not met in 1 run at light load")
+    assert outcome.message.endswith("advisory: not met in 1 run beyond what is required")
 
 
 def test_without_runs_a_check_does_not_apply_or_is_not_known() -> None:

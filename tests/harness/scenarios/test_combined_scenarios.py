@@ -2,10 +2,11 @@
 
 import subprocess
 import sys
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import pytest
 
+from drivegate.scenarios.building import LOAD_RAMP_S
 from drivegate.scenarios.combined import LONG_S, combined_scenarios, long_scenarios
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows, is_possible, possible_pairs
 from drivegate.scenarios.feasibility import is_fair
@@ -50,7 +51,7 @@ def test_the_rows_are_the_same_in_every_process() -> None:
 @pytest.mark.parametrize("seed", [0, 1])
 def test_every_row_becomes_a_fair_run_that_can_be_judged(seed: int) -> None:
     scenarios = combined_scenarios(MOTOR, None, seed)
-    assert len(scenarios) == len(covering_rows()) + 2, "a row has no fair scenario"
+    assert len(scenarios) == len(covering_rows()) + len(long_scenarios(MOTOR, None, seed)), "a row has no fair scenario"
     for scenario in scenarios:
         assert is_fair(scenario), scenario.description
         assert observed_windows(scenario), f"{scenario.name} is never judged"
@@ -74,6 +75,30 @@ def test_long_runs_last_minutes_at_rated_power() -> None:
         power = scenario.load.torque_nm * scenario.speed_rpm[0][1] * 0.10471975512  # type: ignore[union-attr]
         assert power == pytest.approx(MOTOR.rated_power_w, rel=1e-3)
         assert scenario.load_profile[1] == (0.2, 1.0)
+
+
+def test_a_long_run_leaves_the_search_time_to_rest_between_more_than_twenty_changes() -> None:
+    *_, busy = long_scenarios(MOTOR, None, 0)
+    changes = [
+        time
+        for (time, share), (_, after) in pairwise(busy.load_profile)
+        if share != after and time > LOAD_RAMP_S
+    ]
+    assert len(changes) > 20, busy.name
+    assert min(after - before for before, after in pairwise(changes)) >= 6.0
+    assert busy.name.endswith("-100-50×12-100%")
+
+
+def test_no_two_rows_of_the_loaded_speeds_have_the_same_one() -> None:
+    scenarios = combined_scenarios(MOTOR, None, 0)
+    steady = [
+        scenario.speed_rpm[0][1]
+        for scenario in scenarios
+        if len(scenario.speed_rpm) == 1
+        and scenario.speed_rpm[0][1] <= 1500.0
+        and scenario.duration_s < LONG_S
+    ]
+    assert len(set(steady)) == len(steady) >= 8, sorted(steady)
 
 
 def test_a_declared_speed_range_holds() -> None:

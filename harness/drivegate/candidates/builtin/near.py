@@ -50,9 +50,9 @@ _ALL: Final = (
     Mutation(
         "decides-slowly",
         KIND,
-        "Decides every 120 ms instead of every 100 ms.",
+        "Decides every 110 ms instead of every 100 ms.",
         "",
-        factors=(("decision_steps", 1.2),),
+        factors=(("decision_steps", 1.1),),
     ),
     Mutation(
         "gain-doubled",

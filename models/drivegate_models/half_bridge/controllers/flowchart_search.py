@@ -12,6 +12,7 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import (
     MARGIN,
     SMALLEST_STEP,
+    begin_settling,
     forget_other_load,
     rearm,
     take_step,
@@ -29,6 +30,8 @@ from drivegate_models.half_bridge.controllers.watch import (
 
 _IMPROVEMENTS = 3
 _WORSE = 3
+# First steps from the initial angle within which a rest is confirmed.
+_NEAR_THE_START = 3.5
 _GROWN = 1.02
 
 
@@ -85,6 +88,28 @@ def move(state: Any, power: float, change: float) -> None:
 
 
 @inlined
+def rest_or_confirm(state: Any, power: float) -> None:
+    """Rest after flat steps; where these were the first ones, only after others like them.
+
+    A load that grows during the first steps takes as much current as they save, so that all of them look flat.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Mean current sum of the decision interval (A).
+    """
+    if state.confirmed == 1 or abs(state.offset) > _NEAR_THE_START * state.first_step:
+        begin_holding(state, power)
+        return
+    state.confirmed = 1
+    state.step = state.first_step
+    state.direction = -1.0
+    begin_settling(state)
+
+
+@inlined
 def decide_guarded(state: Any) -> None:
     """Make one decision of the guarded search: climb down by halving and growing steps.
 
@@ -116,7 +141,7 @@ def decide_guarded(state: Any) -> None:
         state.quiet += 1
         # One flat step is not yet the optimum.
         if state.quiet >= 2:
-            begin_holding(state, power)
+            rest_or_confirm(state, power)
             return
     else:
         state.quiet = 0

@@ -90,6 +90,7 @@ def rearm(state: Any) -> None:
     state.climb = 0.5 * state.first_step
     state.regained = -inf
     state.calm_error = inf
+    state.confirmed = 0
     begin_settling(state)
 
 

@@ -71,6 +71,7 @@ CONTROLLER_STATE: Final = np.dtype(
         ("regained", np.float64),
         ("worse", np.int64),
         ("worse_from", np.float64),
+        ("confirmed", np.int64),
     ],
     align=True,
 )

@@ -220,10 +220,12 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         Mean current sum of the decision interval, and its change from the one before (A).
     """
     uneasy = is_uneasy(state)
+    # While the speed comes back from the last step, the current sum is not yet that of the rest.
+    if state.rest_power == inf and state.quiet != 0 and not uneasy:
+        state.rest_power = power
     # A load that comes or goes slowly moves `held_power` along, step off the edge by step.
-    state.rest_power = power if state.rest_power == inf else state.rest_power
     share = _LESS if power < state.rest_power else _MORE
-    moved_on = abs(power - state.rest_power) > share * power + _EITHER_WAY
+    moved_on = state.rest_power < inf and abs(power - state.rest_power) > share * power + _EITHER_WAY
     changed = moved_on or is_another_load(power, state.held_power)
     if is_creeping(state, power):
         state.integral = state.good_integral
