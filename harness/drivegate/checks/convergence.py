@@ -84,7 +84,7 @@ def judged_current_sum(window: SteadyWindow) -> float:
     lightest = LIGHTEST_SHARE * rated_torque(window.scenario, window.speed)
     if window.values.torque >= lightest:
         return mean
-    drive = window.scenario.motor.drive(window.scales)
+    drive = window.scenario.drive.plant(window.scales)
     least = least_current_sum(drive, window.speed, lightest, window.dwell.supply_v).current_sum
     return max(mean, least) if math.isfinite(least) else mean
 
@@ -113,7 +113,7 @@ def is_feasible(window: SteadyWindow) -> bool:
     scenario, dwell = window.scenario, window.dwell
     if isinstance(scenario.load, LockedLoad) or window.torque_required <= 0.0:
         return True
-    drive = scenario.motor.drive(window.scales)
+    drive = scenario.drive.plant(window.scales)
     torque = window.torque_required + drive.friction + drive.viscous_friction * window.speed
     voltage = dwell.supply_v * (1.0 - abs(dwell.imbalance))
     return not math.isnan(feasible_edge(drive, window.speed, torque, voltage))
@@ -160,7 +160,7 @@ def _excess(record: RunRecord, window: SteadyWindow) -> Margin:
     mean = window.values.current_sum
     # Where the speed reference is not held, the least sum is that of the speed at which the torque really is.
     mean_speed = window.values.speed
-    base_speed = record.scenario.motor.base_speed_rpm * RADIANS_PER_RPM
+    base_speed = record.scenario.drive.rating.base_speed_rpm * RADIANS_PER_RPM
     speed = mean_speed if mean_speed > base_speed else window.speed
     # A load of exactly half the torque is met to the regulator's own error.
     advisory = torque < REQUIRED_SHARE * rated_torque(record.scenario, window.speed) * (1.0 - 1e-3)

@@ -64,7 +64,7 @@ def test_a_failure_names_the_counterexample_its_file_and_the_next_step(command, 
     assert (file["schema"], file["check"], file["margin"], file["seed"]) == (2, "CNV-1", -1.5, 0)
     assert set(file["candidate"]) == {"name", "hash"}
     assert file["versions"]["drivegate"]
-    assert file["scenario"]["motor"]["pole_pairs"] == 11, "the scenario must be fully resolved"
+    assert file["scenario"]["drive"]["machine"]["pole_pairs"] == 11, "the scenario must be fully resolved"
 
 
 def test_a_narrow_terminal_breaks_no_command_that_is_to_be_copied(command, failing, monkeypatch):

@@ -10,9 +10,9 @@ from drivegate.scenarios.combined import LONG_S, combined_scenarios, long_scenar
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows, is_possible, possible_pairs
 from drivegate.scenarios.feasibility import is_fair
 from drivegate.scenarios.windows import observed_windows
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 
-MOTOR = load_motor("paper-5-phase")
+DRIVE = load_drive("paper-5-phase")
 
 
 def test_every_possible_pair_of_levels_is_in_some_row() -> None:
@@ -49,7 +49,7 @@ def test_the_rows_are_the_same_in_every_process() -> None:
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_every_row_becomes_a_fair_run_that_can_be_judged(seed: int) -> None:
-    scenarios = combined_scenarios(MOTOR, None, seed)
+    scenarios = combined_scenarios(DRIVE, None, seed)
     assert len(scenarios) == len(covering_rows()) + 2, "a row has no fair scenario"
     for scenario in scenarios:
         assert is_fair(scenario), scenario.description
@@ -61,21 +61,21 @@ def test_parts_make_the_whole_whatever_their_number() -> None:
         return {
             scenario.to_json()
             for part in range(parts)
-            for scenario in combined_scenarios(MOTOR, None, 3, part, parts)
+            for scenario in combined_scenarios(DRIVE, None, 3, part, parts)
         }
 
     assert contents(1) == contents(8)
-    assert contents(1) != {scenario.to_json() for scenario in combined_scenarios(MOTOR, None, 4)}
+    assert contents(1) != {scenario.to_json() for scenario in combined_scenarios(DRIVE, None, 4)}
 
 
 def test_long_runs_last_minutes_at_rated_power() -> None:
-    for scenario in long_scenarios(MOTOR, None, 0):
+    for scenario in long_scenarios(DRIVE, None, 0):
         assert scenario.duration_s >= LONG_S >= 120.0
         power = scenario.load.torque_nm * scenario.speed_rpm[0][1] * 0.10471975512  # type: ignore[union-attr]
-        assert power == pytest.approx(MOTOR.rated_power_w, rel=1e-3)
+        assert power == pytest.approx(DRIVE.rating.rated_power_w, rel=1e-3)
         assert scenario.load_profile[1] == (0.2, 1.0)
 
 
 def test_a_declared_speed_range_holds() -> None:
-    for scenario in combined_scenarios(MOTOR, (700.0, 1200.0), 0):
+    for scenario in combined_scenarios(DRIVE, (700.0, 1200.0), 0):
         assert all(700.0 <= speed <= 1200.0 for _, speed in scenario.speed_rpm), scenario.name
