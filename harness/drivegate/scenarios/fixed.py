@@ -25,8 +25,7 @@ from drivegate_cases.scenario.scenario import Scenario, load_scenario
 def fixed_scenarios(drive: DriveDocument, speed_range_rpm: SpeedRange | None = None) -> tuple[Scenario, ...]:
     """List the scenarios that every check runs first."""
     every = (
-        load_scenario("lock-up"),
-        load_scenario("fig5-search"),
+        *(load_scenario(name).replaced(drive=drive) for name in ("lock-up", "fig5-search")),
         *_steady(drive),
         base_speed_scenario(drive, 300.0, 520.0, 5.0),
         base_speed_scenario(drive, 480.0, 520.0, 8.0),

@@ -45,11 +45,11 @@ def test_its_oracle_and_its_steady_states_are_of_the_same_drive(kind: DriveKind)
     import numpy as np
 
     drive = load_drive(kind.default_drive)
-    drive, oracle, states = drive.plant(), kind.oracle(), kind.steady_states()
+    plant, oracle, states = drive.plant(), kind.oracle(), kind.steady_states()
     speed, torque = 2.0 * drive.rating.base_speed_rpm * math.pi / 30.0, 5.0
-    best = oracle.least_current_sum(drive, speed, torque)
+    best = oracle.least_current_sum(plant, speed, torque)
     values = np.empty((1, len(states.columns)))
-    states.solve(drive, np.array([speed]), np.array([best.advance]), np.array([best.reference]), values)
+    states.solve(plant, np.array([speed]), np.array([best.advance]), np.array([best.reference]), values)
     found = dict(zip(states.columns, values[0], strict=True))
     assert found["torque_mean_nm"] == pytest.approx(torque, rel=1e-3)
-    assert oracle.feasible_edge(drive, speed, torque) <= best.advance + 1e-3
+    assert oracle.feasible_edge(plant, speed, torque) <= best.advance + 1e-3
