@@ -59,6 +59,21 @@ class DriveDocument(Document):
         description="table that says where the values come from, one sentence for each key of each table",
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _keys_stand_in_their_tables(cls, values: Any) -> Any:
+        """Tell where a known key belongs; one that is not known is refused with the nearest."""
+        if isinstance(values, Mapping):
+            for place in ("", *_KEYS):
+                keys = values.get(place) if place else values
+                for key in keys if isinstance(keys, Mapping) else ():
+                    table = _TABLE_OF_KEY.get(key, place)
+                    if table != place:
+                        raise ValueError(
+                            f"the key '{place and place + '.'}{key}' belongs in the table [{table}]"
+                        )
+        return values
+
     @field_validator("provenance")
     @classmethod
     def _provenance_is_of_keys(cls, provenance: Provenance) -> Provenance:

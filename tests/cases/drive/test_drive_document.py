@@ -184,7 +184,12 @@ def test_keys_of_another_kind_are_unknown(refusal: Callable[..., str]) -> None:
 
 def test_a_key_outside_of_its_table_is_refused(refusal: Callable[..., str]) -> None:
     mapping = PAPER.to_mapping() | {"phases": 5}
-    assert "the key 'phases' is unknown" in refusal(parse_document, mapping, DriveDocument, "here")
+    message = refusal(parse_document, mapping, DriveDocument, "here")
+    assert message.endswith("the key 'phases' belongs in the table [machine]")
+    mapping = PAPER.to_mapping()
+    mapping["rating"]["window_deg"] = 144.0
+    message = refusal(parse_document, mapping, DriveDocument, "here")
+    assert message.endswith("the key 'rating.window_deg' belongs in the table [inverter]")
 
 
 def test_a_key_may_be_named_with_its_table() -> None:

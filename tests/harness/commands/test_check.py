@@ -29,7 +29,7 @@ def test_a_pass_is_reported_and_reported(command, engine, tmp_path):
     assert ended.code == 0
     requested = {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0}
     given = {key: value for key, value in engine.options.items() if key != "on_slow"}
-    assert given == {**requested, "search": True, "fail_on": "required"}
+    assert given == {**requested, "search": True, "fail_on": "required", "drive": None}
     assert "reference: pass" in ended.out
     assert "report: drivegate-report/report.html" in ended.out
     assert "a report that prints" not in ended.out

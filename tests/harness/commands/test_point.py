@@ -171,7 +171,8 @@ def test_a_missing_option_is_named(refused):
         (b"schema = 1\nname = ", "TOML"),
         (b"name = 'x'\n", "schema"),
         (b"schema = 99\n", "newer"),
-        (b"schema = 1\nresistence_ohm = 1.0\n", "resistance_ohm"),
+        (b"schema = 1\n[machine]\nresistence_ohm = 1.0\n", "resistance_ohm"),
+        (b"schema = 1\nresistance_ohm = 1.0\n", "belongs in the table [machine]"),
     ],
 )
 def test_a_file_that_is_no_drive_is_refused(refused, tmp_path, content, reason):

@@ -29,8 +29,8 @@ def calibration_document(stored: DriveDocument) -> dict[str, Any]:
             "key": key,
             "fitted": fitted[key],
             "spread": spread[key],
-            "stored": getattr(stored, key),
-            "agrees": abs(getattr(stored, key) - fitted[key]) <= spread[key],
+            "stored": stored.value(key),
+            "agrees": abs(stored.value(key) - fitted[key]) <= spread[key],
         }
         for key in fitted
     ]
