@@ -60,13 +60,13 @@ def digest_of_loops() -> str:
     from drivegate.candidates.resolution import resolve_candidate
     from drivegate.drives.running import run_scenario
     from drivegate.scenarios.fixed import fixed_scenarios
-    from drivegate_cases.motor.motor import load_motor
+    from drivegate_cases.drive.drive_document import load_drive
 
     controller = load_controller(resolve_candidate("reference"))
-    motor = load_motor("paper-5-phase")
-    sine = motor.model_copy(update={"name": "sine", "emf_shape": "sine", "emf_flat_deg": None})
-    every = fixed_scenarios(motor)
-    runs = [*every[3::7], every[4].model_copy(update={"motor": sine})]
+    drive = load_drive("paper-5-phase")
+    sine = drive.replaced(name="sine", emf_shape="sine", emf_flat_deg=None)
+    every = fixed_scenarios(drive)
+    runs = [*every[3::7], every[4].model_copy(update={"drive": sine})]
     digest = hashlib.sha256()
     for scenario in runs:
         run = run_scenario(scenario, controller)
@@ -79,11 +79,12 @@ def digest_of_shards(shards: int) -> str:
     from drivegate.candidates.resolution import resolve_candidate
     from drivegate.containment.judge import own_candidate
     from drivegate.gate.shard import DrawnRuns, run_drawn
+    from drivegate_cases.drive.drive_document import load_drive
 
     candidate = own_candidate(resolve_candidate("reference"))
     digest = hashlib.sha256()
     for seed in range(shards):
-        outcome = run_drawn(candidate, DrawnRuns("paper-5-phase", seed, 12))
+        outcome = run_drawn(candidate, DrawnRuns(load_drive("paper-5-phase"), seed, 12))
         for run in outcome.runs:
             digest.update(f"{json.dumps(run.scenario, sort_keys=True)} {run.margins}\n".encode())
     return digest.hexdigest()

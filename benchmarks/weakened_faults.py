@@ -23,7 +23,7 @@ from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import with_load_shares, with_scales
 from drivegate.scenarios.feasibility import unfair_because
-from drivegate_cases.motor.motor import Motor, load_motor
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.faults.state import NO_FAULT
 from drivegate_models.units import RADIANS_PER_RPM
@@ -40,8 +40,8 @@ _SHORT_S = 1.0
 
 
 @cache
-def _motor() -> Motor:
-    return load_motor("paper-5-phase").replaced(hysteresis_band_a=0.0)
+def _drive() -> DriveDocument:
+    return load_drive("paper-5-phase").replaced(hysteresis_band_a=0.0)
 
 
 @dataclass(frozen=True)
@@ -82,18 +82,18 @@ def on_grid(point: Point) -> Point:
 
 
 def _at_supply(scenario: Scenario, share: float) -> Scenario:
-    return scenario.replaced(supply_v=((0.0, round(share * scenario.motor.supply_voltage_v, 6)),))
+    return scenario.replaced(supply_v=((0.0, round(share * scenario.drive.inverter.supply_voltage_v, 6)),))
 
 
 def _load_step(values: dict[str, float]) -> Scenario:
-    run = steady_scenario(_motor(), values["speed"], power_share=1.0, constant_power=False)
+    run = steady_scenario(_drive(), values["speed"], power_share=1.0, constant_power=False)
     run = with_load_shares(run, (0.0, values["before"]), (values["time"], values["after"]))
     run = with_scales(run, resistance=values["resistance"], emf_constant=values["emf"])
     return _at_supply(run, values["supply"]).replaced(duration_s=_SHORT_S)
 
 
 def _other_plant(values: dict[str, float]) -> Scenario:
-    run = steady_scenario(_motor(), values["speed"], power_share=values["share"], constant_power=False)
+    run = steady_scenario(_drive(), values["speed"], power_share=values["share"], constant_power=False)
     run = with_scales(
         run,
         resistance=values["resistance"],
@@ -105,7 +105,7 @@ def _other_plant(values: dict[str, float]) -> Scenario:
 
 
 def _nominal_plant(values: dict[str, float]) -> Scenario:
-    run = steady_scenario(_motor(), values["speed"], power_share=values["share"], constant_power=False)
+    run = steady_scenario(_drive(), values["speed"], power_share=values["share"], constant_power=False)
     load = run.load.model_copy(update={"factor": ((0.0, 0.0), (values["ramp"], 1.0))})
     # The windows begin when the ramp has ended.
     duration = round(values["ramp"] + 9.1, 1)

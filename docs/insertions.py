@@ -17,11 +17,11 @@ from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.checks.coverage import JUDGED, NOT_VARIED, SENSED, Varied, drawn_by_family, varied_keys
 from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
-from drivegate.drives.kinds import DEFAULT_MOTOR
+from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 
 DOCS: Final = Path(__file__).parent
 PLACE: Final = re.compile(r"<!-- inserted: ([\w-]+)(?: (\S+))? -->\n.*?<!-- end -->", re.DOTALL)
@@ -92,7 +92,7 @@ def near_designs(_: str) -> str:
 
 def fixed_table(_: str) -> str:
     """The scenarios that are always run."""
-    fixed = fixed_scenarios(load_motor(DEFAULT_MOTOR))
+    fixed = fixed_scenarios(load_drive(DEFAULT_DRIVE))
     return _table(("scenario", "what it is"), ((f"`{run.name}`", _plain(run.description)) for run in fixed))
 
 
@@ -116,7 +116,7 @@ def fact_table(_: str) -> str:
 def coverage_table(_: str) -> str:
     """What the runs vary, measured on drawn scenarios."""
     rows = []
-    for row in varied_keys(drawn_by_family(load_motor(DEFAULT_MOTOR))):
+    for row in varied_keys(drawn_by_family(load_drive(DEFAULT_DRIVE))):
         where = ", ".join(row.families) if row.key not in NOT_VARIED else f"none: {NOT_VARIED[row.key]}"
         rows.append((f"`{row.key}`", _plain(_range(row)), _plain(where)))
     return _table(("key or field", "range", "varied by"), rows)

@@ -23,25 +23,25 @@ SETTLED_S = 0.01
 TOLERANCE = 0.02
 
 
-def netlist(motor):
-    """Write the drive as a circuit; `motor` has SI units."""
+def netlist(drive):
+    """Write the drive as a circuit; `drive` has SI units."""
     speed = SPEED_RPM * math.pi / 30.0
-    electrical = motor.pole_pairs * speed
+    electrical = drive.machine.pole_pairs * speed
     advance = math.radians(ADVANCE_DEG)
-    flat = math.radians(motor.emf_flat_deg)
-    peak = motor.emf_constant_v_s_per_rad * speed
-    edge = math.cos(0.5 * math.radians(motor.window_deg))
-    band = motor.hysteresis_band_a
+    flat = math.radians(drive.machine.emf_flat_deg)
+    peak = drive.machine.emf_constant_v_s_per_rad * speed
+    edge = math.cos(0.5 * math.radians(drive.inverter.window_deg))
+    band = drive.inverter.hysteresis_band_a
     lines = [
         "* five phases on a split supply",
-        f"vu up 0 {motor.supply_voltage_v}",
-        f"vl 0 low {motor.supply_voltage_v}",
+        f"vu up 0 {drive.inverter.supply_voltage_v}",
+        f"vl 0 low {drive.inverter.supply_voltage_v}",
         f".model gate sw(vt=0 vh={band} ron=1m roff=1meg)",
         ".model freewheel d(is=1e-9 n=0.02 rs=1m)",
     ]
     currents = []
-    for phase in range(motor.phases):
-        angle = f"({electrical!r}*time-{phase * math.pi / motor.phases!r})"
+    for phase in range(drive.machine.phases):
+        angle = f"({electrical!r}*time-{phase * math.pi / drive.machine.phases!r})"
         wave = f"asin(0.999999999*sin({angle}))*{2.0 / (math.pi - flat)!r}"
         window = f"sin({angle}+{advance!r})"
         current = f"i(vm{phase})"
@@ -54,8 +54,8 @@ def netlist(motor):
             f"du{phase} n{phase} up freewheel",
             f"dl{phase} low n{phase} freewheel",
             f"vm{phase} n{phase} w{phase} 0",
-            f"l{phase} w{phase} x{phase} {motor.inductance_h} ic=0",
-            f"r{phase} x{phase} y{phase} {motor.resistance_ohm}",
+            f"l{phase} w{phase} x{phase} {drive.machine.inductance_h} ic=0",
+            f"r{phase} x{phase} y{phase} {drive.machine.resistance_ohm}",
             f"be{phase} y{phase} 0 v={peak!r}*max(-1, min(1, {wave}))",
         ]
     lines += [
@@ -73,13 +73,13 @@ def main():
     if program is None:
         sys.stderr.write("ngspice is not installed: not measured\n")
         return
-    from drivegate.drives.kinds import DEFAULT_MOTOR
-    from drivegate_cases.motor.motor import load_motor
+    from drivegate.drives.kinds import DEFAULT_DRIVE
+    from drivegate_cases.drive.drive_document import load_drive
     from drivegate_models.half_bridge.plant.phases import make_phases
     from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME, solve_steady_state
 
-    motor = load_motor(DEFAULT_MOTOR)
-    drive = motor.drive()
+    document = load_drive(DEFAULT_DRIVE)
+    drive = document.plant()
     state = solve_steady_state(
         drive,
         make_phases(drive, KEPT_TIME),
@@ -91,7 +91,7 @@ def main():
     )
     with tempfile.TemporaryDirectory() as folder:
         circuit = Path(folder) / "drive.cir"
-        circuit.write_text(netlist(motor))
+        circuit.write_text(netlist(document))
         began = time.perf_counter()
         ended = subprocess.run(
             [program, "-b", circuit], capture_output=True, text=True, timeout=600, check=False

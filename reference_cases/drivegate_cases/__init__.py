@@ -1,1 +1,1 @@
-"""Motors, operating points and published facts, each with its provenance, and the loader for them."""
+"""Drives, operating points and published facts, each with its provenance, and the loader for them."""

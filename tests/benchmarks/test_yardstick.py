@@ -19,7 +19,7 @@ LOSSY = {
     "friction_n_m": 0.1,
     "viscous_friction_n_m_s_per_rad": 1e-3,
 }
-MOTORS = {
+DRIVES = {
     "as it is": {},
     "no band": {"hysteresis_band_a": 0.0},
     "no band, sine": {"hysteresis_band_a": 0.0, "emf_shape": "sine"},
@@ -58,18 +58,15 @@ def test_a_difference_in_any_signal_is_reported(yardstick, signal):
     assert difference(ours, theirs) > 1e-3
 
 
-@pytest.mark.parametrize("motor", MOTORS)
-def test_every_branch_of_the_plant_is_in_it(yardstick, motor):
+@pytest.mark.parametrize("drive", DRIVES)
+def test_every_branch_of_the_plant_is_in_it(yardstick, drive):
     scenario = operating_scenario(1200, "ideal", 0.5)
-    values = scenario.motor.to_mapping() | MOTORS[motor]
-    if values["emf_shape"] == "sine":
-        del values["emf_flat_deg"]
-    scenario = scenario.replaced(motor=values)
+    scenario = scenario.replaced(drive=scenario.drive.replaced(**DRIVES[drive]))
     ours = run_scenario(scenario, load_controller(resolve_candidate("initial")), trace_every=1)
     theirs = yardstick.prepared(scenario)(recorded=True)
     apart = difference(ours, theirs)
-    assert apart <= TOLERANCE, f"{motor}: they are {apart:.1e} apart"
-    assert theirs.mismatch <= TOLERANCE, f"{motor}: its energy closes to {theirs.mismatch:.1e} only"
+    assert apart <= TOLERANCE, f"{drive}: they are {apart:.1e} apart"
+    assert theirs.mismatch <= TOLERANCE, f"{drive}: its energy closes to {theirs.mismatch:.1e} only"
 
 
 def test_a_run_that_it_does_not_know_is_refused(yardstick):

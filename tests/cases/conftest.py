@@ -34,7 +34,7 @@ def scenario_mapping() -> dict[str, Any]:
     return {
         "schema": 1,
         "name": "small",
-        "motor": "paper-5-phase",
+        "drive": "paper-5-phase",
         "duration_s": 1.0,
         "speed_rpm": [[0.0, 1500.0]],
         "load": {"kind": "constant_torque", "torque_nm": 9.8, "factor": [[0.0, 0.0], [0.2, 1.0]]},

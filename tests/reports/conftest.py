@@ -24,7 +24,7 @@ from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
 from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.engine import Compared
 from drivegate.studies.compare.plan import EFFORTS, PlannedRun, planned_runs
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
@@ -45,8 +45,8 @@ BROWSER_OPTIONS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-MOTOR, CYCLE = load_motor("paper-5-phase"), load_drive_cycle("ece-15")
-PLAN = planned_runs(MOTOR, CYCLE, "quick", 0)
+DRIVE, CYCLE = load_drive("paper-5-phase"), load_drive_cycle("ece-15")
+PLAN = planned_runs(DRIVE, CYCLE, "quick", 0)
 
 
 def _check(identifier: str, **changes: Any) -> Document:
@@ -268,7 +268,7 @@ def _made_up_comparison(
         everybody,
         plan,
         {"points": [best] * count, "envelope": envelope},
-        motor=MOTOR,
+        drive=DRIVE,
         cycle=CYCLE,
         effort="quick",
         seed=0,

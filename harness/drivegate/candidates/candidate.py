@@ -1,14 +1,19 @@
 """What a candidate controller is, once its name has been resolved and before any of its code runs."""
 
+from __future__ import annotations
+
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from drivegate.candidates.declaration import Declaration
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 STEP_DEADLINE: Final = 1.0
 """Time that a program has for each step unless its manifest says otherwise (s)."""
@@ -91,6 +96,8 @@ class Candidate:
         What the candidate declares of itself.
     details : NativeBuild, Program, Composition or None
         What only its kind needs.
+    drive : DriveDocument or None
+        The drive that its manifest names.
     """
 
     name: str
@@ -102,6 +109,7 @@ class Candidate:
     content_hash: str
     declaration: Declaration
     details: Details | None = None
+    drive: DriveDocument | None = None
 
 
 def existing_file(path: Path) -> Path:

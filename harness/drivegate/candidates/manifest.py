@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import KINDS
 from drivegate_cases.documents.document import Document, Section
+from drivegate_cases.drive.drive_reference import DriveReference
 from drivegate_models.units import RADIANS_PER_RPM
 
 # A type checker cannot read a Literal that is made of the registry.
@@ -84,6 +85,11 @@ class Manifest(Document):
     )
     speed_range_rpm: tuple[NotNegative, Positive] | None = Field(
         default=None, description="lowest and highest speed that the candidate is made for"
+    )
+
+    drive: DriveReference | None = Field(
+        default=None,
+        description="drive that the candidate is made for: the name of one, or the path of its file",
     )
 
     step_deadline_s: Positive | None = Field(

@@ -4,6 +4,7 @@ Nothing here runs a candidate's code. Whether the class exists and has its metho
 loads it.
 """
 
+from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -109,4 +110,7 @@ def _from_manifest(specification: str) -> Candidate:
     from drivegate_cases.documents.document import read_document
 
     manifest = read_document(specification, Manifest)
-    return KINDS[manifest.kind].from_manifest(manifest, specification, Path(specification).resolve().parent)
+    candidate = KINDS[manifest.kind].from_manifest(
+        manifest, specification, Path(specification).resolve().parent
+    )
+    return replace(candidate, drive=manifest.drive)

@@ -41,7 +41,7 @@ def _in_words(angle: float, digits: int) -> str:
 
 def reference_range(record: RunRecord) -> Margin:
     """Judge the range of the current reference."""
-    limit = record.scenario.motor.current_limit_a
+    limit = record.scenario.drive.rating.current_limit_a
     lowest = record.run.observed.reference_lowest
     highest = record.run.observed.reference_highest
     value = normalised(min(lowest, limit - highest), limit)

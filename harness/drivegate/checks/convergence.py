@@ -85,7 +85,7 @@ def judged_current_sum(window: SteadyWindow) -> float:
     lightest = LIGHTEST_SHARE * rated_torque(window.scenario, window.speed)
     if window.values.torque >= lightest:
         return mean
-    drive = window.scenario.motor.drive(window.scales)
+    drive = window.scenario.drive.plant(window.scales)
     least = least_current_sum(drive, window.speed, lightest, window.dwell.supply_v).current_sum
     return max(mean, least) if math.isfinite(least) else mean
 
@@ -114,7 +114,7 @@ def is_feasible(window: SteadyWindow) -> bool:
     scenario, dwell = window.scenario, window.dwell
     if isinstance(scenario.load, LockedLoad) or window.torque_required <= 0.0:
         return True
-    drive = scenario.motor.drive(window.scales)
+    drive = scenario.drive.plant(window.scales)
     torque = window.torque_required + drive.friction + drive.viscous_friction * window.speed
     voltage = dwell.supply_v * (1.0 - abs(dwell.imbalance))
     return not math.isnan(feasible_edge(drive, window.speed, torque, voltage))
@@ -135,7 +135,7 @@ def worst_convergence(check: str, windows: Iterable[SteadyWindow]) -> Margin | N
 
 def is_beyond_range(window: SteadyWindow) -> bool:
     """Tell whether a window lies above the range of constant power, where the paper requires no convergence."""
-    return window.dwell.speed_rpm > HIGHEST_LOADED * window.scenario.motor.base_speed_rpm
+    return window.dwell.speed_rpm > HIGHEST_LOADED * window.scenario.drive.rating.base_speed_rpm
 
 
 def converges(record: RunRecord) -> Margin | None:
@@ -165,7 +165,7 @@ def _excess(record: RunRecord, window: SteadyWindow) -> Margin:
     mean = window.values.current_sum
     # Where the speed reference is not held, the least sum is that of the speed at which the torque really is.
     mean_speed = window.values.speed
-    base_speed = record.scenario.motor.base_speed_rpm * RADIANS_PER_RPM
+    base_speed = record.scenario.drive.rating.base_speed_rpm * RADIANS_PER_RPM
     speed = mean_speed if mean_speed > base_speed else window.speed
     # A load of exactly half the torque is met to the regulator's own error.
     light = torque < REQUIRED_SHARE * rated_torque(record.scenario, window.speed) * (1.0 - 1e-3)

@@ -15,7 +15,7 @@ from drivegate.scenarios.drawn.families import FAMILY_GROUPS
 from drivegate.scenarios.drawn.isolation import from_the_seed_alone
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.documents.document import Section
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 
 JOINT: Final = "joint"
@@ -26,15 +26,13 @@ DRAWS: Final = 60
 _NO_PART = "says what a run is called or how it is written, and is no part of it"
 _VEHICLE = "part of a vehicle's torque, which its mass, gear and grade vary"
 _PUBLISHED = "as in the published implementation; its errors vary with the seed"
-_MOTOR = (
-    "the default motor's, for which the limits of the checks are stated; the plant's own varies by `scales`"
-)
+_DRIVE = "the drive's, which `--drive` names; the plant's own varies by `scales`"
 
 NOT_VARIED: Final[Mapping[str, str]] = {
     "schema": _NO_PART,
     "name": _NO_PART,
     "description": _NO_PART,
-    "motor": _MOTOR,
+    "drive": _DRIVE,
     **dict.fromkeys(
         (
             "load.wheel_radius_m",
@@ -72,7 +70,7 @@ NOT_VARIED: Final[Mapping[str, str]] = {
             "nameplate inductance",
             "nameplate emf_constant",
         ),
-        _MOTOR,
+        _DRIVE,
     ),
 }
 """Keys and fields that no family varies, each with the reason."""
@@ -126,7 +124,7 @@ def document_keys(model: type[Section] = Scenario, prefix: str = "") -> Iterator
     """List the keys of a kind of document, and those of its tables."""
     for name, field in model.model_fields.items():
         key = f"{prefix}{field.alias or name}"
-        tables = [table for table in _sections(field.annotation) if table is not Motor]
+        tables = [table for table in _sections(field.annotation) if table is not DriveDocument]
         if not tables:
             yield key
         for table in tables:
@@ -139,13 +137,13 @@ def _sections(annotation: Any) -> list[type[Section]]:
     return [section for argument in get_args(annotation) for section in _sections(argument)]
 
 
-def drawn_by_family(motor: Motor) -> dict[str, list[Scenario]]:
+def drawn_by_family(drive: DriveDocument) -> dict[str, list[Scenario]]:
     """Draw scenarios of every family, always the same."""
-    found = {FIXED: list(fixed_scenarios(motor))}
+    found = {FIXED: list(fixed_scenarios(drive))}
     for group in FAMILY_GROUPS:
         for family in group:
-            found[family_name(family.__name__)] = _draws(family(motor, None))
-    found[JOINT] = list(combined_scenarios(motor, None, 0))
+            found[family_name(family.__name__)] = _draws(family(drive, None))
+    found[JOINT] = list(combined_scenarios(drive, None, 0))
     return found
 
 
@@ -184,7 +182,7 @@ def values_of(scenarios: Iterable[Scenario]) -> Values:
 def _leaves(value: Any, key: str = "") -> Iterator[tuple[str, Value]]:
     if isinstance(value, Mapping):
         for name, item in value.items():
-            if name != "motor":
+            if name != "drive":
                 yield from _leaves(item, f"{key}.{name}" if key else name)
     elif isinstance(value, list):
         for item in value:

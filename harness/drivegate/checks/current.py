@@ -13,9 +13,9 @@ ROUNDING = 1e-12
 
 def peak_current(record: RunRecord) -> Margin:
     """Judge the greatest phase current, overshoot through the diodes included."""
-    motor = record.scenario.motor
+    drive = record.scenario.drive
     # The band's edge itself is met to rounding.
-    allowed = (motor.current_limit_a + motor.hysteresis_band_a) * (1.0 + ROUNDING)
+    allowed = (drive.rating.current_limit_a + drive.inverter.hysteresis_band_a) * (1.0 + ROUNDING)
     peak = float(record.run.totals[ledger.PEAK])
     return Margin("CUR-1", at_most(peak, allowed), f"{peak:.5g} A")
 

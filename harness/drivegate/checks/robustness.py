@@ -8,7 +8,7 @@ from drivegate.checks.check import Check, Evaluate
 from drivegate.checks.convergence import ABOVE_BASE_SPEED, worst_convergence
 from drivegate.checks.margin import Margin, worst_required
 from drivegate.runs.record import RunRecord, SteadyWindow
-from drivegate_cases.motor.scales import Scales
+from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.circumstance import Circumstance
 
 CLAIMED = {

@@ -8,7 +8,7 @@ import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import json_option
-from drivegate.drives.kinds import DEFAULT_MOTOR
+from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 def command() -> Outcome:
     """Derive the motor anew from the published facts, and compare it with the stored one."""
     from drivegate.studies.calibrate.calibrate import calibration_document
-    from drivegate_cases.motor.motor import load_motor
+    from drivegate_cases.drive.drive_document import load_drive
 
-    stored = load_motor(DEFAULT_MOTOR)
+    stored = load_drive(DEFAULT_DRIVE)
     document = calibration_document(stored)
     code = ExitCode.PASSED if document["agrees"] else ExitCode.FAILED
 

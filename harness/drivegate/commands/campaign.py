@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, json_option, looked_at
+from drivegate.commands.options import bounded, drive_option, json_option, looked_at, named_drive
 from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Folder of the results; the same command goes on with what is there.",
 )
+@drive_option
 @click.option(
     "--workers",
     type=click.IntRange(1, 1024),
@@ -50,7 +51,13 @@ if TYPE_CHECKING:
 )
 @json_option
 def command(
-    file: str, output: Path, workers: int | None, backend: str, scheduler: str | None, confidence: float
+    file: str,
+    output: Path,
+    drive: str | None,
+    workers: int | None,
+    backend: str,
+    scheduler: str | None,
+    confidence: float,
 ) -> Outcome:
     """Run the campaign of FILE.toml, or go on with it.
 
@@ -77,9 +84,10 @@ def command(
     from drivegate.studies.campaign.plan import planned
     from drivegate.studies.campaign.summary import broken_harness, summarised
 
-    plan = planned(campaign, Path(file).resolve().parent)
-    for motor in dict.fromkeys(case.motor for case in plan.cases):
-        looked_at(motor)
+    chosen = named_drive(drive)
+    plan = planned(campaign, Path(file).resolve().parent, chosen)
+    for case_drive in dict.fromkeys(case.drive for case in plan.cases if case.drive is not chosen):
+        looked_at(case_drive)
     began = time.monotonic()
     with CampaignFolder(output, plan) as folder:
         with progress_on(sys.stderr) as display:

@@ -1,4 +1,4 @@
-"""``drivegate cases``: the scenarios, operating points, sweeps, drive cycles and motors that come with drivegate."""
+"""``drivegate cases``: the scenarios, operating points, sweeps, drive cycles and drives that come with drivegate."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 @click.command("cases")
 @json_option
 def command() -> Outcome:
-    """List the scenarios, operating points, sweeps, drive cycles and motors that come along."""
+    """List the scenarios, operating points, sweeps, drive cycles and drives that come along."""
     from drivegate.studies.cases.cases import cases_document
 
     document = cases_document()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, json_option, sign_option
+from drivegate.commands.options import bounded, drive_option, json_option, named_drive, sign_option
 from drivegate.output.failure import complain, failure_of
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ DEFAULT_OUTPUT = "drivegate-report"
     metavar="DIR",
     help="Folder of the report.",
 )
+@drive_option
 @click.option(
     "--effort",
     type=click.Choice(["quick", "default", "nightly"]),
@@ -97,6 +98,7 @@ DEFAULT_OUTPUT = "drivegate-report"
 def command(
     candidates: tuple[str, ...],
     output: Path,
+    drive: str | None,
     effort: str,
     seed: int,
     workers: int | None,
@@ -129,7 +131,9 @@ def command(
     how_much = Effort(effort, seed, workers, max_time, search, fail_on)
     records = Records(corpus, waivers, baseline)
     part = Part(only, stop_at_first, last_failed)
-    all_checked = check_all(candidates, output, how_much, records, sign, part, quiet=quiet)
+    all_checked = check_all(
+        candidates, output, how_much, records, sign, part, drive=named_drive(drive), quiet=quiet
+    )
     if len(all_checked) == 1 and all_checked[0].error is not None and all_checked[0].document is None:
         raise all_checked[0].error
     for checked in all_checked:

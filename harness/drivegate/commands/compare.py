@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import json_option
+from drivegate.commands.options import drive_option, json_option, named_drive
 from drivegate.output.failure import ExitCode, Failure, complain, failure_of
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ DEFAULT_OUTPUT = "drivegate-comparison"
     metavar="DIR",
     help="Folder of the report.",
 )
+@drive_option
 @click.option(
     "--effort",
     type=click.Choice(["quick", "default", "nightly"]),
@@ -61,6 +62,7 @@ DEFAULT_OUTPUT = "drivegate-comparison"
 def command(
     candidates: tuple[str, ...],
     output: Path,
+    drive: str | None,
     effort: str,
     seed: int,
     workers: int | None,
@@ -75,7 +77,8 @@ def command(
     """
     from drivegate.studies.compare.compare_all import ComparisonOptions, compare_all
 
-    ending = compare_all(candidates, output, ComparisonOptions(effort, seed, workers, checks, cycle))
+    options = ComparisonOptions(effort, seed, workers, checks, cycle, named_drive(drive))
+    ending = compare_all(candidates, output, options)
     if ending.document is None and len(ending.refused) == 1:
         raise ending.refused[0][1]
     failures = [failure_of(error).about(specification) for specification, error in ending.refused]

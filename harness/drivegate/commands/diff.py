@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, chosen_scenario, json_option, motor_options
+from drivegate.commands.options import bounded, chosen_scenario, drive_options, json_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -55,7 +55,7 @@ _AROUND_IN_FIGURE = 100
     metavar="FILE",
     help="Draw both commands around the first difference; the name ends in .png or .svg.",
 )
-@motor_options
+@drive_options
 @json_option
 def command(
     first: str,
@@ -66,7 +66,7 @@ def command(
     before: int,
     again: bool,
     plot: Path | None,
-    motor: str | None,
+    drive: str | None,
     settings: tuple[str, ...],
 ) -> Outcome:
     """Compare two candidates step by step, and show the first step at which their commands differ.
@@ -81,7 +81,7 @@ def command(
     if len(set(ignore)) == len(_FIELDS):
         raise click.UsageError("--ignore leaves no field to compare; leave one out")
     candidates = (resolve_candidate(first), resolve_candidate(second))
-    scenario = chosen_scenario(case, motor, settings)
+    scenario = chosen_scenario(case, drive, settings)
     check_targets(None, None, plot)
 
     from drivegate.studies.diff.diff import compared

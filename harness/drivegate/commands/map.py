@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import chosen_motor, json_option, motor_options
-from drivegate.drives.kinds import DEFAULT_MOTOR
+from drivegate.commands.options import chosen_drive, drive_options, json_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 @click.command("map")
 @click.argument("candidate", required=False)
 @click.option("--speed-rpm", metavar="AXIS", help="Speeds.")
-@click.option("--torque-nm", metavar="AXIS", help="Torques: of the load with a candidate, else of the motor.")
+@click.option("--torque-nm", metavar="AXIS", help="Torques: of the load with a candidate, else of the drive.")
 @click.option("--advance-deg", metavar="AXIS", help="Advance angles of a map of the plant.")
 @click.option("--current-a", metavar="AXIS", help="Current references of a map of the plant.")
 @click.option(
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     "parameters",
     metavar="KEY=AXIS",
     multiple=True,
-    help="One more axis: a factor of the plant, or a key of the motor; may be given again.",
+    help="One more axis: a factor of the plant, or a key of the drive; may be given again.",
 )
 @click.option("--csv", type=click.Path(path_type=Path), help="Write the map as CSV.")
 @click.option("--parquet", type=click.Path(path_type=Path), help="Write the map as Parquet.")
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
 @click.option(
     "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
 )
-@motor_options
+@drive_options
 @json_option
 def command(
     candidate: str | None,
@@ -49,7 +48,7 @@ def command(
     parquet: Path | None,
     plot: Path | None,
     workers: int | None,
-    motor: str | None,
+    drive: str | None,
     settings: tuple[str, ...],
 ) -> Outcome:
     """Compute an operating map over a grid.
@@ -76,10 +75,10 @@ def command(
     check_targets(csv, parquet, plot)
 
     from drivegate.candidates.resolution import resolve_candidate
-    from drivegate_cases.motor.motor import load_motor
+    from drivegate.drives.choice import drive_for
 
     resolved = None if candidate is None else resolve_candidate(candidate)
-    nominal = chosen_motor(motor, settings, lambda: load_motor(DEFAULT_MOTOR))
+    nominal = chosen_drive(drive, settings, lambda: drive_for(resolved))
     plan = planned_map(kind, nominal, resolved, axes, parameters)
 
     from drivegate.studies.map.run import made_map

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import json_option
+from drivegate.commands.options import drive_option, json_option, named_drive
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -26,18 +26,21 @@ SCHEMA = 1
     metavar="DIR",
     help="Folder to make; by default NAME. Nothing is ever overwritten.",
 )
+@drive_option
 @json_option
-def command(kind: str, name: str, output: Path | None) -> Outcome:
+def command(kind: str, name: str, output: Path | None, drive: str | None) -> Outcome:
     """Write a small controller called NAME into a new folder, with manifest, test, waivers and a workflow for CI.
 
     All kinds have the same algorithm: a speed regulator, and a line of angles. It meets the contract and most
-    checks; what it fails is waived for 90 days and is the exercise.
+    checks; what it fails is waived for 90 days and is the exercise. With --drive its manifest names that drive, whose
+    file is copied into the folder.
     """
     from drivegate.results.waivers import present_day
     from drivegate.studies.new.write import KINDS, write_candidate
 
     folder = Path(name) if output is None else output
-    written = write_candidate(kind, name, folder, present_day())
+    named_drive(drive)
+    written = write_candidate(kind, name, folder, present_day(), drive)
     build = KINDS[kind].build
     check = "drivegate check candidate.toml --waivers waivers.toml"
     steps = [f"cd {quote(str(folder))}", *([build] if build else []), check]

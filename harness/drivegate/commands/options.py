@@ -14,7 +14,7 @@ import click
 from drivegate_cases.documents.wording import shown
 
 if TYPE_CHECKING:
-    from drivegate_cases.motor.motor import Motor
+    from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -50,51 +50,64 @@ def bounded(lowest: float, highest: float = inf, *, above: bool = False) -> Call
     return number
 
 
-def motor_options(function: _Function) -> _Function:
-    """Add the options that name a motor and set single values of it."""
+drive_option = click.option(
+    "--drive", metavar="NAME|FILE", help="A drive that comes along, or a TOML or JSON file of one."
+)
+"""The option that names a drive."""
+
+
+def drive_options(function: _Function) -> _Function:
+    """Add the options that name a drive and set single values of it."""
     function = click.option(
         "--set",
         "settings",
         metavar="KEY=VALUE",
         multiple=True,
-        help="Set one key of the motor; may be given again.",
+        help="Set one key of the drive; may be given again.",
     )(function)
-    return click.option(
-        "--motor", metavar="NAME|FILE", help="A motor that comes along, or a TOML or JSON file of one."
-    )(function)
+    return drive_option(function)
 
 
-def chosen_motor(name: str | None, settings: tuple[str, ...], default: Callable[[], Motor]) -> Motor:
-    """Find the motor that the options request."""
-    from drivegate_cases.motor.motor import load_motor
+def chosen_drive(
+    name: str | None, settings: tuple[str, ...], default: Callable[[], DriveDocument]
+) -> DriveDocument:
+    """Find the drive that the options request."""
+    from drivegate_cases.drive.drive_document import load_drive
 
-    motor = default() if name is None else load_motor(name)
-    return looked_at(motor.with_overrides(settings))
+    drive = default() if name is None else load_drive(name)
+    return looked_at(drive.with_overrides(settings))
 
 
-def looked_at(motor: Motor) -> Motor:
-    """Warn of values that are far off the motor's kind, which change nothing else."""
+def named_drive(name: str | None) -> DriveDocument | None:
+    """Find the drive that the option names, if it does."""
+    from drivegate_cases.drive.drive_document import load_drive
+
+    return None if name is None else looked_at(load_drive(name))
+
+
+def looked_at(drive: DriveDocument) -> DriveDocument:
+    """Warn of values that are far off their kind, which change nothing else."""
     from drivegate.output.streams import write_to
-    from drivegate_cases.motor.usual_values import unusual_values
+    from drivegate_cases.drive.usual_values import unusual_values
 
-    for words in unusual_values(motor):
+    for words in unusual_values(drive):
         write_to(sys.stderr, f"warning: {words}\n")
-    return motor
+    return drive
 
 
 def chosen_scenario(
     case: str | None,
-    motor: str | None,
+    drive: str | None,
     settings: tuple[str, ...],
     report: Path | None = None,
     run: str | None = None,
 ) -> Scenario:
     """Find the scenario that the options request, also the one in a counterexample or of a kept result."""
     scenario = _requested_scenario(case, report, run)
-    if motor is None and not settings:
-        looked_at(scenario.motor)
+    if drive is None and not settings:
+        looked_at(scenario.drive)
         return scenario
-    return scenario.replaced(motor=chosen_motor(motor, settings, lambda: scenario.motor))
+    return scenario.replaced(drive=chosen_drive(drive, settings, lambda: scenario.drive))
 
 
 def _requested_scenario(case: str | None, report: Path | None, run: str | None) -> Scenario:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, chosen_motor, json_option, motor_options
-from drivegate.drives.kinds import DEFAULT_MOTOR
+from drivegate.commands.options import bounded, chosen_drive, drive_options, json_option
+from drivegate.drives.kinds import DEFAULT_DRIVE
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     type=click.IntRange(1, 100_000),
     help="Start with no current, run this many electrical cycles and average over the last.",
 )
-@motor_options
+@drive_options
 @json_option
 def command(
     speed_rpm: float,
@@ -34,7 +34,7 @@ def command(
     torque_nm: float | None,
     current_a: float | None,
     cycles: int | None,
-    motor: str | None,
+    drive: str | None,
     settings: tuple[str, ...],
 ) -> Outcome:
     """Compute the steady state at one operating point.
@@ -46,16 +46,16 @@ def command(
     if cycles is not None and current_a is None:
         raise click.UsageError("--cycles goes with --current-a only")
     from drivegate.studies.point.point import point_document
-    from drivegate_cases.motor.motor import load_motor
+    from drivegate_cases.drive.drive_document import load_drive
 
-    drive = chosen_motor(motor, settings, lambda: load_motor(DEFAULT_MOTOR)).drive()
+    plant = chosen_drive(drive, settings, lambda: load_drive(DEFAULT_DRIVE)).plant()
     document = point_document(
-        drive, speed_rpm, advance_deg, torque_nm=torque_nm, current_a=current_a, cycles=cycles
+        plant, speed_rpm, advance_deg, torque_nm=torque_nm, current_a=current_a, cycles=cycles
     )
 
     def show(console: Console) -> None:
         from drivegate.studies.point.display import show_point
 
-        show_point(console, document, drive, torque_nm)
+        show_point(console, document, plant, torque_nm)
 
     return Outcome(document, show)

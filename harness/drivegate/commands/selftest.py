@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import json_option
+from drivegate.commands.options import drive_option, json_option, named_drive
 from drivegate.output.failure import ExitCode
 
 ALL_SEEDS = 1000
@@ -47,9 +47,16 @@ ALL_SEEDS = 1000
 @click.option(
     "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
 )
+@drive_option
 @json_option
 def command(
-    faults: tuple[str, ...], seeds: int, effort: str, search: bool, drawn_only: bool, workers: int | None
+    faults: tuple[str, ...],
+    seeds: int,
+    effort: str,
+    search: bool,
+    drawn_only: bool,
+    workers: int | None,
+    drive: str | None,
 ) -> Outcome:
     """Check the checks: faulty controllers must be caught, correct designs must pass.
 
@@ -64,7 +71,7 @@ def command(
     from drivegate.studies.selftest.display import show_matrix
     from drivegate.studies.selftest.run import SelftestEffort
 
-    amount = SelftestEffort(effort, seeds, workers, search, drawn_only)
+    amount = SelftestEffort(effort, seeds, workers, search, drawn_only, named_drive(drive))
     matrix = selftested(mutations, amount, designs=not faults and not drawn_only)
     code = ExitCode.PASSED if matrix.passed else ExitCode.FAILED
     return Outcome(matrix.document(), lambda console: show_matrix(console, matrix), code)

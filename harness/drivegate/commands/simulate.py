@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import chosen_scenario, json_option, motor_options
+from drivegate.commands.options import chosen_scenario, drive_options, json_option
 from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 @click.option(
     "--plot", type=click.Path(path_type=Path), help="Write a figure; the name ends in .png or .svg."
 )
-@motor_options
+@drive_options
 @json_option
 def command(
     candidate: str,
@@ -47,7 +47,7 @@ def command(
     csv: Path | None,
     parquet: Path | None,
     plot: Path | None,
-    motor: str | None,
+    drive: str | None,
     settings: tuple[str, ...],
 ) -> Outcome:
     """Run CANDIDATE once through a scenario.
@@ -58,7 +58,7 @@ def command(
     from drivegate.output.trace_files import check_targets
 
     resolved = resolve_candidate(candidate)
-    scenario = chosen_scenario(case, motor, settings, report, run)
+    scenario = chosen_scenario(case, drive, settings, report, run)
     check_targets(csv, parquet, plot)
 
     from drivegate.candidates.fault import Fault

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from drivegate.checks.check import Check
     from drivegate.runs.scenario import PrepareLoop
     from drivegate.scenarios.speed_range import SpeedRange
-    from drivegate_cases.motor.motor import Motor
+    from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
     from drivegate_models.half_bridge.steady.oracle import Optimum, TorquePoint
 
@@ -73,11 +73,9 @@ class DriveKind:
     Attributes
     ----------
     name : str
-        The kind.
-    default_motor : str
-        Name of the packaged motor that candidates are judged on where nobody names another.
-    motor : callable
-        Gives the class of the documents that describe such a motor.
+        The kind, as documents of drives have it.
+    default_drive : str
+        Name of the packaged drive that candidates are judged on where nobody names another.
     prepare_loop : callable
         Gives the function that makes a run of a controller against the plant ready.
     oracle : callable
@@ -89,7 +87,7 @@ class DriveKind:
     checks : callable
         Gives the checks that judge a run of such a drive.
     fixed_scenarios : callable
-        From a motor, and the speeds that a candidate is made for, to the scenarios that every check runs first.
+        From a drive, and the speeds that a candidate is made for, to the scenarios that every check runs first.
     drawn_scenarios : callable
         From the same, and the number of a group of families or None for all of them, to what is searched.
     joint_scenarios : callable
@@ -99,16 +97,15 @@ class DriveKind:
     """
 
     name: str
-    default_motor: str
-    motor: Callable[[], type[Motor]]
+    default_drive: str
     prepare_loop: Callable[[], PrepareLoop]
     oracle: Callable[[], Oracle]
     steady_state: Callable[[], Callable[..., object]]
     steady_states: Callable[[], SteadyStates]
     checks: Callable[[], tuple[Check, ...]]
-    fixed_scenarios: Callable[[Motor, SpeedRange | None], tuple[Scenario, ...]]
-    drawn_scenarios: Callable[[Motor, SpeedRange | None, int | None], SearchStrategy[Scenario]]
-    joint_scenarios: Callable[[Motor, SpeedRange | None, int, int, int], tuple[Scenario, ...]]
+    fixed_scenarios: Callable[[DriveDocument, SpeedRange | None], tuple[Scenario, ...]]
+    drawn_scenarios: Callable[[DriveDocument, SpeedRange | None, int | None], SearchStrategy[Scenario]]
+    joint_scenarios: Callable[[DriveDocument, SpeedRange | None, int, int, int], tuple[Scenario, ...]]
     unfair_because: Callable[[Scenario], str | None]
 
     def is_fair(self, scenario: Scenario) -> bool:

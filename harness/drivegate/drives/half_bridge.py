@@ -13,14 +13,8 @@ if TYPE_CHECKING:
     from drivegate.checks.check import Check
     from drivegate.runs.scenario import PrepareLoop
     from drivegate.scenarios.speed_range import SpeedRange
-    from drivegate_cases.motor.motor import Motor
+    from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
-
-
-def _motor() -> type[Motor]:
-    from drivegate_cases.motor.motor import Motor
-
-    return Motor
 
 
 def _prepare_loop() -> PrepareLoop:
@@ -61,26 +55,26 @@ def _checks() -> tuple[Check, ...]:
     return CHECKS
 
 
-def _fixed_scenarios(motor: Motor, speed_range: SpeedRange | None) -> tuple[Scenario, ...]:
+def _fixed_scenarios(drive: DriveDocument, speed_range: SpeedRange | None) -> tuple[Scenario, ...]:
     from drivegate.scenarios.fixed import fixed_scenarios
 
-    return fixed_scenarios(motor, speed_range)
+    return fixed_scenarios(drive, speed_range)
 
 
 def _drawn_scenarios(
-    motor: Motor, speed_range: SpeedRange | None, group: int | None
+    drive: DriveDocument, speed_range: SpeedRange | None, group: int | None
 ) -> SearchStrategy[Scenario]:
     from drivegate.scenarios.drawn.families import drawn_scenarios
 
-    return drawn_scenarios(motor, speed_range, group)
+    return drawn_scenarios(drive, speed_range, group)
 
 
 def _joint_scenarios(
-    motor: Motor, speed_range: SpeedRange | None, seed: int, part: int, parts: int
+    drive: DriveDocument, speed_range: SpeedRange | None, seed: int, part: int, parts: int
 ) -> tuple[Scenario, ...]:
     from drivegate.scenarios.combined import combined_scenarios
 
-    return combined_scenarios(motor, speed_range, seed, part, parts)
+    return combined_scenarios(drive, speed_range, seed, part, parts)
 
 
 def _unfair_because(scenario: Scenario) -> str | None:
@@ -90,9 +84,8 @@ def _unfair_because(scenario: Scenario) -> str | None:
 
 
 HALF_BRIDGE: Final = DriveKind(
-    name="half_bridge",
-    default_motor="paper-5-phase",
-    motor=_motor,
+    name="half-bridge",
+    default_drive="paper-5-phase",
     prepare_loop=_prepare_loop,
     oracle=_oracle,
     steady_state=_steady_state,

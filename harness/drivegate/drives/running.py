@@ -1,4 +1,4 @@
-"""Runs on the drive that a scenario's motor belongs to."""
+"""Runs on the kind of drive that a scenario names."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def run_scenario(
 ) -> ClosedLoopRun:
     """Reset a controller and run it through a scenario."""
     return run_in_closed_loop(
-        kind_of(scenario.motor).prepare_loop(),
+        kind_of(scenario.drive).prepare_loop(),
         scenario,
         controller,
         power_window=power_window,

@@ -16,6 +16,7 @@ from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.pool import WorkerPool
+from drivegate.drives.choice import drive_for
 from drivegate.gate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
 from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
@@ -36,6 +37,7 @@ from drivegate.results.result import (
 )
 from drivegate.results.verdict import candidate_verdict, check_outcomes, machine_dependent
 from drivegate.results.waivers import Waiver, present_day, under_waivers
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
 
 _TELLING: Final = frozenset(
@@ -89,6 +91,7 @@ class _Progress:
 def check_candidate(
     candidate: Candidate,
     *,
+    drive: DriveDocument | None = None,
     effort: str = "default",
     seed: int = 0,
     workers: int | None = None,
@@ -101,7 +104,7 @@ def check_candidate(
     focus: Focus = WHOLE,
     on_slow: Callable[[SlowRun], None] | None = None,
 ) -> Iterator[Event]:
-    """Check a candidate, and tell what is done as events; `on_slow` is told of a run that will take long."""
+    """Check a candidate on a drive, and tell what is done as events; `on_slow` is told of a run that will take long."""
     if effort not in EXAMPLES:
         raise InputError(f"the effort is '{effort}', but must be one of {', '.join(EXAMPLES)}")
     if seed < 0:
@@ -113,6 +116,7 @@ def check_candidate(
     work = planned_work(
         effort,
         seed,
+        drive=drive_for(candidate, drive),
         declaration=candidate.declaration,
         search=search,
         corpus=corpus,

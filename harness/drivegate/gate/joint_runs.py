@@ -8,7 +8,7 @@ from drivegate.checks.judging import ShardOutcome
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.kinds import kind_of
 from drivegate.gate.shard import FixedRuns, run_fixed
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import DriveDocument
 
 
 @dataclass(frozen=True)
@@ -17,15 +17,15 @@ class JointRuns:
 
     Attributes
     ----------
-    motor : str
-        Name of the motor.
+    drive : DriveDocument
+        The drive.
     seed : int
         Seed of what the covering array leaves open.
     part, parts : int
         Which part of them, from 0, and how many parts there are.
     """
 
-    motor: str
+    drive: DriveDocument
     seed: int
     part: int
     parts: int
@@ -33,7 +33,6 @@ class JointRuns:
 
 def run_joint(loaded: JudgedCandidate, plan: JointRuns) -> ShardOutcome:
     """Draw a part of the joint changes and run them as they are."""
-    motor = load_motor(plan.motor)
     speeds = loaded.candidate.declaration.speed_range_rpm
-    scenarios = kind_of(motor).joint_scenarios(motor, speeds, plan.seed, plan.part, plan.parts)
+    scenarios = kind_of(plan.drive).joint_scenarios(plan.drive, speeds, plan.seed, plan.part, plan.parts)
     return run_fixed(loaded, FixedRuns(scenarios))

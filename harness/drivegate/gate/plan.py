@@ -12,8 +12,7 @@ from drivegate.checks.flowchart.run import ScriptRuns, run_scripts, script_margi
 from drivegate.checks.flowchart.scripts import fixed_scripts, usual_speed
 from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.drives.drive_kind import DriveKind
-from drivegate.drives.kinds import DEFAULT_KIND
+from drivegate.drives.kinds import DEFAULT_DRIVE, kind_of
 from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.joint_runs import JointRuns, run_joint
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
@@ -21,7 +20,7 @@ from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.baseline import Baseline, scenario_key
 from drivegate.results.counterexample import Counterexample
 from drivegate.scenarios.covering import covering_rows
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
 
@@ -84,14 +83,15 @@ def planned_work(
     search: bool = True,
     corpus: Sequence[Counterexample] = (),
     baseline: Baseline | None = None,
-    kind: DriveKind = DEFAULT_KIND,
+    drive: DriveDocument | None = None,
     focus: Focus = WHOLE,
 ) -> list[Work]:
-    """Plan the runs of a check on the default motor of a kind of drive."""
-    fixed = kind.fixed_scenarios(load_motor(kind.default_motor), declaration.speed_range_rpm)
+    """Plan the runs of a check on a drive, the default one where none is given."""
+    drive = drive or load_drive(DEFAULT_DRIVE)
+    fixed = kind_of(drive).fixed_scenarios(drive, declaration.speed_range_rpm)
     examples = EXAMPLES[effort]
     shards = [
-        DrawnRuns(kind.default_motor, seed * SHARDS + shard, examples, search=search, climbed=focus.only)
+        DrawnRuns(drive, seed * SHARDS + shard, examples, search=search, climbed=focus.only)
         for shard in range(SHARDS)
     ]
     work = [
@@ -100,12 +100,12 @@ def planned_work(
         *(_as_they_are((scenario,), Origin.FIXED) for scenario in fixed[2:]),
         *(_stored(stored, Origin.CORPUS) for stored in corpus),
         *(_as_they_are((scenario,), Origin.BASELINE) for scenario in _not_among(fixed, baseline)),
-        *_scripts(kind.default_motor, declaration, seed, SCRIPTS[effort]),
+        *_scripts(drive, declaration, seed, SCRIPTS[effort]),
         *(
             Work(Job(run_drawn, drawn), examples, f"shard {number}", Origin.DRAWN)
             for number, drawn in enumerate(shards, start=1)
         ),
-        *_joint(kind.default_motor, seed, JOINT[effort]),
+        *_joint(drive, seed, JOINT[effort]),
         # Last, so that fewer processes are at work beside it.
         Work(Job(time_steps, TimedSteps(fixed[0])), 1, fixed[0].name, Origin.TIMED),
     ]
@@ -134,22 +134,21 @@ def run_stored_script(loaded: JudgedCandidate, script: Script) -> ShardOutcome:
     return ShardOutcome(() if margin is None else (JudgedRun(script.to_mapping(), (margin,)),))
 
 
-def _scripts(motor_name: str, declaration: Declaration, seed: int, examples: int) -> list[Work]:
-    motor = load_motor(motor_name)
-    speed = usual_speed(motor, declaration.speed_range_rpm)
+def _scripts(drive: DriveDocument, declaration: Declaration, seed: int, examples: int) -> list[Work]:
+    speed = usual_speed(drive, declaration.speed_range_rpm)
     if declaration.flowchart is None or speed is None:
         return []
-    count = len(fixed_scripts(motor, declaration.flowchart, speed)) + examples
-    job = Job(run_scripts, ScriptRuns(motor_name, seed, examples))
+    count = len(fixed_scripts(drive, declaration.flowchart, speed)) + examples
+    job = Job(run_scripts, ScriptRuns(drive, seed, examples))
     return [Work(job, count, "scripts", Origin.SCRIPTS)]
 
 
-def _joint(motor_name: str, seed: int, times: int) -> list[Work]:
+def _joint(drive: DriveDocument, seed: int, times: int) -> list[Work]:
     """Plan runs of joint changes, all parts of every pass over the covering array."""
     most = -(-len(covering_rows()) // SHARDS) + 1
     return [
         Work(
-            Job(run_joint, JointRuns(motor_name, seed * times + number, part, SHARDS)),
+            Job(run_joint, JointRuns(drive, seed * times + number, part, SHARDS)),
             most,
             f"joint {number * SHARDS + part + 1}",
             Origin.DRAWN,

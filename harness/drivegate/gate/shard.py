@@ -22,7 +22,7 @@ from drivegate.drives.repeating import with_repetitions
 from drivegate.drives.running import recorded
 from drivegate.runs.parting import room_for_commands
 from drivegate.scenarios.drawn.isolation import from_the_seed_alone
-from drivegate_cases.motor.motor import Motor, load_motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 
 _NEVER_SEARCHED: Final = frozenset(
@@ -56,8 +56,8 @@ class DrawnRuns:
 
     Attributes
     ----------
-    motor : str
-        Name of the motor.
+    drive : DriveDocument
+        The drive.
     seed : int
         Seed of this shard; shards of consecutive seeds take turns at the families of scenarios.
     examples : int
@@ -68,7 +68,7 @@ class DrawnRuns:
         Checks whose margins are climbed; empty for all required ones.
     """
 
-    motor: str
+    drive: DriveDocument
     seed: int
     examples: int
     search: bool = True
@@ -89,7 +89,7 @@ def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
     records = [first, *(recorded(loaded, scenario, controller) for scenario in plan.scenarios[1:])]
     if kept is not None:
         records[0] = with_repetitions(loaded, first, kept, controller)
-    return ShardOutcome(tuple(judged(record, kind_of(record.scenario.motor).checks()) for record in records))
+    return ShardOutcome(tuple(judged(record, kind_of(record.scenario.drive).checks()) for record in records))
 
 
 class _Collector:
@@ -99,12 +99,12 @@ class _Collector:
     first runs can be held to unrelated draws.
     """
 
-    def __init__(self, loaded: JudgedCandidate, motor: Motor, unrelated: int) -> None:
+    def __init__(self, loaded: JudgedCandidate, drive: DriveDocument, unrelated: int) -> None:
         self._loaded = loaded
         self._controller = loaded.controller()
         self._unrelated = unrelated
-        self.kind = kind_of(motor)
-        fixed = self.kind.fixed_scenarios(motor, None)
+        self.kind = kind_of(drive)
+        fixed = self.kind.fixed_scenarios(drive, None)
         self._known = {content_key(scenario.to_mapping()) for scenario in fixed}
         self._tickets: set[int] = set()
         self._answers: dict[tuple[int, str], tuple[Margin, ...] | None] = {}
@@ -143,10 +143,11 @@ class _Collector:
 
 def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
     """Draw scenarios, and climb toward the smallest margin."""
-    motor = load_motor(plan.motor)
-    collector = _Collector(loaded, motor, plan.examples // 2 if plan.search else plan.examples)
+    collector = _Collector(loaded, plan.drive, plan.examples // 2 if plan.search else plan.examples)
     climbed = frozenset(plan.climbed) - _NEVER_SEARCHED or _SEARCHED
-    drawn = collector.kind.drawn_scenarios(motor, loaded.candidate.declaration.speed_range_rpm, plan.seed)
+    drawn = collector.kind.drawn_scenarios(
+        plan.drive, loaded.candidate.declaration.speed_range_rpm, plan.seed
+    )
 
     @seed(plan.seed)
     @settings(

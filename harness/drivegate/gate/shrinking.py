@@ -147,5 +147,5 @@ def _simpler(
 def _candidates(scenario: Scenario, simplification: Simplification, trials: _Trials) -> Iterator[Scenario]:
     for fields in simplification(scenario):
         simpler = simplified(scenario, fields)
-        if simpler is not None and trials.is_due(simpler) and kind_of(simpler.motor).is_fair(simpler):
+        if simpler is not None and trials.is_due(simpler) and kind_of(simpler.drive).is_fair(simpler):
             yield simpler

@@ -14,7 +14,7 @@ from drivegate.containment.pool import WorkerPool
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.drives.running import recorded
 from drivegate.runs.record import rated_torque
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import choose_cache_folder
 from drivegate_models.errors import HarnessFault
@@ -52,7 +52,7 @@ def compile_kernels(marker: Path) -> None:
 def _use_oracle(_loaded: JudgedCandidate, kind: str) -> None:
     drive_kind, scenario = DRIVE_KINDS[kind], _plain_scenario(kind)
     drive_kind.unfair_because(scenario)
-    oracle, drive = drive_kind.oracle(), scenario.motor.drive()
+    oracle, drive = drive_kind.oracle(), scenario.drive.plant()
     speed = scenario.speed_rpm[0][1] * RADIANS_PER_RPM
     torque = rated_torque(scenario, speed)
     optimum = oracle.least_current_sum(drive, speed, torque)
@@ -64,7 +64,7 @@ def _use_closed_loop(loaded: JudgedCandidate, kind: str) -> None:
 
 
 def _use_steady_state(_loaded: JudgedCandidate, kind: str) -> None:
-    drive = _plain_scenario(kind).motor.drive()
+    drive = _plain_scenario(kind).drive.plant()
     DRIVE_KINDS[kind].steady_state()(drive, 100.0, 10.0, 0.5)
 
 
@@ -74,4 +74,4 @@ def _judge_a_run(loaded: JudgedCandidate, kind: str) -> None:
 
 def _plain_scenario(kind: str) -> Scenario:
     drive_kind = DRIVE_KINDS[kind]
-    return drive_kind.fixed_scenarios(load_motor(drive_kind.default_motor), None)[1]
+    return drive_kind.fixed_scenarios(load_drive(drive_kind.default_drive), None)[1]

@@ -68,7 +68,7 @@ def _lost(signals: RunSignals, point: JudgedPoint | None) -> list[str]:
     falls_short = signals.torque_nm < _SHORTFALL * signals.load_torque_nm
     if (when := _lasting(signals, falls_short, begin)) is not None:
         events.append((when, f"at {when:.2f} s torque fell below the load"))
-    limit = signals.scenario.motor.current_limit_a
+    limit = signals.scenario.drive.rating.current_limit_a
     if (when := _lasting(signals, signals.current_reference_a > 0.999 * limit, begin)) is not None:
         events.append((when, f"at {when:.2f} s the current reference reached its limit of {limit:g} A"))
     if (when := _lasting(signals, np.abs(signals.speed_error_rpm) > BAND_RPM, begin)) is not None:

@@ -85,7 +85,7 @@ def _loss(signals: RunSignals) -> str | None:
         return "the motor stalls"
     if passes_edge(signals):
         return "the search takes the angle past the feasible edge, and the speed is lost"
-    limit = signals.scenario.motor.current_limit_a
+    limit = signals.scenario.drive.rating.current_limit_a
     if signals.speed_error_rpm[-1] < 0.0 and signals.current_reference_a[-1] > 0.999 * limit:
         return f"the speed is lost with the current reference at its limit of {limit:g} A"
     return "the speed leaves its band and stays away"

@@ -65,8 +65,8 @@ def _from_its_begin(scenario: Scenario, held: Sequence[Dwell]) -> Dwell:
 
 @lru_cache(maxsize=200)
 def _answers(scenario: Scenario, dwell: Dwell) -> JudgedPoint | None:
-    oracle = kind_of(scenario.motor).oracle()
-    drive = scenario.motor.drive(dwell_scales(scenario, dwell))
+    oracle = kind_of(scenario.drive).oracle()
+    drive = scenario.drive.plant(dwell_scales(scenario, dwell))
     speed = dwell.speed_rpm * RADIANS_PER_RPM
     load = dwell_torque(scenario, dwell)
     voltage = dwell.supply_v * (1.0 - abs(dwell.imbalance))

@@ -36,8 +36,8 @@ def _resolved(value: Any, model: type[Scenario] | type[Script], noun: str) -> An
         return value
     if not isinstance(value, Mapping):
         raise ValueError("must be a table with the whole scenario, not a name")
-    if not isinstance(value.get("motor"), Mapping):
-        raise ValueError("the key 'motor' must be a table with all of the motor's keys")
+    if not isinstance(value.get("drive"), Mapping):
+        raise ValueError("the key 'drive' must be a table with all of the drive's keys")
     try:
         return parse_document(value, model, noun)
     except InputError as error:

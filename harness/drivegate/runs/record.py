@@ -9,7 +9,7 @@ from functools import cached_property
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.scenarios.windows import observed_windows
-from drivegate_cases.motor.scales import Scales
+from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.circumstance import Circumstance, circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells, is_after_change
@@ -62,20 +62,20 @@ class SteadyWindow:
 
     @property
     def scales(self) -> Scales:
-        """How the plant differs from the nominal motor meanwhile."""
+        """How the plant differs from the nominal drive meanwhile."""
         return dwell_scales(self.scenario, self.dwell)
 
     @property
     def has_nominal_supply(self) -> bool:
-        """Whether the supply has the motor's nominal voltage."""
-        return self.dwell.supply_v == self.scenario.motor.supply_voltage_v
+        """Whether the supply has its nominal voltage."""
+        return self.dwell.supply_v == self.scenario.drive.inverter.supply_voltage_v
 
     @property
     def requires_rated_power(self) -> bool:
-        """Whether the load requires the motor's rated power, from a supply of nominal voltage."""
+        """Whether the load requires the drive's rated power, from a supply of nominal voltage."""
         power = self.torque_required * self.speed
         return self.has_nominal_supply and math.isclose(
-            power, self.scenario.motor.rated_power_w, rel_tol=_SAME
+            power, self.scenario.drive.rating.rated_power_w, rel_tol=_SAME
         )
 
 
@@ -106,7 +106,7 @@ class RunRecord:
     @cached_property
     def drive(self) -> Drive:
         """The plant that the run was made on."""
-        return self.scenario.motor.drive(self.scenario.scales)
+        return self.scenario.drive.plant(self.scenario.scales)
 
     @cached_property
     def circumstance(self) -> Circumstance:
@@ -119,10 +119,13 @@ class RunRecord:
         by_end = {dwell.end: dwell for dwell in dwells(self.scenario)}
         for (_, end), values in zip(observed_windows(self.scenario), self.run.windows, strict=True):
             dwell = by_end[end]
-            if dwell.speed_rpm > self.scenario.motor.base_speed_rpm and lowest <= dwell.speed_rpm <= highest:
+            if (
+                dwell.speed_rpm > self.scenario.drive.rating.base_speed_rpm
+                and lowest <= dwell.speed_rpm <= highest
+            ):
                 yield SteadyWindow(self.scenario, dwell, values)
 
 
 def rated_torque(scenario: Scenario, speed: float) -> float:
-    """Give the torque of the motor's rated power at a speed."""
-    return scenario.motor.rated_power_w / speed
+    """Give the torque of the drive's rated power at a speed."""
+    return scenario.drive.rating.rated_power_w / speed

@@ -94,15 +94,15 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     dropouts = np.array(
         [(_signal(lost), lost.start_s, lost.end_s) for lost in scenario.dropouts], np.float64
     ).reshape(-1, 3)
-    gains, offsets = np.ones(scenario.motor.phases), np.zeros(scenario.motor.phases)
+    gains, offsets = np.ones(scenario.drive.machine.phases), np.zeros(scenario.drive.machine.phases)
     for error in scenario.current_errors:
         gains[error.phase - 1], offsets[error.phase - 1] = error.gain, error.offset_a
     given = scenario.sensors
     if isinstance(given, IdealSensors):
-        return sensors.ideal_sensors(scenario.motor.phases, dropouts, gains, offsets)
+        return sensors.ideal_sensors(scenario.drive.machine.phases, dropouts, gains, offsets)
     glitches = np.array([(glitch.time_s, glitch.counts) for glitch in scenario.glitches], np.float64)
     return sensors.real_sensors(
-        scenario.motor.phases,
+        scenario.drive.machine.phases,
         encoder_lines=given.encoder_lines,
         speed_window=given.speed_window_s,
         clock=given.clock_s,
@@ -144,7 +144,7 @@ def run_in_closed_loop(
     what the plant here comes to by the same commands. `kept` receives the command of each step.
     """
     nameplate = scenario.nameplate()
-    plant = (scenario.motor.drive(scenario.scales), plant_load(scenario), plant_schedule(scenario))
+    plant = (scenario.drive.plant(scenario.scales), plant_load(scenario), plant_schedule(scenario))
     options = {
         "initial_speed": scenario.initial_speed_rpm * RADIANS_PER_RPM,
         "base_speed": nameplate.base_speed,

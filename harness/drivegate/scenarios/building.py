@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from drivegate.scenarios.title import titled
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.load import ConstantPowerLoad, ConstantTorqueLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
@@ -17,9 +17,11 @@ DWELL_S = 10.0
 """Length of a steady stretch: 6 s to converge and 4 s to be judged (s)."""
 
 
-def steady_scenario(motor: Motor, speed_rpm: float, *, power_share: float, constant_power: bool) -> Scenario:
+def steady_scenario(
+    drive: DriveDocument, speed_rpm: float, *, power_share: float, constant_power: bool
+) -> Scenario:
     """Make a run at one speed under one load."""
-    power = tidy(motor.rated_power_w * power_share)
+    power = tidy(drive.rating.rated_power_w * power_share)
     factor = ((0.0, 0.0), (LOAD_RAMP_S, 1.0))
     load: ConstantPowerLoad | ConstantTorqueLoad
     if constant_power:
@@ -30,7 +32,7 @@ def steady_scenario(motor: Motor, speed_rpm: float, *, power_share: float, const
     return titled(
         Scenario(
             name="steady",
-            motor=motor,
+            drive=drive,
             duration_s=LOAD_RAMP_S + DWELL_S,
             initial_speed_rpm=speed_rpm,
             speed_rpm=((0.0, speed_rpm),),
@@ -39,15 +41,17 @@ def steady_scenario(motor: Motor, speed_rpm: float, *, power_share: float, const
     )
 
 
-def base_speed_scenario(motor: Motor, start_rpm: float, top_rpm: float, fall_rpm_per_s: float) -> Scenario:
+def base_speed_scenario(
+    drive: DriveDocument, start_rpm: float, top_rpm: float, fall_rpm_per_s: float
+) -> Scenario:
     """Make an unloaded run from below base speed to above it, and back no faster than the shaft coasts."""
-    end_rpm = motor.base_speed_rpm - 10.0
+    end_rpm = drive.rating.base_speed_rpm - 10.0
     rise_until = tidy(math.ceil(2.0 + (top_rpm - start_rpm) / 100.0) * 0.1)
     fall_from = tidy(rise_until + 0.5)
     fall_until = fall_from + (top_rpm - end_rpm) / fall_rpm_per_s
     scenario = Scenario(
         name="base-speed",
-        motor=motor,
+        drive=drive,
         duration_s=round(fall_until + 1.0, 1),
         initial_speed_rpm=start_rpm,
         speed_rpm=(
@@ -63,7 +67,7 @@ def base_speed_scenario(motor: Motor, start_rpm: float, top_rpm: float, fall_rpm
 
 
 def vehicle_scenario(
-    motor: Motor, speed_rpm: float, *, mass_kg: float, gear_ratio: float, grade_percent: Profile
+    drive: DriveDocument, speed_rpm: float, *, mass_kg: float, gear_ratio: float, grade_percent: Profile
 ) -> Scenario:
     """Make a run of a light vehicle at a steady speed."""
     load = VehicleLoad(
@@ -78,7 +82,7 @@ def vehicle_scenario(
     return titled(
         Scenario(
             name="vehicle",
-            motor=motor,
+            drive=drive,
             duration_s=tidy(grade_percent[-1][0] + DWELL_S),
             initial_speed_rpm=speed_rpm,
             speed_rpm=((0.0, speed_rpm),),

@@ -74,13 +74,13 @@ def with_speed(scenario: Scenario, profile: Profile) -> Scenario:
 
 def with_supply(scenario: Scenario, profile: Profile) -> Scenario:
     """Change the voltage of the supply during a run."""
-    nominal = scenario.motor.supply_voltage_v
+    nominal = scenario.drive.inverter.supply_voltage_v
     volts = tuple((time, tidy(share * nominal)) for time, share in profile)
     return _with_change(scenario, profile[-1][0], supply_v=volts)
 
 
 def with_scales(scenario: Scenario, **factors: float) -> Scenario:
-    """Let the plant differ from the nominal motor."""
+    """Let the plant differ from the nominal drive."""
     return titled(scenario.replaced(scales=factors))
 
 

@@ -33,7 +33,7 @@ from drivegate.scenarios.drawn.courses import load_course, standstill_scenario
 from drivegate.scenarios.feasibility import unfair_because
 from drivegate.scenarios.speed_range import HIGHEST_LOADED, SpeedRange, loaded_range
 from drivegate.scenarios.title import titled
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.load import FanLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
@@ -55,28 +55,28 @@ _CLOCKS: Final = {"0": 0.0, "2³¹ µs": 2147.483648 - 5.0, "2³² µs": 4294.96
 
 
 def combined_scenarios(
-    motor: Motor, speed_range: SpeedRange | None, seed: int, part: int = 0, parts: int = 1
+    drive: DriveDocument, speed_range: SpeedRange | None, seed: int, part: int = 0, parts: int = 1
 ) -> tuple[Scenario, ...]:
     """Draw a fair scenario for each row that a candidate's speeds allow, and the long runs, or a part of them all.
 
     The same seed gives the same ones, whatever the number of parts.
     """
     rows = list(enumerate(covering_rows()))[part::parts]
-    drawn = [_drawn(motor, speed_range, row, seed, number) for number, row in rows]
+    drawn = [_drawn(drive, speed_range, row, seed, number) for number, row in rows]
     fair = tuple(scenario for scenario in drawn if scenario is not None)
-    return fair + long_scenarios(motor, speed_range, seed)[part::parts]
+    return fair + long_scenarios(drive, speed_range, seed)[part::parts]
 
 
-def long_scenarios(motor: Motor, speed_range: SpeedRange | None, seed: int) -> tuple[Scenario, ...]:
+def long_scenarios(drive: DriveDocument, speed_range: SpeedRange | None, seed: int) -> tuple[Scenario, ...]:
     """Draw runs of minutes at rated power.
 
     One is undisturbed, one has a load that changes late and real sensors, and one a load that goes to and fro with time
     for the search to come to rest in between.
     """
     random = Random(f"{seed}/long")
-    lowest, highest = loaded_range(motor, speed_range)
+    lowest, highest = loaded_range(drive, speed_range)
     plain, late, busy = (
-        steady_scenario(motor, _whole(random, lowest, highest), power_share=1.0, constant_power=False)
+        steady_scenario(drive, _whole(random, lowest, highest), power_share=1.0, constant_power=False)
         for _ in range(3)
     )
     changed = with_load_shares(late, (0.0, 1.0), (LONG_S - DWELL_S, 0.5))
@@ -98,10 +98,10 @@ def _whole(random: Random, lowest: float, highest: float) -> float:
     return random.choice(_whole_speeds(lowest, highest))
 
 
-def _speeds_of_row(motor: Motor, speed_range: SpeedRange | None, row: Row) -> tuple[float, float]:
+def _speeds_of_row(drive: DriveDocument, speed_range: SpeedRange | None, row: Row) -> tuple[float, float]:
     if row["speed course"] == "overspeed":
-        return HIGHEST_LOADED * motor.base_speed_rpm, _HIGHEST_ADVISED * motor.base_speed_rpm
-    return loaded_range(motor, speed_range)
+        return HIGHEST_LOADED * drive.rating.base_speed_rpm, _HIGHEST_ADVISED * drive.rating.base_speed_rpm
+    return loaded_range(drive, speed_range)
 
 
 def _speed_in_turn(lowest: float, highest: float, seed: int, number: int) -> float:
@@ -111,36 +111,40 @@ def _speed_in_turn(lowest: float, highest: float, seed: int, number: int) -> flo
     return speeds[number % len(speeds)]
 
 
-def _drawn(motor: Motor, speed_range: SpeedRange | None, row: Row, seed: int, number: int) -> Scenario | None:
+def _drawn(
+    drive: DriveDocument, speed_range: SpeedRange | None, row: Row, seed: int, number: int
+) -> Scenario | None:
     if speed_range is not None and row["speed course"] in ("standstill", "overspeed"):
         return None
     random = Random(f"{seed}/{number}")
-    lowest, highest = _speeds_of_row(motor, speed_range, row)
+    lowest, highest = _speeds_of_row(drive, speed_range, row)
     speed = _speed_in_turn(lowest, highest, seed, number)
     for attempt in range(ATTEMPTS):
         heaviest = 1.0 - 0.8 * attempt / ATTEMPTS
         other = _whole(random, lowest, highest)
-        scenario = _changed(_base(motor, row, random, heaviest, (speed, other)), row, random)
+        scenario = _changed(_base(drive, row, random, heaviest, (speed, other)), row, random)
         if unfair_because(scenario) is None:
             return scenario
     return None
 
 
-def _base(motor: Motor, row: Row, random: Random, heaviest: float, speeds: tuple[float, float]) -> Scenario:
+def _base(
+    drive: DriveDocument, row: Row, random: Random, heaviest: float, speeds: tuple[float, float]
+) -> Scenario:
     """Make a run with the row's load and courses of speed and load, at the first speed or between both."""
     slow, fast = sorted(speeds) if row["speed course"] in ("up", "down") else (speeds[0], speeds[0])
     share = _share(random, heaviest)
     at = _moment(row, random)
     if row["load"] == "vehicle":
         grade = stepped(0.0, 1.0, at) if row["load course"] == "up" else ((0.0, 0.0),)
-        run = vehicle_scenario(motor, fast, mass_kg=150.0, gear_ratio=8.0, grade_percent=grade)
+        run = vehicle_scenario(drive, fast, mass_kg=150.0, gear_ratio=8.0, grade_percent=grade)
     elif row["speed course"] == "standstill":
-        torque = min(share * motor.rated_power_w / (fast * RADIANS_PER_RPM), 12.0)
-        run = standstill_scenario(motor, fast, torque_nm=torque, at_s=at, over_s=1.0)
+        torque = min(share * drive.rating.rated_power_w / (fast * RADIANS_PER_RPM), 12.0)
+        run = standstill_scenario(drive, fast, torque_nm=torque, at_s=at, over_s=1.0)
     else:
-        run = steady_scenario(motor, fast, power_share=share, constant_power=row["load"] == "power")
+        run = steady_scenario(drive, fast, power_share=share, constant_power=row["load"] == "power")
         if row["load"] == "fan":
-            torque = round(share * motor.rated_power_w / (fast * RADIANS_PER_RPM), 3)
+            torque = round(share * drive.rating.rated_power_w / (fast * RADIANS_PER_RPM), 3)
             fan = FanLoad(
                 kind="fan", torque_nm=torque, speed_rpm=fast, factor=((0.0, 0.0), (LOAD_RAMP_S, 1.0))
             )
@@ -151,8 +155,8 @@ def _base(motor: Motor, row: Row, random: Random, heaviest: float, speeds: tuple
         case "up":
             run = with_speed(run, stepped(slow, fast, at, over_s=random.choice((0.0, 1.0, 2.0))))
         case "down":
-            torque = 0.05 * motor.rated_power_w / (fast * RADIANS_PER_RPM)
-            least = (fast - slow) * RADIANS_PER_RPM * motor.inertia_kg_m2 / (COASTING_SHARE * torque)
+            torque = 0.05 * drive.rating.rated_power_w / (fast * RADIANS_PER_RPM)
+            least = (fast - slow) * RADIANS_PER_RPM * drive.machine.inertia_kg_m2 / (COASTING_SHARE * torque)
             run = with_speed(run, stepped(fast, slow, at, over_s=tidy(0.1 * math.ceil(10.0 * least))))
     return run
 
@@ -194,7 +198,7 @@ def _changed(run: Scenario, row: Row, random: Random) -> Scenario:
 
 
 def _phase(run: Scenario, random: Random) -> int:
-    return random.randint(1, run.motor.phases)
+    return random.randint(1, run.drive.machine.phases)
 
 
 def _milliseconds(random: Random) -> float:

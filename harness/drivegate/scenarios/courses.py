@@ -137,7 +137,7 @@ def fields_of(scenario: Scenario, quantity: Quantity, course: ProfileCourse) -> 
             key = "grade_percent" if isinstance(scenario.load, VehicleLoad) else "factor"
             return {"load": scenario.load.model_copy(update={key: profile})}
         case "supply":
-            nominal = ((0.0, scenario.motor.supply_voltage_v),)
+            nominal = ((0.0, scenario.drive.inverter.supply_voltage_v),)
             return {"supply_v": None if profile == nominal else profile}
         case "imbalance":
             return {"imbalance": None if profile == ((0.0, 0.0),) else profile}

@@ -8,24 +8,24 @@ from typing import Any, Final
 
 from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S, steady_scenario
 from drivegate.scenarios.speed_range import HIGHEST_LOADED
-from drivegate_cases.motor.motor import Motor
-from drivegate_cases.motor.scales import NOMINAL
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
 PLAIN_RUN: Final = "the plain run"
 """What is said of a scenario without any fact."""
 
-_TOLD_ELSEWHERE: Final = frozenset({"schema", "name", "description", "motor", "seed", "initial_speed_rpm"})
+_TOLD_ELSEWHERE: Final = frozenset({"schema", "name", "description", "drive", "seed", "initial_speed_rpm"})
 _COMING_ON: Final = [[0.0, 0.0], [LOAD_RAMP_S, 1.0]]
 _SYMBOLS: Final = {"resistance": "R", "inductance": "L", "emf_constant": "ke"}
 _UNITS: Final = {"torque_nm": "N·m", "power_w": "W"}
 
 
-def plain_scenario(motor: Motor) -> Scenario:
+def plain_scenario(drive: DriveDocument) -> Scenario:
     """Make the run without any fact."""
     return steady_scenario(
-        motor, HIGHEST_LOADED * motor.base_speed_rpm, power_share=1.0, constant_power=False
+        drive, HIGHEST_LOADED * drive.rating.base_speed_rpm, power_share=1.0, constant_power=False
     )
 
 
@@ -57,7 +57,7 @@ def _other(key: str, value: Any) -> Iterator[str]:
 
 
 def _plain_speed(scenario: Mapping[str, Any]) -> float:
-    return HIGHEST_LOADED * float(scenario["motor"]["base_speed_rpm"])
+    return HIGHEST_LOADED * float(scenario["drive"]["rating"]["base_speed_rpm"])
 
 
 def _load(scenario: Mapping[str, Any]) -> Iterator[str]:
@@ -72,7 +72,7 @@ def _load(scenario: Mapping[str, Any]) -> Iterator[str]:
     if not any(share for _, share in factor):
         yield "unloaded"
         return
-    rated = float(scenario["motor"]["rated_power_w"]) / (_plain_speed(scenario) * RADIANS_PER_RPM)
+    rated = float(scenario["drive"]["rating"]["rated_power_w"]) / (_plain_speed(scenario) * RADIANS_PER_RPM)
     if kind != "constant torque" or load["torque_nm"] != round(rated, 3):
         sizes = [f"{load[name]:g} {unit}" for name, unit in _UNITS.items() if name in load]
         yield " ".join((kind, *sizes))

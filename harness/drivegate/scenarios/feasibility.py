@@ -18,8 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivegate_cases.motor.motor import Motor
-from drivegate_cases.motor.scales import NOMINAL, Scales
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_cases.scenario.load import ConstantPowerLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque
@@ -79,7 +79,7 @@ def is_driven_without_advance(scenario: Scenario) -> bool:
     """Tell whether an angle of zero gives the torque wherever the reference is, or rises from, below base speed."""
     if isinstance(scenario.load, LockedLoad):
         return True
-    base = scenario.motor.base_speed_rpm
+    base = scenario.drive.rating.base_speed_rpm
     return all(
         _reaches(scenario, conditions, accelerating, without_advance=True)
         for conditions, accelerating in _demands(scenario)
@@ -108,7 +108,7 @@ def _torque_added(scenario: Scenario, first: Dwell, last: Dwell) -> float:
 
 def _stays_fast(scenario: Scenario, conditions: Dwell, torque: float) -> bool:
     """Tell whether a torque that nothing answers for a moment leaves the shaft above base speed."""
-    base = scenario.motor.base_speed_rpm * RADIANS_PER_RPM
+    base = scenario.drive.rating.base_speed_rpm * RADIANS_PER_RPM
     speed = conditions.speed_rpm * RADIANS_PER_RPM
     return speed <= base or speed - torque * REACTION_S / scenario.nameplate().inertia > base
 
@@ -169,7 +169,7 @@ def _demands(scenario: Scenario) -> Iterator[tuple[Dwell, float]]:
         accelerating = inertia * max(rise, 0.0) / (stretch.duration or STEP_ACCELERATION_S)
         yield stretch.first, accelerating
         yield stretch.last, accelerating
-        base = scenario.motor.base_speed_rpm
+        base = scenario.drive.rating.base_speed_rpm
         if stretch.first.speed_rpm < base <= stretch.last.speed_rpm:
             # The heaviest on the way up is where the advance is about to begin.
             below = math.nextafter(base, 0.0)
@@ -185,26 +185,26 @@ def _reaches(
     if load == 0.0 or speed == 0.0:
         return True
     scales = dwell_scales(scenario, conditions)
-    drive = _drive(scenario.motor, scales)
+    drive = _drive(scenario.drive, scales)
     held = load + _own_drag(drive, speed)
     if held < 0.0:
         # A vehicle that runs downhill by itself would have to be braked.
         return False
     voltage = conditions.supply_v * (1.0 - abs(conditions.imbalance))
-    edge = _edge(scenario.motor, scales, speed, held + accelerating, voltage)
+    edge = _edge(scenario.drive, scales, speed, held + accelerating, voltage)
     if not math.isfinite(edge) or (without_advance and edge > 0.0):
         return False
-    is_nominal = scales == NOMINAL and voltage >= scenario.motor.supply_voltage_v
+    is_nominal = scales == NOMINAL and voltage >= scenario.drive.inverter.supply_voltage_v
     if is_nominal or not isinstance(scenario.load, ConstantPowerLoad):
         return True
     sagged = 1.0 - SPEED_RESERVE
-    edge = _edge(scenario.motor, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
+    edge = _edge(scenario.drive, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
     return math.isfinite(edge) and not (without_advance and edge > 0.0)
 
 
 def _drag(scenario: Scenario, conditions: Dwell) -> float:
     """Torque that slows the shaft while no phase carries current: the load and the drive's own (N m)."""
-    drive = _drive(scenario.motor, dwell_scales(scenario, conditions))
+    drive = _drive(scenario.drive, dwell_scales(scenario, conditions))
     return dwell_torque(scenario, conditions) + _own_drag(drive, conditions.speed_rpm * RADIANS_PER_RPM)
 
 
@@ -228,11 +228,11 @@ def _mean_square(drive: Drive) -> float:
 
 
 @lru_cache(maxsize=_KEPT_DRIVES)
-def _drive(motor: Motor, scales: Scales) -> Drive:
-    return motor.drive(scales)
+def _drive(drive: DriveDocument, scales: Scales) -> Drive:
+    return drive.plant(scales)
 
 
 @lru_cache(maxsize=_KEPT_POINTS)
-def _edge(motor: Motor, scales: Scales, speed: float, torque: float, voltage: float) -> float:
+def _edge(drive: DriveDocument, scales: Scales, speed: float, torque: float, voltage: float) -> float:
     """Find the smallest angle that gives a torque; NaN where none does."""
-    return feasible_edge(_drive(motor, scales), speed, torque, voltage)
+    return feasible_edge(_drive(drive, scales), speed, torque, voltage)

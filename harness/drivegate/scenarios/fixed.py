@@ -18,63 +18,62 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.scenarios.speed_range import SpeedRange, loaded_range
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 
 
-def fixed_scenarios(motor: Motor, speed_range_rpm: SpeedRange | None = None) -> tuple[Scenario, ...]:
+def fixed_scenarios(drive: DriveDocument, speed_range_rpm: SpeedRange | None = None) -> tuple[Scenario, ...]:
     """List the scenarios that every check runs first."""
     every = (
-        load_scenario("lock-up"),
-        load_scenario("fig5-search"),
-        *_steady(motor),
-        base_speed_scenario(motor, 300.0, 520.0, 5.0),
-        base_speed_scenario(motor, 480.0, 520.0, 8.0),
-        *_changing(motor),
-        *_other_plants(motor),
-        *_other_sensors(motor),
-        *_faults(motor),
+        *(load_scenario(name).replaced(drive=drive) for name in ("lock-up", "fig5-search")),
+        *_steady(drive),
+        base_speed_scenario(drive, 300.0, 520.0, 5.0),
+        base_speed_scenario(drive, 480.0, 520.0, 8.0),
+        *_changing(drive),
+        *_other_plants(drive),
+        *_other_sensors(drive),
+        *_faults(drive),
     )
     if speed_range_rpm is None:
         return every
-    lowest, highest = loaded_range(motor, speed_range_rpm)
+    lowest, highest = loaded_range(drive, speed_range_rpm)
     inside = tuple(
         scenario
         for scenario in every
         if all(speed_range_rpm[0] <= speed <= speed_range_rpm[1] for _, speed in scenario.speed_rpm)
     )
-    middle = steady_scenario(motor, round(0.5 * (lowest + highest)), power_share=0.5, constant_power=False)
+    middle = steady_scenario(drive, round(0.5 * (lowest + highest)), power_share=0.5, constant_power=False)
     return inside or (middle,)
 
 
-def _steady(motor: Motor) -> list[Scenario]:
-    rated = [_rated(motor, speed) for speed in (550.0, 700.0, 900.0, 1150.0, 1350.0, 1500.0)]
-    beyond = [_rated(motor, speed) for speed in (1750.0, 2000.0)]
-    half = [_torque(motor, speed, 0.5) for speed in (600.0, 1000.0, 1500.0)]
+def _steady(drive: DriveDocument) -> list[Scenario]:
+    rated = [_rated(drive, speed) for speed in (550.0, 700.0, 900.0, 1150.0, 1350.0, 1500.0)]
+    beyond = [_rated(drive, speed) for speed in (1750.0, 2000.0)]
+    half = [_torque(drive, speed, 0.5) for speed in (600.0, 1000.0, 1500.0)]
     return [*rated, *half, *beyond]
 
 
-def _rated(motor: Motor, speed_rpm: float) -> Scenario:
-    return steady_scenario(motor, speed_rpm, power_share=1.0, constant_power=True)
+def _rated(drive: DriveDocument, speed_rpm: float) -> Scenario:
+    return steady_scenario(drive, speed_rpm, power_share=1.0, constant_power=True)
 
 
-def _torque(motor: Motor, speed_rpm: float, share: float) -> Scenario:
-    return steady_scenario(motor, speed_rpm, power_share=share, constant_power=False)
+def _torque(drive: DriveDocument, speed_rpm: float, share: float) -> Scenario:
+    return steady_scenario(drive, speed_rpm, power_share=share, constant_power=False)
 
 
-def _changing(motor: Motor) -> list[Scenario]:
+def _changing(drive: DriveDocument) -> list[Scenario]:
     steps = ((0.5, 1.0), (1.0, 0.5))
     return [
-        *(with_load_shares(_torque(motor, 1500.0, 1.0), (0.0, a), (CHANGE_S, b)) for a, b in steps),
-        *(with_load_shares(_rated(motor, 900.0), (0.0, a), (CHANGE_S, b)) for a, b in steps),
-        with_speed(_torque(motor, 1400.0, 0.6), stepped(900.0, 1400.0, CHANGE_S)),
-        with_speed(_torque(motor, 1400.0, 0.6), stepped(1400.0, 900.0, CHANGE_S, over_s=2.0)),
+        *(with_load_shares(_torque(drive, 1500.0, 1.0), (0.0, a), (CHANGE_S, b)) for a, b in steps),
+        *(with_load_shares(_rated(drive, 900.0), (0.0, a), (CHANGE_S, b)) for a, b in steps),
+        with_speed(_torque(drive, 1400.0, 0.6), stepped(900.0, 1400.0, CHANGE_S)),
+        with_speed(_torque(drive, 1400.0, 0.6), stepped(1400.0, 900.0, CHANGE_S, over_s=2.0)),
         # Long at the current limit, which a regulator without anti-windup does not survive.
-        with_speed(_torque(motor, 1500.0, 0.8), stepped(600.0, 1500.0, CHANGE_S)),
-        with_supply(_torque(motor, 1500.0, 0.8), pulsed(1.0, 0.9, CHANGE_S, 0.5)),
-        with_supply(_rated(motor, 1150.0), stepped(1.0, 0.92, CHANGE_S)),
+        with_speed(_torque(drive, 1500.0, 0.8), stepped(600.0, 1500.0, CHANGE_S)),
+        with_supply(_torque(drive, 1500.0, 0.8), pulsed(1.0, 0.9, CHANGE_S, 0.5)),
+        with_supply(_rated(drive, 1150.0), stepped(1.0, 0.92, CHANGE_S)),
         vehicle_scenario(
-            motor,
+            drive,
             1000.0,
             mass_kg=200.0,
             gear_ratio=4.0,
@@ -83,30 +82,30 @@ def _changing(motor: Motor) -> list[Scenario]:
     ]
 
 
-def _other_plants(motor: Motor) -> list[Scenario]:
+def _other_plants(drive: DriveDocument) -> list[Scenario]:
     return [
-        with_scales(_rated(motor, 700.0), resistance=2.0),
-        with_scales(_rated(motor, 700.0), inductance=1.2),
-        with_scales(_rated(motor, 700.0), emf_constant=0.95),
-        with_scales(_torque(motor, 1500.0, 0.8), friction_added_n_m=0.5),
+        with_scales(_rated(drive, 700.0), resistance=2.0),
+        with_scales(_rated(drive, 700.0), inductance=1.2),
+        with_scales(_rated(drive, 700.0), emf_constant=0.95),
+        with_scales(_torque(drive, 1500.0, 0.8), friction_added_n_m=0.5),
     ]
 
 
-def _other_sensors(motor: Motor) -> list[Scenario]:
+def _other_sensors(drive: DriveDocument) -> list[Scenario]:
     return [
-        with_mcs96(_rated(motor, 700.0), seed=1),
-        with_mcs96(_torque(motor, 1100.0, 0.5), seed=2),
-        with_mcs96(_torque(motor, 1500.0, 1.0), seed=3),
+        with_mcs96(_rated(drive, 700.0), seed=1),
+        with_mcs96(_torque(drive, 1100.0, 0.5), seed=2),
+        with_mcs96(_torque(drive, 1500.0, 1.0), seed=3),
     ]
 
 
-def _faults(motor: Motor) -> list[Scenario]:
+def _faults(drive: DriveDocument) -> list[Scenario]:
     return [
-        with_dropout(_torque(motor, 1500.0, 0.8), "speed", CHANGE_S, 0.01),
-        with_glitch(with_mcs96(_torque(motor, 1000.0, 0.8), seed=4), 20, CHANGE_S),
-        with_imbalance(_torque(motor, 1200.0, 0.8), stepped(0.0, 0.03, CHANGE_S)),
+        with_dropout(_torque(drive, 1500.0, 0.8), "speed", CHANGE_S, 0.01),
+        with_glitch(with_mcs96(_torque(drive, 1000.0, 0.8), seed=4), 20, CHANGE_S),
+        with_imbalance(_torque(drive, 1200.0, 0.8), stepped(0.0, 0.03, CHANGE_S)),
         with_drift(
-            _torque(motor, 1300.0, 0.9),
+            _torque(drive, 1300.0, 0.9),
             resistance=stepped(1.0, 1.4, 2.0, over_s=8.0),
             emf_constant=stepped(1.0, 0.95, 2.0, over_s=8.0),
         ),

@@ -1,11 +1,12 @@
-"""Names of what may be changed in a run: the plant, the nominal motor, and shares of the case's profiles."""
+"""Names of what may be changed in a run: the plant, the nominal drive, and shares of the case's profiles."""
 
 from __future__ import annotations
 
 from typing import Final
 
-from drivegate_cases.motor.motor import SETTABLE_KEYS
-from drivegate_cases.motor.scales import Scales
+from drivegate_cases.drive.drive_document import TABLE_KEYS
+from drivegate_cases.drive.rating import Advance
+from drivegate_cases.drive.scales import Scales
 
 SCALES: Final = tuple(Scales.model_fields)
 """Parameters of the plant that its controller does not know."""
@@ -15,7 +16,8 @@ SPREADABLE: Final = (*SCALES, *SHARES)
 """Parameters that may be drawn at random; each has its own place in a run's random numbers."""
 SPEED: Final = "speed_rpm"
 """The parameter that replaces the case's speed reference by a constant one."""
-MOTOR_KEYS: Final = tuple(key for key in SETTABLE_KEYS if key not in ("name", "emf_shape", "emf_table"))
-"""Keys of the nominal motor, which the controller knows."""
-GRID_KEYS: Final = (*SPREADABLE, SPEED, *MOTOR_KEYS)
+_NO_GRID: Final = ("emf_shape", "emf_table", *Advance.model_fields)
+DRIVE_KEYS: Final = tuple(key for key in TABLE_KEYS if key not in _NO_GRID)
+"""Numeric keys of the nominal drive, which the controller knows."""
+GRID_KEYS: Final = (*SPREADABLE, SPEED, *DRIVE_KEYS)
 """Parameters that may stand on a grid."""

@@ -11,7 +11,7 @@ from drivegate.scenarios.courses import QUANTITIES, ProfileCourse, Quantity, cou
 from drivegate.scenarios.facts import plain_scenario
 from drivegate.scenarios.size import size_of
 from drivegate.scenarios.windows import SETTLING_TIME, SHORTEST_WINDOW
-from drivegate_cases.motor.scales import NOMINAL
+from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
     ConstantTorqueLoad,
@@ -29,7 +29,7 @@ Fields: TypeAlias = dict[str, Any]
 Simplification: TypeAlias = Callable[[Scenario], Iterator[Fields]]
 """From a scenario to changes that make it simpler in one respect, the boldest first."""
 
-_NAMING: Final = frozenset({"schema_version", "name", "description", "motor"})
+_NAMING: Final = frozenset({"schema_version", "name", "description", "drive"})
 # What belongs to another key, and means nothing without it.
 _FOLLOWING: Final = frozenset({"duration_s", "initial_speed_rpm", "seed"})
 _TIMES = (5.0, 1.0, 0.5, 0.1)
@@ -71,7 +71,7 @@ def _is_loaded(scenario: Scenario) -> bool:
 
 def _plain_but_for_one(scenario: Scenario) -> Iterator[Fields]:
     """Make the whole run the plain one, but for a single key, or for how the load changes."""
-    plain = plain_scenario(scenario.motor)
+    plain = plain_scenario(scenario.drive)
     kept = {key: getattr(plain, key) for key in type(plain).model_fields if key not in _NAMING}
     yield kept
     for key in kept:
@@ -91,7 +91,7 @@ def _plain_but_for_one(scenario: Scenario) -> Iterator[Fields]:
 
 def _plain_load(scenario: Scenario) -> Iterator[Fields]:
     """Require rated torque."""
-    load = plain_scenario(scenario.motor).load
+    load = plain_scenario(scenario.drive).load
     if hasattr(scenario.load, "factor"):
         yield {"load": load.model_copy(update={"factor": scenario.load.factor})}
     yield {"load": load}
@@ -99,7 +99,7 @@ def _plain_load(scenario: Scenario) -> Iterator[Fields]:
 
 def _plain_speed(scenario: Scenario) -> Iterator[Fields]:
     """Run at the plain run's speed, under the same load or under rated torque."""
-    plain = plain_scenario(scenario.motor)
+    plain = plain_scenario(scenario.drive)
     speed = {"speed_rpm": plain.speed_rpm, "initial_speed_rpm": plain.initial_speed_rpm}
     for load in _plain_load(scenario):
         yield {**speed, **load}
@@ -238,7 +238,7 @@ def _rounder_times(scenario: Scenario) -> Iterator[Fields]:
 def _rounder_load(scenario: Scenario) -> Iterator[Fields]:
     load = scenario.load
     if isinstance(load, ConstantPowerLoad):
-        rated = scenario.motor.rated_power_w
+        rated = scenario.drive.rating.rated_power_w
         for share in (0.5, 0.25, 0.1, 0.05):
             yield {"load": load.model_copy(update={"power_w": _to(share * rated)(load.power_w)})}
     elif isinstance(load, (ConstantTorqueLoad, FanLoad)):

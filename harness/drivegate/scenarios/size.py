@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from drivegate.scenarios.facts import facts_of
-from drivegate_cases.motor.scales import NOMINAL
+from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S
 from drivegate_cases.scenario.sensors import IDEAL, MCS96
 

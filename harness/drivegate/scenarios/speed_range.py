@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
 
 SpeedRange: TypeAlias = tuple[float, float]
@@ -16,10 +16,10 @@ HIGHEST_LOADED = 3.0
 """Highest speed of a loaded run over base speed, up to which constant power is required (1)."""
 
 
-def loaded_range(motor: Motor, declared_rpm: SpeedRange | None) -> SpeedRange:
+def loaded_range(drive: DriveDocument, declared_rpm: SpeedRange | None) -> SpeedRange:
     """Give the speeds of loaded runs."""
-    lowest = round(LOWEST_LOADED * motor.base_speed_rpm, 6)
-    highest = round(HIGHEST_LOADED * motor.base_speed_rpm, 6)
+    lowest = round(LOWEST_LOADED * drive.rating.base_speed_rpm, 6)
+    highest = round(HIGHEST_LOADED * drive.rating.base_speed_rpm, 6)
     if declared_rpm is None:
         return lowest, highest
     if declared_rpm[1] < lowest or declared_rpm[0] > highest:

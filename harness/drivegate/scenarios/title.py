@@ -126,7 +126,7 @@ def _switched(whole: _Trait, factor: Profile) -> list[_Trait]:
 def _supply(scenario: Scenario) -> list[_Trait]:
     traits = []
     supply = scenario.supply_profile
-    if _levels(supply) != [scenario.motor.supply_voltage_v]:
+    if _levels(supply) != [scenario.drive.inverter.supply_voltage_v]:
         traits.append(_Trait(f"{_sequence(_levels(supply))}V", f"half-supply {_changing(supply, 'V')}"))
     if scenario.imbalance is not None:
         shares = _levels(scenario.imbalance)

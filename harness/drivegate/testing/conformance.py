@@ -27,6 +27,7 @@ class ConformanceWarning(UserWarning):
 def conformance_tests(
     candidate: str | None = None,
     *,
+    drive: str | None = None,
     effort: str = "default",
     seed: int = 0,
     corpus: str | None = None,
@@ -35,13 +36,17 @@ def conformance_tests(
     """Turn a test function into one item for each check of a candidate.
 
     The function takes the fixture `conformance` and calls its `verify`. The checks are made once in a session
-    for each candidate, effort and seed, by the generator that ``drivegate check`` uses, when the first item runs.
+    for each candidate, drive, effort and seed, by the generator that ``drivegate check`` uses, when the first item
+    runs.
 
     Parameters
     ----------
     candidate : str, optional
         The candidate, as ``drivegate check`` takes it. The option ``--drivegate-candidate`` wins over it, and is
         needed without it.
+    drive : str, optional
+        The drive, as ``drivegate check --drive`` takes it; ``--drivegate-drive`` wins over it. Without it, the one that
+        the candidate's manifest names, or the default.
     effort : {"default", "quick", "nightly"}
         Number of scenarios drawn; ``--drivegate-effort`` wins over it.
     seed : int
@@ -66,7 +71,7 @@ def conformance_tests(
     import pytest
 
     mark = getattr(pytest.mark, MARKER)(
-        candidate=candidate, effort=effort, seed=seed, corpus=corpus, waivers=waivers
+        candidate=candidate, drive=drive, effort=effort, seed=seed, corpus=corpus, waivers=waivers
     )
 
     def decorate(test: _Test) -> _Test:

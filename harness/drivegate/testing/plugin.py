@@ -29,6 +29,7 @@ class _Request:
     """What is checked; the key under which a session keeps its results."""
 
     candidate: str
+    drive: str | None
     effort: str
     seed: int
     corpus: Path | None
@@ -43,6 +44,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("drivegate", "conformance of a drive's controller")
     group.addoption(
         "--drivegate-candidate", metavar="CANDIDATE", help="candidate, as `drivegate check` has it"
+    )
+    group.addoption(
+        "--drivegate-drive",
+        metavar="NAME|FILE",
+        help="drive that it is judged on, as `drivegate check` has it",
     )
     group.addoption("--drivegate-effort", metavar="EFFORT", help="quick, default or nightly")
     group.addoption("--drivegate-seed", metavar="N", type=int, help="seed of the search")
@@ -102,9 +108,10 @@ def _requested(config: pytest.Config, marker: pytest.Mark, folder: Path) -> _Req
     given = dict(marker.kwargs)
     for name in ("corpus", "waivers"):
         given[name] = None if given[name] is None else folder / given[name]
-    if given["candidate"] is not None:
-        given["candidate"] = _from_folder(given["candidate"], folder)
-    for name in ("candidate", "effort", "seed"):
+    for name in ("candidate", "drive"):
+        if given[name] is not None:
+            given[name] = _from_folder(given[name], folder)
+    for name in ("candidate", "drive", "effort", "seed"):
         option = config.getoption(f"--drivegate-{name}")
         given[name] = given[name] if option is None else option
     if given["candidate"] is None:
@@ -122,7 +129,8 @@ def _from_folder(candidate: str, folder: Path) -> str:
     source, _, attribute = candidate.rpartition(":")
     if source.endswith(".py"):
         return f"{folder / source}:{attribute}"
-    return str(folder / candidate) if candidate.endswith(WHOLE_FILE_SUFFIXES) else candidate
+    is_file = candidate.endswith((*WHOLE_FILE_SUFFIXES, ".json"))
+    return str(folder / candidate) if is_file else candidate
 
 
 def _planned(requested: _Request) -> tuple[Candidate, Iterator[Event]]:
@@ -131,10 +139,12 @@ def _planned(requested: _Request) -> tuple[Candidate, Iterator[Event]]:
     from drivegate.gate.engine import check_candidate
     from drivegate.results.corpus import read_corpus
     from drivegate.results.waivers import read_waivers
+    from drivegate_cases.drive.drive_document import load_drive
 
     candidate = resolve_candidate(requested.candidate)
     events = check_candidate(
         candidate,
+        drive=None if requested.drive is None else load_drive(requested.drive),
         effort=requested.effort,
         seed=requested.seed,
         corpus=() if requested.corpus is None else read_corpus(requested.corpus),

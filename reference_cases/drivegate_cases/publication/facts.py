@@ -85,7 +85,7 @@ class Assumption(Section):
     """Something that the paper leaves open, and what is taken for it."""
 
     id: str = Field(pattern=r"^A[1-9][0-9]*$", description="number of the assumption")
-    keys: tuple[str, ...] = Field(default=(), description="keys of a motor that it sets")
+    keys: tuple[str, ...] = Field(default=(), description="keys of a drive that it sets")
     statement: _Sentence = Field(description="what is assumed")
     basis: _Sentence = Field(description="what it rests on")
 

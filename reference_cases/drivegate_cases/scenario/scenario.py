@@ -1,4 +1,4 @@
-"""A run as plain data: motor, plant, supply, speed reference, load, duration and seed."""
+"""A run as plain data: drive, plant, supply, speed reference, load, duration and seed."""
 
 import math
 from itertools import pairwise
@@ -9,8 +9,8 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, mo
 
 from drivegate_cases.documents.document import Document
 from drivegate_cases.documents.packaged import load_named, packaged_names
-from drivegate_cases.motor.motor import Motor, load_motor
-from drivegate_cases.motor.scales import Scales
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
 from drivegate_cases.scenario.load import ConstantPowerLoad, Load, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, check_times, value_from, value_until
@@ -27,28 +27,28 @@ _LATEST_START_S = 1e7
 _STEADY: Profile = ((0.0, 1.0),)
 
 
-def _motor_by_name(value: Any, info: ValidationInfo) -> Any:
+def _drive_by_name(value: Any, info: ValidationInfo) -> Any:
     """Take a motor from the package or a file where a scenario only names it."""
     if not isinstance(value, str):
         return value
     try:
-        return load_motor(value, beside=(info.context or {}).get("folder"))
+        return load_drive(value, beside=(info.context or {}).get("folder"))
     except InputError as error:
         raise ValueError(str(error)) from error
 
 
 class Scenario(Document):
-    """A run of a candidate against the plant, fully resolved: its motor is in it, not just named."""
+    """A run of a candidate against the plant, fully resolved: its drive is in it, not just named."""
 
     schema_current: ClassVar[int] = 2
 
     name: str = Field(min_length=1, max_length=200, description="name of the scenario")
     description: str = Field(default="", max_length=2000, description="what the run shows")
-    motor: Annotated[Motor, BeforeValidator(_motor_by_name)] = Field(
-        description="nominal motor: the name of one, the path of its file, or a table of its keys"
+    drive: Annotated[DriveDocument, BeforeValidator(_drive_by_name)] = Field(
+        description="nominal drive: the name of one, the path of its file, or a table of its keys"
     )
     scales: Scales = Field(
-        default_factory=Scales, description="table of how the plant differs from the nominal motor"
+        default_factory=Scales, description="table of how the plant differs from the nominal drive"
     )
     duration_s: float = Field(gt=0.0, le=86400.0, description="length of the run, in seconds")
     control_period_s: float = Field(
@@ -79,7 +79,7 @@ class Scenario(Document):
     speed_rpm: Profile = Field(description="speed reference, a list of [time in seconds, speed in rpm]")
     supply_v: Profile | None = Field(
         default=None,
-        description="voltage of each half of the supply, a list of [seconds, volts], by default the motor's",
+        description="voltage of each half of the supply, a list of [seconds, volts], by default the drive's",
     )
     load: Load = Field(description="table of the load on the shaft")
     sensors: Sensors = Field(
@@ -193,9 +193,9 @@ class Scenario(Document):
         wrong = [error.phase for error in self.current_errors]
         lost = [dropout.phase for dropout in self.dropouts if dropout.phase is not None]
         for key, phases in (("current_errors", wrong), ("dropouts", lost)):
-            if phases and max(phases) > self.motor.phases:
+            if phases and max(phases) > self.drive.machine.phases:
                 raise ValueError(
-                    f"the key '{key}' names the phase {max(phases)}, but the motor has {self.motor.phases}"
+                    f"the key '{key}' names the phase {max(phases)}, but the motor has {self.drive.machine.phases}"
                 )
         if len(set(wrong)) < len(wrong):
             raise ValueError("the key 'current_errors' must name each phase at most once")
@@ -218,8 +218,8 @@ class Scenario(Document):
 
     @property
     def supply_profile(self) -> Profile:
-        """Voltage of each half of the supply over time (s, V), the motor's where none is given."""
-        return self.supply_v if self.supply_v is not None else ((0.0, self.motor.supply_voltage_v),)
+        """Voltage of each half of the supply over time (s, V), the drive's where none is given."""
+        return self.supply_v if self.supply_v is not None else ((0.0, self.drive.inverter.supply_voltage_v),)
 
     @property
     def load_profile(self) -> Profile:
@@ -245,7 +245,7 @@ class Scenario(Document):
 
     def nameplate(self) -> Nameplate:
         """Give what the controller knows of its drive."""
-        nameplate = self.motor.nameplate(self.control_period_s)
+        nameplate = self.drive.nameplate(self.control_period_s)
         if isinstance(self.load, VehicleLoad):
             return nameplate._replace(inertia=nameplate.inertia + self.load.inertia_kg_m2)
         return nameplate

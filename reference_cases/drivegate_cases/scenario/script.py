@@ -5,8 +5,8 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from drivegate_cases.documents.document import Document, Section
-from drivegate_cases.motor.motor import Motor
-from drivegate_cases.motor.motor_reference import MotorReference
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.drive_reference import DriveReference
 from drivegate_models.contract.outer_loop.signals import Nameplate
 
 
@@ -27,8 +27,8 @@ class Script(Document):
     kind: Literal["script"] = Field(description="kind of document")
     name: str = Field(min_length=1, max_length=200, description="name of the script")
     description: str = Field(default="", max_length=2000, description="what the script tries")
-    motor: MotorReference = Field(
-        description="nominal motor: the name of one, the path of its file, or a table of its keys"
+    drive: DriveReference = Field(
+        description="nominal drive: the name of one, the path of its file, or a table of its keys"
     )
     control_period_s: float = Field(
         default=0.0005, gt=0.0, le=0.0005, description="time between two steps of the controller, in seconds"
@@ -39,15 +39,15 @@ class Script(Document):
 
     @model_validator(mode="after")
     def _starts_above_base_speed(self) -> Self:
-        slow = [row.speed_rpm for row in self.rows if row.speed_rpm <= self.motor.base_speed_rpm]
+        slow = [row.speed_rpm for row in self.rows if row.speed_rpm <= self.drive.rating.base_speed_rpm]
         if slow:
             raise ValueError(
-                f"the key 'rows' has a speed_rpm of {slow[0]:g}, but must have speeds above the motor's base speed "
-                f"of {self.motor.base_speed_rpm:g} rpm, where there is an advance angle to search for"
+                f"the key 'rows' has a speed_rpm of {slow[0]:g}, but must have speeds above the drive's base speed "
+                f"of {self.drive.rating.base_speed_rpm:g} rpm, where there is an advance angle to search for"
             )
         return self
 
     def nameplate(self) -> Nameplate:
         """Give what the controller knows of its drive."""
-        motor: Motor = self.motor
-        return motor.nameplate(self.control_period_s)
+        drive: DriveDocument = self.drive
+        return drive.nameplate(self.control_period_s)

@@ -38,7 +38,7 @@ def point_sheet(document: Row) -> Sheet:
         "candidate",
         "speed (rpm)",
         "load (N·m)",
-        "of 1.5 kW (%)".replace("1.5", f"{document['motor']['rated_power_w'] / 1000:g}"),
+        "of 1.5 kW (%)".replace("1.5", f"{document['drive']['rated_power_w'] / 1000:g}"),
         "held",
         "input power (W)",
         "Σ|i| (A)",

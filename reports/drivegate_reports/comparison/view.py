@@ -212,7 +212,7 @@ def _facts(document: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
         ("operating points", str(len(size["speeds_rpm"]) * len(size["shares"]))),
         ("disturbances", str(size["disturbances"])),
         ("drawn plants", str(size["drawn"])),
-        ("motor", clean(document["motor"]["name"])),
+        ("drive", clean(document["drive"]["name"])),
         ("date", clean(document["timing"].get("started_utc", "–"))),
     )
 

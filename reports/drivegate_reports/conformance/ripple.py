@@ -50,7 +50,7 @@ def ripple_of(check: str, signals: RunSignals) -> Ripple | None:
     )
     if speed <= 0.0 or torque <= 0.0:
         return None
-    ideal = signals.scenario.motor.drive(signals.scenario.scales)._replace(hysteresis_band=0.0)
+    ideal = signals.scenario.drive.plant(signals.scenario.scales)._replace(hysteresis_band=0.0)
     try:
         cycle = cycle_at(ideal, speed, min(max(angle, 0.0), 90.0), torque)
     except InputError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Final
 
-from drivegate_cases.motor.motor import Motor, load_motor
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -14,15 +14,15 @@ HIGHEST_PUBLISHED_RPM: Final = 1500.0
 
 
 @cache
-def reference_motor() -> Motor:
-    """Load the calibrated 5-phase motor."""
-    return load_motor("paper-5-phase")
+def reference_drive() -> DriveDocument:
+    """Load the calibrated 5-phase drive."""
+    return load_drive("paper-5-phase")
 
 
 @cache
 def banded_drive() -> Drive:
     """Make the drive as candidates meet it: with its current band and its core loss."""
-    return reference_motor().drive()
+    return reference_drive().plant()
 
 
 @cache

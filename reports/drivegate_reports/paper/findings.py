@@ -19,7 +19,7 @@ from drivegate_reports.paper.drive import (
     banded_drive,
     ideal_drive,
     power_torque,
-    reference_motor,
+    reference_drive,
 )
 from drivegate_reports.paper.figures.search_trajectory import search_trajectory
 from drivegate_reports.paper.statements import out_of_reach_rpm
@@ -57,11 +57,13 @@ _Numbers = list[tuple[str, str]]
 
 
 def _rated_power_at_base() -> _Numbers:
-    motor = reference_motor()
-    base, limit = motor.base_speed_rpm, motor.current_limit_a
+    drive = reference_drive()
+    base, limit = drive.rating.base_speed_rpm, drive.rating.current_limit_a
     unadvanced = steady_state(ideal_drive(), base * RADIANS_PER_RPM, limit, 0.0).torque
-    edge = feasible_edge(ideal_drive(), base * RADIANS_PER_RPM, power_torque(base, motor.rated_power_w))
-    required = power_torque(550.0, motor.rated_power_w)
+    edge = feasible_edge(
+        ideal_drive(), base * RADIANS_PER_RPM, power_torque(base, drive.rating.rated_power_w)
+    )
+    required = power_torque(550.0, drive.rating.rated_power_w)
     low, high = 300.0, base
     while high - low > 0.1:
         middle = 0.5 * (low + high)
@@ -69,7 +71,7 @@ def _rated_power_at_base() -> _Numbers:
         low, high = (middle, high) if enough else (low, middle)
     return [
         (f"torque at 0°, {limit:g} A and {base:g} rpm", f"{unadvanced:.1f} N·m"),
-        (f"rated torque at {base:g} rpm", f"{power_torque(base, motor.rated_power_w):.2f} N·m"),
+        (f"rated torque at {base:g} rpm", f"{power_torque(base, drive.rating.rated_power_w):.2f} N·m"),
         ("smallest angle for rated power there", f"{math.degrees(edge):.1f}°"),
         ("torque of 1.5 kW at 550 rpm", f"{required:.1f} N·m"),
         ("0° gives that much up to", f"{low:.0f} rpm"),
@@ -81,7 +83,9 @@ def _published_line() -> _Numbers:
     edges = [
         math.degrees(
             feasible_edge(
-                ideal_drive(), speed * RADIANS_PER_RPM, power_torque(speed, reference_motor().rated_power_w)
+                ideal_drive(),
+                speed * RADIANS_PER_RPM,
+                power_torque(speed, reference_drive().rating.rated_power_w),
             )
         )
         for speed in EDGE_SPEEDS_RPM
@@ -141,7 +145,7 @@ def _torque_jumps() -> _Numbers:
 def local_minima(share: float) -> int:
     """Count the minima of the current sum over the angle at 1500 rpm."""
     speed_rpm = 1500.0
-    torque = share * power_torque(speed_rpm, reference_motor().rated_power_w)
+    torque = share * power_torque(speed_rpm, reference_drive().rating.rated_power_w)
     angles = np.radians(np.arange(0.0, 90.01, 0.5))
     curve = current_sum_curve(banded_drive(), speed_rpm * RADIANS_PER_RPM, torque, angles).current_sum
     walled = np.concatenate([[np.inf], np.where(np.isfinite(curve), curve, np.inf), [np.inf]])

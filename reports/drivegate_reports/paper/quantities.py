@@ -21,7 +21,7 @@ from drivegate_models.half_bridge.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.paper.drive import (
     ideal_drive,
-    reference_motor,
+    reference_drive,
 )
 from drivegate_reports.paper.figures.instantaneous_torque import ADVANCE_DEG, torque_cycle
 from drivegate_reports.paper.figures.phase_currents import POINTS
@@ -56,24 +56,26 @@ def _given(value: float) -> Ours:
 
 
 def _rated_power() -> Ours:
-    motor = reference_motor()
-    speed = motor.base_speed_rpm * RADIANS_PER_RPM
+    drive = reference_drive()
+    speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
     angles = np.radians(np.arange(0.0, 90.0, 0.25))
-    torques = [steady_state(ideal_drive(), speed, motor.current_limit_a, angle).torque for angle in angles]
+    torques = [
+        steady_state(ideal_drive(), speed, drive.rating.current_limit_a, angle).torque for angle in angles
+    ]
     best = int(np.argmax(torques))
     at = math.degrees(angles[best])
     return Ours(
-        torques[best] * speed, f"greatest power at {motor.base_speed_rpm:g} rpm and 26 A, at {at:.2f}°"
+        torques[best] * speed, f"greatest power at {drive.rating.base_speed_rpm:g} rpm and 26 A, at {at:.2f}°"
     )
 
 
 def _angle_below_base() -> Ours:
     """Run the published controller through base speed on a dynamometer, and look at what it commands below."""
-    base = reference_motor().base_speed_rpm
+    base = reference_drive().rating.base_speed_rpm
     ramp = {
         "schema": 1,
         "name": "through base speed",
-        "motor": reference_motor().to_mapping(),
+        "drive": reference_drive().to_mapping(),
         "duration_s": 1.0,
         "speed_rpm": [[0.0, base - 100.0], [1.0, base + 100.0]],
         "load": {"kind": "locked"},
@@ -136,16 +138,16 @@ def _angle_of_greatest_speed() -> Ours:
 _NOT_SIMULATED = "a drive of another work, not described in the paper and not simulated here"
 
 _OURS: Final[Mapping[tuple[str, str], Callable[[], Ours]]] = {
-    ("P1", "phases"): lambda: _given(reference_motor().phases),
-    ("P1", "poles"): lambda: _given(2 * reference_motor().pole_pairs),
-    ("P1", "shift between neighbouring phases"): lambda: _given(180.0 / reference_motor().phases),
-    ("P1", "conduction in each half cycle"): lambda: _given(reference_motor().window_deg),
-    ("P2", "voltage of one half of the supply"): lambda: _given(reference_motor().supply_voltage_v),
-    ("P2", "switches"): lambda: _given(2 * reference_motor().phases),
+    ("P1", "phases"): lambda: _given(reference_drive().machine.phases),
+    ("P1", "poles"): lambda: _given(2 * reference_drive().machine.pole_pairs),
+    ("P1", "shift between neighbouring phases"): lambda: _given(180.0 / reference_drive().machine.phases),
+    ("P1", "conduction in each half cycle"): lambda: _given(reference_drive().inverter.window_deg),
+    ("P2", "voltage of one half of the supply"): lambda: _given(reference_drive().inverter.supply_voltage_v),
+    ("P2", "switches"): lambda: _given(2 * reference_drive().machine.phases),
     ("P3", "rated power"): _rated_power,
-    ("P3", "base speed"): lambda: _given(reference_motor().base_speed_rpm),
-    ("P3", "rated phase current"): lambda: _given(reference_motor().current_limit_a),
-    ("P5", "speed below which the angle is zero"): lambda: _given(reference_motor().base_speed_rpm),
+    ("P3", "base speed"): lambda: _given(reference_drive().rating.base_speed_rpm),
+    ("P3", "rated phase current"): lambda: _given(reference_drive().rating.current_limit_a),
+    ("P5", "speed below which the angle is zero"): lambda: _given(reference_drive().rating.base_speed_rpm),
     ("P5", "angle below that speed"): _angle_below_base,
     ("P7", "speed of Fig. 9"): lambda: _given(load_operating_point(POINTS[0]).speed_rpm),
     ("P7", "torque of Fig. 9"): lambda: _given(load_operating_point(POINTS[0]).torque_nm),

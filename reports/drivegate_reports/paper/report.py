@@ -15,7 +15,7 @@ from drivegate_cases.publication.facts import facts, open_assumptions, publicati
 from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.page import page_text
 from drivegate_reports.paper.catalogue import FIGURES, PaperFigure
-from drivegate_reports.paper.drive import reference_motor
+from drivegate_reports.paper.drive import reference_drive
 from drivegate_reports.paper.facts import all_comparisons
 from drivegate_reports.paper.figure_files import write_figure
 from drivegate_reports.paper.findings import RecomputedFinding, recomputed_findings
@@ -119,7 +119,7 @@ def _document(
         "schema": SCHEMA,
         "kind": "reproduction",
         "paper": publication().title,
-        "motor": reference_motor().name,
+        "drive": reference_drive().name,
         "page": PAGE_FILE,
         "verdicts": dict(verdict_counts([row.comparison for row in rows])),
         "numbers": [asdict(row.comparison) | {"source": row.source} for row in rows],

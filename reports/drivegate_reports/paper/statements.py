@@ -10,7 +10,7 @@ import numpy as np
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.drives.running import run_scenario
-from drivegate_cases.motor.scales import Scales
+from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
@@ -22,7 +22,7 @@ from drivegate_reports.paper.drive import (
     HIGHEST_PUBLISHED_RPM,
     banded_drive,
     ideal_drive,
-    reference_motor,
+    reference_drive,
 )
 from drivegate_reports.paper.figures.cycle_waveforms import cycle_waveforms
 from drivegate_reports.paper.figures.input_current import input_current_sweep
@@ -70,7 +70,7 @@ def out_of_reach_rpm() -> tuple[float, float]:
     """Find where the published line of the initial angle does not give rated power."""
     data = input_current_sweep()
     below = np.flatnonzero((data.published_deg < data.edge_deg) & (data.speed_rpm <= HIGHEST_PUBLISHED_RPM))
-    base = reference_motor().base_speed_rpm
+    base = reference_drive().rating.base_speed_rpm
     if below.size == 0:
         return base, base
     last = int(below[-1])

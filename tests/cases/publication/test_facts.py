@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.motor.motor import SETTABLE_KEYS, load_motor
+from drivegate_cases.drive.drive_document import TABLE_KEYS, load_drive
 from drivegate_cases.publication.facts import (
     Fact,
     Findings,
@@ -50,11 +50,12 @@ def test_findings_bear_on_facts_that_exist() -> None:
         assert set(finding.facts) <= known, f"{finding.id} bears on facts that do not exist"
 
 
-def test_assumptions_are_exactly_what_the_motor_does_not_take_from_the_paper() -> None:
+def test_assumptions_are_exactly_what_the_drive_does_not_take_from_the_paper() -> None:
     assumed = {key for assumption in open_assumptions() for key in assumption.keys}
-    assert assumed <= set(SETTABLE_KEYS)
-    provenance = load_motor("paper-5-phase").provenance
-    unstated = {key for key, sentence in provenance.items() if not sentence.startswith("stated:")}
+    assert assumed <= set(TABLE_KEYS)
+    provenance = load_drive("paper-5-phase").provenance
+    sentences = {key: sentence for table in provenance.values() for key, sentence in table.items()}
+    unstated = {key for key, sentence in sentences.items() if not sentence.startswith("stated:")}
     assert unstated - {"emf_shape"} == assumed
 
 
@@ -63,15 +64,15 @@ def quantity(identifier: str, name: str) -> float:
     return next(entry.value for entry in fact.quantities if entry.name == name)
 
 
-def test_motor_and_points_have_the_values_of_the_facts() -> None:
-    motor = load_motor("paper-5-phase")
-    assert motor.phases == quantity("P1", "phases")
-    assert 2 * motor.pole_pairs == quantity("P1", "poles")
-    assert motor.window_deg == quantity("P1", "conduction in each half cycle")
-    assert motor.supply_voltage_v == quantity("P2", "voltage of one half of the supply")
-    assert motor.rated_power_w == quantity("P3", "rated power")
-    assert motor.base_speed_rpm == quantity("P3", "base speed")
-    assert motor.current_limit_a == quantity("P3", "rated phase current")
+def test_drive_and_points_have_the_values_of_the_facts() -> None:
+    drive = load_drive("paper-5-phase")
+    assert drive.machine.phases == quantity("P1", "phases")
+    assert 2 * drive.machine.pole_pairs == quantity("P1", "poles")
+    assert drive.inverter.window_deg == quantity("P1", "conduction in each half cycle")
+    assert drive.inverter.supply_voltage_v == quantity("P2", "voltage of one half of the supply")
+    assert drive.rating.rated_power_w == quantity("P3", "rated power")
+    assert drive.rating.base_speed_rpm == quantity("P3", "base speed")
+    assert drive.rating.current_limit_a == quantity("P3", "rated phase current")
     assert load_operating_point("fig9-currents-1200").torque_nm == quantity("P7", "torque of Fig. 9")
     assert load_operating_point("fig10-currents-1500").advance_deg == quantity("P7", "angle of Fig. 10")
     assert load_operating_point("fig6-torque-1500").advance_deg == quantity(

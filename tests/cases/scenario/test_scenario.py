@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.profile import dwells
 from drivegate_cases.scenario.scenario import Scenario, load_scenario, scenario_names
@@ -35,7 +35,7 @@ def test_the_runs_of_the_paper_are_at_its_operating_point(name: str, duration: f
 
 def test_the_defaults(scenario_mapping: dict[str, Any]) -> None:
     scenario = parse_document(scenario_mapping, Scenario, "here")
-    assert scenario.motor == load_motor("paper-5-phase")
+    assert scenario.drive == load_drive("paper-5-phase")
     assert scenario.control_period_s == 0.0005
     assert scenario.control_periods == 2000
     assert scenario.initial_speed_rpm == 1500.0
@@ -45,29 +45,29 @@ def test_the_defaults(scenario_mapping: dict[str, Any]) -> None:
     assert scenario.scales.resistance == 1.0
 
 
-def test_an_omitted_supply_follows_the_motor(scenario_mapping: dict[str, Any]) -> None:
+def test_an_omitted_supply_follows_the_drive(scenario_mapping: dict[str, Any]) -> None:
     scenario = parse_document(scenario_mapping, Scenario, "here")
-    stronger = scenario.replaced(motor=scenario.motor.with_overrides(["supply_voltage_v=60"]))
+    stronger = scenario.replaced(drive=scenario.drive.with_overrides(["supply_voltage_v=60"]))
     assert stronger.supply_profile == ((0.0, 60.0),)
 
 
-def test_a_written_scenario_holds_its_motor_not_a_name(scenario_mapping: dict[str, Any]) -> None:
+def test_a_written_scenario_holds_its_drive_not_a_name(scenario_mapping: dict[str, Any]) -> None:
     written = json.loads(parse_document(scenario_mapping, Scenario, "here").to_json())
-    assert written["motor"]["inductance_h"] == load_motor("paper-5-phase").inductance_h
+    assert written["drive"]["machine"]["inductance_h"] == load_drive("paper-5-phase").machine.inductance_h
 
 
-def test_a_motor_file_is_looked_for_beside_the_scenario(
+def test_a_drive_file_is_looked_for_beside_the_scenario(
     tmp_path: Path, scenario_mapping: dict[str, Any]
 ) -> None:
-    (tmp_path / "mine.json").write_text(load_motor("paper-5-phase").replaced(name="mine").to_json())
-    (tmp_path / "run.json").write_text(json.dumps(scenario_mapping | {"motor": "mine.json"}))
-    assert load_scenario(tmp_path / "run.json").motor.name == "mine"
+    (tmp_path / "mine.json").write_text(load_drive("paper-5-phase").replaced(name="mine").to_json())
+    (tmp_path / "run.json").write_text(json.dumps(scenario_mapping | {"drive": "mine.json"}))
+    assert load_scenario(tmp_path / "run.json").drive.name == "mine"
 
 
-def test_a_motor_may_stand_in_the_scenario_without_schema(scenario_mapping: dict[str, Any]) -> None:
-    motor = load_motor("paper-5-phase").to_mapping()
-    del motor["schema"]
-    assert parse_document(scenario_mapping | {"motor": motor}, Scenario, "here").motor.phases == 5
+def test_a_drive_may_stand_in_the_scenario_without_schema(scenario_mapping: dict[str, Any]) -> None:
+    drive = load_drive("paper-5-phase").to_mapping()
+    del drive["schema"]
+    assert parse_document(scenario_mapping | {"drive": drive}, Scenario, "here").drive.machine.phases == 5
 
 
 RAMP = [[0, 0], [0.2, 1]]
@@ -76,11 +76,11 @@ RAMP = [[0, 0], [0.2, 1]]
 @pytest.mark.parametrize(
     ("changes", "reported"),
     [
-        ({"motor": "paper-3-phase"}, "in the key 'motor', no motor is called 'paper-3-phase'"),
-        ({"motor": "none.toml"}, "in the key 'motor', none.toml does not exist"),
-        ({"motor": 5}, "the key 'motor' is 5, but must be a table"),
-        ({"motor": {"phases": 99}}, "the key 'motor.phases' is 99"),
-        ({"motor": {"schema": 7}}, "the key 'motor.schema' is 7, but must be 1 here"),
+        ({"drive": "paper-3-phase"}, "in the key 'drive', no drive is called 'paper-3-phase'"),
+        ({"drive": "none.toml"}, "in the key 'drive', none.toml does not exist"),
+        ({"drive": 5}, "the key 'drive' is 5, but must be a table"),
+        ({"drive": {"machine": {"phases": 99}}}, "the key 'drive.machine.phases' is 99"),
+        ({"drive": {"schema": 7}}, "the key 'drive.schema' is 7, but must be 1 here"),
         ({"sclaes": {}}, "the key 'sclaes' is unknown, the nearest known key is 'scales'"),
         (
             {"scales": {"inductanse": 1}},

@@ -9,16 +9,16 @@ from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
 
 ROW = {"speed_reference_rpm": 1500.0, "speed_rpm": 1495.0, "current_sum_a": 40.0, "supply_v": 48.0}
-SCRIPT = {"schema": 1, "kind": "script", "name": "two rows", "motor": "paper-5-phase", "rows": [ROW, ROW]}
+SCRIPT = {"schema": 1, "kind": "script", "name": "two rows", "drive": "paper-5-phase", "rows": [ROW, ROW]}
 
 
 def parsed(**changes):
     return parse_document({**SCRIPT, **changes}, Script, "a script")
 
 
-def test_a_script_resolves_its_motor():
+def test_a_script_resolves_its_drive():
     script = parsed()
-    assert script.motor.name == "paper-5-phase"
+    assert script.drive.name == "paper-5-phase"
     assert script.control_period_s == 0.0005
     nameplate = script.nameplate()
     assert (nameplate.control_period, nameplate.phases) == (0.0005, 5)
@@ -36,12 +36,12 @@ def test_a_script_survives_its_own_mapping(tmp_path):
     ("changes", "sentence"),
     [
         ({"rows": []}, "'rows'"),
-        ({"rows": [{**ROW, "speed_rpm": 500.0}]}, "must have speeds above the motor's base speed of 500 rpm"),
+        ({"rows": [{**ROW, "speed_rpm": 500.0}]}, "must have speeds above the drive's base speed of 500 rpm"),
         ({"rows": [{**ROW, "supply_v": 0.0}]}, "'rows[0].supply_v'"),
         ({"rows": [{**ROW, "current_sum_a": -1.0}]}, "'rows[0].current_sum_a'"),
         ({"kind": "scenario"}, "'kind'"),
         ({"control_period_s": 0.001}, "'control_period_s'"),
-        ({"motor": "paper-6-phase"}, "no motor is called 'paper-6-phase'"),
+        ({"drive": "paper-6-phase"}, "no drive is called 'paper-6-phase'"),
         ({"schema": 2}, "schema 2 is newer"),
         ({"raws": []}, "'raws'"),
     ],

@@ -26,7 +26,7 @@ AssertLimit = Callable[[str, RunRecord, RunRecord], None]
 SCENARIO: dict[str, Any] = {
     "schema": 2,
     "name": "by-hand",
-    "motor": "paper-5-phase",
+    "drive": "paper-5-phase",
     "duration_s": 10.0,
     "speed_rpm": [[0.0, 1500.0]],
     "load": {"kind": "constant_torque", "torque_nm": 9.8, "factor": [[0.0, 1.0]]},

@@ -62,7 +62,7 @@ def test_k2_is_asked_of_no_less_current_than_at_a_fifth_of_rated_torque(
     load = {"kind": "constant_torque", "torque_nm": 9.549 * share, "factor": [[0.0, 1.0]]}
     light = scenario(load=load)
     mean = 40.0 * share
-    lightest = least_current_sum(light.motor.drive(), light.speed_rpm[0][1] * RPM, 9.549 * 0.2).current_sum
+    lightest = least_current_sum(light.drive.plant(), light.speed_rpm[0][1] * RPM, 9.549 * 0.2).current_sum
     reference = max(mean, lightest) if share < 0.2 else mean
 
     def spread_by(part):

@@ -14,14 +14,14 @@ from drivegate.checks.coverage import (
     unvaried,
     varied_keys,
 )
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
 
 
 @pytest.fixture(scope="module")
 def varied() -> list[Varied]:
-    return varied_keys(drawn_by_family(load_motor("paper-5-phase")))
+    return varied_keys(drawn_by_family(load_drive("paper-5-phase")))
 
 
 def test_every_key_and_field_varies_or_has_its_reason(varied: list[Varied]) -> None:

@@ -18,11 +18,11 @@ from drivegate.checks.margin import GREATEST
 from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import JudgedCandidate
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
 
-MOTOR = load_motor("paper-5-phase")
+DRIVE = load_drive("paper-5-phase")
 RPM = math.pi / 30.0
 PROFILE = FlowchartProfile(
     speed_tolerance=5.0 * RPM,
@@ -162,7 +162,7 @@ def controller(**attributes) -> PythonController:
 
 
 def worst(search: PythonController, profile: FlowchartProfile = PROFILE):
-    scripts = fixed_scripts(MOTOR, profile, 1500.0)
+    scripts = fixed_scripts(DRIVE, profile, 1500.0)
     margins = [judge_script(search, profile, script).margin for script in scripts]
     return min(margins, key=lambda margin: margin.value)
 
@@ -206,7 +206,7 @@ def test_a_search_that_never_moves_is_none():
 
 
 def test_a_departure_is_reported_with_its_decision_and_the_branch():
-    script = script_of("two falls", MOTOR, PROFILE, 1500.0, [Event(-3.0), Event(-3.0)])
+    script = script_of("two falls", DRIVE, PROFILE, 1500.0, [Event(-3.0), Event(-3.0)])
     verdict = judge_script(controller(reverses_when_power="falls"), PROFILE, script)
     assert verdict.rows == 2
     assert verdict.margin.value == -2.0
@@ -218,13 +218,13 @@ def test_a_departure_is_reported_with_its_decision_and_the_branch():
 
 
 def test_a_gate_that_is_closed_is_reported_as_such():
-    script = script_of("off", MOTOR, PROFILE, 1500.0, [Event(-3.0, 2.0)])
+    script = script_of("off", DRIVE, PROFILE, 1500.0, [Event(-3.0, 2.0)])
     measured = judge_script(controller(k1=math.inf), PROFILE, script).margin.measured
     assert "since the speed is off by +10 rpm, more than k1 = 5 rpm" in measured, measured
 
 
 def test_a_stop_is_reported_as_such():
-    script = script_of("still", MOTOR, PROFILE, 1500.0, [Event(-3.0), Event(-0.5)])
+    script = script_of("still", DRIVE, PROFILE, 1500.0, [Event(-3.0), Event(-0.5)])
     measured = judge_script(controller(k2=0.0), PROFILE, script).margin.measured
     assert "no more than k2 = 1.9" in measured, measured
 
@@ -242,19 +242,19 @@ def test_an_extreme_angle_departs(angle):
                 3.0, math.copysign(angle, sense.speed - sense.speed_reference + self.count % 7 - 3.0)
             )
 
-    script = fixed_scripts(MOTOR, PROFILE, usual_speed(MOTOR, None))[0]
+    script = fixed_scripts(DRIVE, PROFILE, usual_speed(DRIVE, None))[0]
     margin = judge_script(PythonController(Jumping()), PROFILE, script).margin
     assert -GREATEST <= margin.value < 0.0, margin
 
 
 def test_a_change_between_decisions_is_reported_as_such():
-    script = script_of("fall", MOTOR, PROFILE, 1500.0, [Event(-3.0)])
+    script = script_of("fall", DRIVE, PROFILE, 1500.0, [Event(-3.0)])
     measured = judge_script(controller(interval=5), PROFILE, script).margin.measured
     assert "the angle changes before the next one is due" in measured, measured
 
 
 def test_a_failing_script_is_made_as_short_as_can_be():
-    scripts = {script.name: script for script in fixed_scripts(MOTOR, PROFILE, 1500.0)}
+    scripts = {script.name: script for script in fixed_scripts(DRIVE, PROFILE, 1500.0)}
     broken = controller(k1=math.inf)
     short = shortened(broken, PROFILE, scripts["gate"])
     assert short.name == "gate-shortened"
@@ -264,24 +264,24 @@ def test_a_failing_script_is_made_as_short_as_can_be():
 
 
 def test_a_period_that_the_script_cannot_have_is_refused():
-    script = script_of("fall", MOTOR, PROFILE, 1500.0, [Event(-3.0)])
+    script = script_of("fall", DRIVE, PROFILE, 1500.0, [Event(-3.0)])
     with pytest.raises(InputError, match=r"has a period of 0\.0123 s, which must be a whole number of them"):
         judge_script(controller(), replace(PROFILE, period=0.0123), script)
 
 
 def test_scripts_have_control_periods_that_divide_the_search_period():
     for period in (0.1, 0.0123, 0.0004, 0.0005):
-        script = script_of("fall", MOTOR, replace(PROFILE, period=period), 1500.0, [Event(-3.0)])
+        script = script_of("fall", DRIVE, replace(PROFILE, period=period), 1500.0, [Event(-3.0)])
         steps = period / script.control_period_s
         assert script.control_period_s <= 0.0005
         assert steps == pytest.approx(round(steps), rel=1e-12)
 
 
 def test_fixed_scripts_keep_to_the_declared_speeds():
-    assert usual_speed(MOTOR, None) == 1500.0
-    assert usual_speed(MOTOR, (600.0, 900.0)) == 900.0
-    assert usual_speed(MOTOR, (1600.0, 1900.0)) == 1600.0
-    assert usual_speed(MOTOR, (0.0, 510.0)) is None
+    assert usual_speed(DRIVE, None) == 1500.0
+    assert usual_speed(DRIVE, (600.0, 900.0)) == 900.0
+    assert usual_speed(DRIVE, (1600.0, 1900.0)) == 1600.0
+    assert usual_speed(DRIVE, (0.0, 510.0)) is None
 
 
 class Failing(Search):
@@ -319,11 +319,11 @@ def loaded(name: str) -> JudgedCandidate:
 
 @pytest.fixture(scope="module")
 def published():
-    return run_scripts(loaded("published"), ScriptRuns("paper-5-phase", seed=0, examples=10))
+    return run_scripts(loaded("published"), ScriptRuns(DRIVE, seed=0, examples=10))
 
 
 def test_the_published_controller_follows_its_flowchart(published):
-    assert len(published.runs) > len(fixed_scripts(MOTOR, PROFILE, 1500.0)), "no script was drawn"
+    assert len(published.runs) > len(fixed_scripts(DRIVE, PROFILE, 1500.0)), "no script was drawn"
     for run in published.runs:
         assert [margin.check for margin in run.margins] == ["FLO-1"]
         assert run.margins[0].met, run.margins[0].measured
@@ -331,15 +331,15 @@ def test_the_published_controller_follows_its_flowchart(published):
 
 
 def test_the_same_seed_draws_the_same_scripts(published):
-    again = run_scripts(loaded("published"), ScriptRuns("paper-5-phase", seed=0, examples=10))
-    other = run_scripts(loaded("published"), ScriptRuns("paper-5-phase", seed=1, examples=10))
+    again = run_scripts(loaded("published"), ScriptRuns(DRIVE, seed=0, examples=10))
+    other = run_scripts(loaded("published"), ScriptRuns(DRIVE, seed=1, examples=10))
     assert again == published
     assert other != published
 
 
 def test_a_candidate_without_the_profile_is_not_scripted():
-    assert run_scripts(loaded("reference"), ScriptRuns("paper-5-phase", 0, 2)).runs == ()
-    script = script_of("fall", MOTOR, PROFILE, 1500.0, [Event(-3.0)])
+    assert run_scripts(loaded("reference"), ScriptRuns(DRIVE, 0, 2)).runs == ()
+    script = script_of("fall", DRIVE, PROFILE, 1500.0, [Event(-3.0)])
     assert script_margin(loaded("reference"), script) is None
 
 
@@ -349,7 +349,7 @@ def test_the_shortest_failing_script_comes_last():
     assert flowchart is not None
     declaration = replace(candidate.declaration, flowchart=replace(flowchart, step=math.radians(2.0)))
     wrong = own_candidate(replace(candidate, declaration=declaration))
-    runs = run_scripts(wrong, ScriptRuns("paper-5-phase", 0, 0)).runs
+    runs = run_scripts(wrong, ScriptRuns(DRIVE, 0, 0)).runs
     assert not any(run.margins[0].met for run in runs)
     assert runs[-1].scenario["name"].endswith("-shortened")
     assert len(runs[-1].scenario["rows"]) == 1
@@ -358,7 +358,7 @@ def test_the_shortest_failing_script_comes_last():
 
 
 def test_rows_are_as_far_from_the_limits_as_requested():
-    script = script_of("edges", MOTOR, PROFILE, 1500.0, [Event(-1.0), Event(1.0), Event(0.0, 1.0)])
+    script = script_of("edges", DRIVE, PROFILE, 1500.0, [Event(-1.0), Event(1.0), Event(0.0, 1.0)])
     sums = np.array([row.current_sum_a for row in script.rows])
     assert np.abs(np.diff(sums))[:2] / sums[1:3] == pytest.approx([0.001, 0.001], rel=1e-6)
     assert script.rows[3].speed_reference_rpm - script.rows[3].speed_rpm == 5.0

@@ -16,15 +16,15 @@ from drivegate.checks.ripple import LARGEST_RIPPLE, ripple_at_converged_angle
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.drawn.families import base_speed_scenarios, drawn_scenarios, steady_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_models.half_bridge.steady.oracle import feasible_edge, point_at_torque
 from drivegate_models.half_bridge.steady.steady_state import PERIODIC, steady_state
 from drivegate_models.units import RADIANS_PER_RPM
 
-MOTOR = load_motor("paper-5-phase")
-DRIVE = MOTOR.drive()
+DRIVE = load_drive("paper-5-phase")
+PLANT = DRIVE.plant()
 FEW = settings(
     max_examples=12, deadline=None, database=None, derandomize=True, suppress_health_check=list(HealthCheck)
 )
@@ -45,7 +45,7 @@ def test_input_power_equals_half_supply_voltage_times_current_sum(
     speed: int, advance: int, reference: int, ideal: bool
 ) -> None:
     """P4: exact for the power exchanged; for the net winding power only while no phase returns current."""
-    drive = DRIVE._replace(hysteresis_band=0.0 if ideal else DRIVE.hysteresis_band)
+    drive = PLANT._replace(hysteresis_band=0.0 if ideal else PLANT.hysteresis_band)
     state = steady_state(drive, float(speed), 0.25 * reference, math.radians(advance))
     product = drive.half_supply_voltage * state.current_sum
     assert state.exchanged_power == pytest.approx(product, rel=1e-9), (
@@ -64,7 +64,7 @@ def test_input_power_equals_half_supply_voltage_times_current_sum(
 
 
 @FEW
-@given(scenario=drawn_scenarios(MOTOR))
+@given(scenario=drawn_scenarios(DRIVE))
 def test_input_power_balance_and_estimate_hold_in_closed_loop(scenario: Scenario) -> None:
     run = record(scenario)
     exchanged, estimated = exchanged_power(run), estimated_power(run)
@@ -83,7 +83,7 @@ def test_a_power_estimate_that_is_wrong_by_one_percent_breaks_the_law(altered) -
 
 
 @FEW
-@given(scenario=base_speed_scenarios(MOTOR))
+@given(scenario=base_speed_scenarios(DRIVE))
 def test_advance_angle_is_zero_below_500_rpm(scenario: Scenario) -> None:
     margin = angle_below_base(record(scenario))
     assert margin is not None, f"{scenario.name} never came below base speed"
@@ -91,7 +91,7 @@ def test_advance_angle_is_zero_below_500_rpm(scenario: Scenario) -> None:
 
 
 @FEW
-@given(scenario=base_speed_scenarios(MOTOR), angle=st.floats(1e-12, 0.1))
+@given(scenario=base_speed_scenarios(DRIVE), angle=st.floats(1e-12, 0.1))
 def test_any_angle_below_500_rpm_breaks_the_law(altered, scenario: Scenario, angle: float) -> None:  # type: ignore[no-untyped-def]
     def advanced(_sense, command) -> None:  # type: ignore[no-untyped-def]
         command["advance_angle"] = max(float(command["advance_angle"]), angle)
@@ -105,7 +105,7 @@ def test_any_angle_below_500_rpm_breaks_the_law(altered, scenario: Scenario, ang
 @given(share=st.floats(0.0, 1.0), resistance=st.floats(0.8, 1.25))
 def test_torque_ripple_is_below_13_percent_at_1500_rpm(share: float, resistance: float) -> None:
     """P8: at every angle from the necessary one to the published initial one, ideal regulator."""
-    drive = DRIVE._replace(hysteresis_band=0.0, resistance=DRIVE.resistance * resistance)
+    drive = PLANT._replace(hysteresis_band=0.0, resistance=PLANT.resistance * resistance)
     edge = feasible_edge(drive, RIPPLE_SPEED, 9.8)
     angle = edge + share * (math.radians(58.0) - edge)
     point = point_at_torque(drive, RIPPLE_SPEED, angle, 9.8)
@@ -124,14 +124,14 @@ def test_torque_ripple_is_below_13_percent_where_the_reference_converges(millise
 
 
 def test_a_machine_of_less_inductance_breaks_the_ripple_law() -> None:
-    weaker = MOTOR.with_overrides(["inductance_h=0.002"])
-    margin = ripple_at_converged_angle(record(load_scenario("fig5-search").replaced(motor=weaker)))
+    weaker = DRIVE.with_overrides(["inductance_h=0.002"])
+    margin = ripple_at_converged_angle(record(load_scenario("fig5-search").replaced(drive=weaker)))
     assert margin is not None
     assert not margin.met, f"2 mH instead of 2.88 mH passes with {margin.measured}"
 
 
 @FEW
-@given(scenario=steady_scenarios(MOTOR))
+@given(scenario=steady_scenarios(DRIVE))
 def test_the_search_converges_within_k1_and_k2(scenario: Scenario) -> None:
     margin = converges(record(scenario))
     assert margin is not None
@@ -139,7 +139,7 @@ def test_the_search_converges_within_k1_and_k2(scenario: Scenario) -> None:
 
 
 @FEW
-@given(scenario=steady_scenarios(MOTOR))
+@given(scenario=steady_scenarios(DRIVE))
 def test_a_search_that_hunts_for_ever_breaks_the_law(altered, scenario: Scenario) -> None:  # type: ignore[no-untyped-def]
     def hunting(sense, command) -> None:  # type: ignore[no-untyped-def]
         command["advance_angle"] += math.radians(0.75) * (1.0 + math.sin(3.0 * float(sense["time"])))
@@ -156,4 +156,6 @@ def test_the_published_search_breaks_the_law_by_locking_up() -> None:
     assert margin is not None
     assert not margin.met, f"the literal flowchart converges: {margin.measured}"
     window = next(run.windows()).values
-    assert window.reference == pytest.approx(MOTOR.current_limit_a), "it does not stay at the current limit"
+    assert window.reference == pytest.approx(DRIVE.rating.current_limit_a), (
+        "it does not stay at the current limit"
+    )

@@ -12,7 +12,7 @@ from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import with_load_factor
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 
 
@@ -20,7 +20,7 @@ from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 def test_a_step_of_the_load_is_not_taken_for_the_effect_of_a_step_of_the_angle(
     factor: tuple[tuple[float, float], ...],
 ) -> None:
-    plain = steady_scenario(load_motor("paper-5-phase"), 1500.0, power_share=1.0, constant_power=False)
+    plain = steady_scenario(load_drive("paper-5-phase"), 1500.0, power_share=1.0, constant_power=False)
     torque = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0}))
     scenario = with_load_factor(torque, factor)
     run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
@@ -36,7 +36,7 @@ def test_a_step_of_the_load_is_not_taken_for_the_effect_of_a_step_of_the_angle(
 def test_a_load_that_drifts_while_the_search_rests_is_followed(
     speed: float, torque: float, before: float, after: float
 ) -> None:
-    plain = steady_scenario(load_motor("paper-5-phase"), speed, power_share=1.0, constant_power=False)
+    plain = steady_scenario(load_drive("paper-5-phase"), speed, power_share=1.0, constant_power=False)
     loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
     ramp = ((0.0, 0.0), (0.2, before), (8.0, before), (10.0, after))
     scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.0)
@@ -52,7 +52,7 @@ def test_a_load_that_drifts_while_the_search_rests_is_followed(
 @pytest.mark.parametrize("name", ["near:gain-doubled", "near:stops-early"])
 def test_a_load_that_grows_during_the_first_steps_does_not_end_the_search(name: str) -> None:
     # Rest where the load's growth takes what the first three steps save: 31 % too much current.
-    plain = steady_scenario(load_motor("paper-5-phase"), 1430.0, power_share=1.0, constant_power=False)
+    plain = steady_scenario(load_drive("paper-5-phase"), 1430.0, power_share=1.0, constant_power=False)
     loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0}))
     ramp = ((0.0, 0.0), (0.2, 0.45), (8.0, 0.45), (10.0, 0.65))
     scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.0)
@@ -64,7 +64,7 @@ def test_a_load_that_grows_during_the_first_steps_does_not_end_the_search(name: 
 
 @pytest.mark.parametrize("name", DESIGN_CANDIDATES)
 def test_an_angle_lost_to_a_pulse_of_the_load_is_found_again(name: str) -> None:
-    plain = steady_scenario(load_motor("paper-5-phase"), 1500.0, power_share=1.0, constant_power=False)
+    plain = steady_scenario(load_drive("paper-5-phase"), 1500.0, power_share=1.0, constant_power=False)
     pulse = ((0.0, 0.0), (0.2, 0.95), (6.0, 0.95), (6.0, 1.0), (7.0, 1.0), (7.0, 0.95))
     scenario = with_load_factor(plain, pulse).replaced(duration_s=16.0)
     run = run_scenario(scenario, load_controller(resolve_candidate(name)))

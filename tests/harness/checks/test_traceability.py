@@ -15,11 +15,11 @@ from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 
-MOTOR = load_motor("paper-5-phase")
+DRIVE = load_drive("paper-5-phase")
 FAMILIES = [family for group in FAMILY_GROUPS for family in group]
 DRAWS = 8
 
@@ -49,7 +49,7 @@ def test_every_check_is_exercised() -> None:
 
 
 def test_the_fixed_scenarios_exercise_every_check_in_the_closed_loop(judged: Judged) -> None:
-    seen = {check for scenario in fixed_scenarios(MOTOR) for check in judged(scenario)}
+    seen = {check for scenario in fixed_scenarios(DRIVE) for check in judged(scenario)}
     assert seen == {check.id for check in CHECKS if families_of(check.id)[0] == "fixed"}
 
 
@@ -65,7 +65,7 @@ def test_a_family_exercises_the_checks_that_it_is_there_for(family: Family, judg
         phases=[Phase.generate],
         suppress_health_check=list(HealthCheck),
     )
-    @given(family(MOTOR, None))
+    @given(family(DRIVE, None))
     def draw(scenario: Scenario) -> None:
         draws.append(judged(scenario))
 

@@ -29,7 +29,7 @@ def test_a_pass_is_reported_and_reported(command, engine, tmp_path):
     assert ended.code == 0
     requested = {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0}
     given = {key: value for key, value in engine.options.items() if key != "on_slow"}
-    assert given == {**requested, "search": True, "fail_on": "required"}
+    assert given == {**requested, "search": True, "fail_on": "required", "drive": None}
     assert "reference: pass" in ended.out
     assert "report: drivegate-report/report.html" in ended.out
     assert "a report that prints" not in ended.out
@@ -64,7 +64,7 @@ def test_a_failure_names_the_counterexample_its_file_and_the_next_step(command, 
     assert (file["schema"], file["check"], file["margin"], file["seed"]) == (2, "CNV-1", -1.5, 0)
     assert set(file["candidate"]) == {"name", "hash"}
     assert file["versions"]["drivegate"]
-    assert file["scenario"]["motor"]["pole_pairs"] == 11, "the scenario must be fully resolved"
+    assert file["scenario"]["drive"]["machine"]["pole_pairs"] == 11, "the scenario must be fully resolved"
 
 
 def test_a_narrow_terminal_breaks_no_command_that_is_to_be_copied(command, failing, monkeypatch):

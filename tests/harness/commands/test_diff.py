@@ -69,7 +69,7 @@ def test_the_document_has_what_a_script_needs(command, files, tmp_path):
     assert "<svg" in (tmp_path / "x.svg").read_text(encoding="utf-8")
 
 
-def test_the_motor_can_be_altered_and_small_differences_allowed(command, files):
+def test_the_drive_can_be_altered_and_small_differences_allowed(command, files):
     allowed = diff(command, "One", "Other", "--tolerance", "1e-12", "--set", "inertia_kg_m2=0.1", "--json")
     assert (allowed.code, allowed.document["verdict"], allowed.document["tolerance"]) == (0, "equal", 1e-12)
     ignored = diff(command, "One", "Other", "--ignore", "current_reference")

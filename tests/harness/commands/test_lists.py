@@ -1,7 +1,7 @@
 """`drivegate checks`, `drivegate cases` and `drivegate calibrate`: what there is, and where it comes from."""
 
 from drivegate.checks.catalogue import CHECKS
-from drivegate_cases.motor.motor import motor_names
+from drivegate_cases.drive.drive_document import drive_names
 from drivegate_cases.scenario.drive_cycle import cycle_names
 from drivegate_cases.scenario.operating_point import operating_point_names, power_sweep_names
 from drivegate_cases.scenario.scenario import scenario_names
@@ -22,7 +22,7 @@ def test_cases_are_listed_by_the_names_that_other_commands_take(command):
         "operating_points": operating_point_names(),
         "sweeps": power_sweep_names(),
         "drive_cycles": cycle_names(),
-        "motors": motor_names(),
+        "drives": drive_names(),
     }
     text = command("cases").out
     for key, known in names.items():
@@ -31,7 +31,7 @@ def test_cases_are_listed_by_the_names_that_other_commands_take(command):
         assert all(name in text for name in known)
 
 
-def test_the_stored_motor_agrees_with_its_calibration(command):
+def test_the_stored_drive_agrees_with_its_calibration(command):
     ended = command("calibrate", "--json")
     document = ended.document
     assert ended.code == 0
@@ -46,11 +46,11 @@ def test_the_stored_motor_agrees_with_its_calibration(command):
     assert all(fact["name"] in text for fact in document["facts"])
 
 
-def test_a_motor_that_no_longer_follows_from_the_facts_is_reported(command, monkeypatch):
-    from drivegate_cases.motor import motor
+def test_a_drive_that_no_longer_follows_from_the_facts_is_reported(command, monkeypatch):
+    from drivegate_cases.drive import drive_document
 
-    altered = motor.load_motor("paper-5-phase").replaced(inductance_h=3.2e-3)
-    monkeypatch.setattr(motor, "load_motor", lambda name: altered)
+    altered = drive_document.load_drive("paper-5-phase").replaced(inductance_h=3.2e-3)
+    monkeypatch.setattr(drive_document, "load_drive", lambda name: altered)
     ended = command("calibrate")
     assert ended.code == 1
     assert "differs from the fit" in ended.out

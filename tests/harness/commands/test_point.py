@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.half_bridge.steady.oracle import point_at_torque
 from drivegate_models.half_bridge.steady.steady_state import steady_state
 
@@ -30,7 +30,7 @@ SPEED = 1500 * math.pi / 30
 
 @pytest.fixture(scope="module")
 def drive():
-    return load_motor("paper-5-phase").drive()
+    return load_drive("paper-5-phase").plant()
 
 
 def test_at_a_torque_the_document_is_the_oracles_point(command, drive):
@@ -108,12 +108,12 @@ def test_people_get_a_table_with_units_and_what_to_do_next(command):
     assert "next: " in text
 
 
-def test_a_motor_from_a_file_and_settings_on_top(command, tmp_path):
-    (tmp_path / "mine.json").write_text(load_motor("paper-5-phase").to_json(), encoding="utf-8")
+def test_a_drive_from_a_file_and_settings_on_top(command, tmp_path):
+    (tmp_path / "mine.json").write_text(load_drive("paper-5-phase").to_json(), encoding="utf-8")
     plain = command(*AT_1500, "--current-a", 11, "--json").document
-    same = command(*AT_1500, "--current-a", 11, "--motor", "mine.json", "--json").document
+    same = command(*AT_1500, "--current-a", 11, "--drive", "mine.json", "--json").document
     other = command(
-        *AT_1500, "--current-a", 11, "--motor", "mine.json", "--set", "resistance_ohm=0.16", "--json"
+        *AT_1500, "--current-a", 11, "--drive", "mine.json", "--set", "resistance_ohm=0.16", "--json"
     )
     assert same == plain
     assert other.document["copper_loss_w"] > 1.5 * plain["copper_loss_w"]
@@ -138,8 +138,8 @@ def test_a_motor_from_a_file_and_settings_on_top(command, tmp_path):
         (["--cycles", "0"], "--cycles"),
         (["--cycles", "1.5"], "--cycles"),
         (["--cycles", "100001"], "--cycles"),
-        (["--motor", "paper-5-fase"], "'paper-5-phase'"),
-        (["--motor", "missing.toml"], "does not exist"),
+        (["--drive", "paper-5-fase"], "'paper-5-phase'"),
+        (["--drive", "missing.toml"], "does not exist"),
         (["--set", "inductence_h=3e-3"], "'inductance_h'"),
         (["--set", "inductance_h=-3e-3"], "inductance_h"),
         (["--set", "inductance_h=nan"], "inductance_h"),
@@ -171,9 +171,10 @@ def test_a_missing_option_is_named(refused):
         (b"schema = 1\nname = ", "TOML"),
         (b"name = 'x'\n", "schema"),
         (b"schema = 99\n", "newer"),
-        (b"schema = 1\nresistence_ohm = 1.0\n", "resistance_ohm"),
+        (b"schema = 1\n[machine]\nresistence_ohm = 1.0\n", "resistance_ohm"),
+        (b"schema = 1\nresistance_ohm = 1.0\n", "belongs in the table [machine]"),
     ],
 )
-def test_a_file_that_is_no_motor_is_refused(refused, tmp_path, content, reason):
-    (tmp_path / "motor.toml").write_bytes(content)
-    assert reason in refused(*AT_1500, "--current-a", "11", "--motor", "motor.toml")
+def test_a_file_that_is_no_drive_is_refused(refused, tmp_path, content, reason):
+    (tmp_path / "drive.toml").write_bytes(content)
+    assert reason in refused(*AT_1500, "--current-a", "11", "--drive", "drive.toml")

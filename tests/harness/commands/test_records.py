@@ -8,7 +8,7 @@ import pytest
 
 from drivegate.results.result import BaselineComparison
 from drivegate.scenarios.building import steady_scenario
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 
 SHORT = load_scenario("lock-up").replaced(name="from the corpus", duration_s=1.0)
@@ -57,10 +57,10 @@ def by_check(document):
 @pytest.fixture
 def small(monkeypatch):
     """Six fixed scenarios and a shard of one, so that a check in earnest takes seconds."""
-    motor = load_motor("paper-5-phase")
+    drive = load_drive("paper-5-phase")
     speeds = (600.0, 800.0, 1000.0, 1200.0, 1400.0, 1500.0)
     scenarios = tuple(
-        steady_scenario(motor, speed, power_share=1.0, constant_power=False).replaced(
+        steady_scenario(drive, speed, power_share=1.0, constant_power=False).replaced(
             name=f"at {speed:g} rpm"
         )
         for speed in speeds

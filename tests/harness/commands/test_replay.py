@@ -6,7 +6,7 @@ import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.results.provenance import provenance
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 
 SCENARIO = load_scenario("lock-up").replaced(duration_s=12.0)
@@ -113,7 +113,7 @@ def script(file):
         "schema": 1,
         "kind": "script",
         "name": "hardly any change",
-        "motor": load_motor("paper-5-phase").to_mapping(),
+        "drive": load_drive("paper-5-phase").to_mapping(),
         "rows": [row | {"current_sum_a": current} for current in sums],
     }
     return lambda name: file(check="FLO-1", scenario=table, candidate={"name": name})

@@ -78,11 +78,11 @@ def test_a_folder_or_another_manifest_names_what_to_write(command, tmp_path, nam
     assert expected in ended.err, ended.err
 
 
-def test_a_python_candidate_runs_and_a_motor_can_be_altered(command, short, controllers, tmp_path):
+def test_a_python_candidate_runs_and_a_drive_can_be_altered(command, short, controllers, tmp_path):
     words = ("simulate", f"{controllers}:Steady", "--case", short, "--json")
     nominal = command(*words).document
     altered = command(
-        *words, "--set", "friction_n_m=5", "--motor", "paper-5-phase", "--plot", "x.png"
+        *words, "--set", "friction_n_m=5", "--drive", "paper-5-phase", "--plot", "x.png"
     ).document
     assert altered["summary"]["speed_final_rpm"] <= nominal["summary"]["speed_final_rpm"]
     assert altered["summary"]["shaft_power_mean_w"] != nominal["summary"]["shaft_power_mean_w"]
@@ -218,7 +218,7 @@ def test_a_run_that_will_take_long_is_told_while_it_runs(command, tmp_path, monk
     assert "at this pace" not in fast.err
 
 
-def test_a_motor_a_thousand_times_off_its_kind_warns_and_runs_all_the_same(command, tmp_path):
+def test_a_drive_a_thousand_times_off_its_kind_warns_and_runs_all_the_same(command, tmp_path):
     case = tmp_path / "brief.json"
     brief = load_scenario("lock-up").replaced(duration_s=0.25)
     case.write_text(brief.to_json(), encoding="utf-8")
@@ -226,10 +226,10 @@ def test_a_motor_a_thousand_times_off_its_kind_warns_and_runs_all_the_same(comma
     assert (ended.code, ended.document["fault"]) == (0, None)
     (warning,) = [line for line in ended.err.splitlines() if line.startswith("warning: ")]
     assert warning.startswith(
-        "warning: the motor's inductance_h is 2.88, but usual for 48 V and 26 A at 500 rpm"
+        "warning: the drive's inductance_h is 2.88, but usual for 48 V and 26 A at 500 rpm"
     )
     assert warning.endswith("it is expected in henry: is it in millihenry?")
     case.write_text(
-        brief.replaced(motor=brief.motor.with_overrides(["resistance_ohm=300"])).to_json(), "utf-8"
+        brief.replaced(drive=brief.drive.with_overrides(["resistance_ohm=300"])).to_json(), "utf-8"
     )
-    assert "warning: the motor's resistance_ohm is 300" in command("simulate", "initial", "--case", case).err
+    assert "warning: the drive's resistance_ohm is 300" in command("simulate", "initial", "--case", case).err

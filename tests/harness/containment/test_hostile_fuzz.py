@@ -31,12 +31,12 @@ from drivegate.gate.recording import RecordPlan, run_recorded
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate.runs.scripted import GivenSteps
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 from drivegate_models.loop.command_playing import player_of, playing_step
 
 HOSTILE = runpy.run_path(str(Path(__file__).with_name("hostile_actions.py")))
-SCENARIOS = fixed_scenarios(load_motor("paper-5-phase"))
+SCENARIOS = fixed_scenarios(load_drive("paper-5-phase"))
 SHORT = SCENARIOS[0].model_copy(update={"duration_s": 0.5})
 LIMITS = WorkerLimits(
     step_processor_seconds=0.5,
@@ -139,7 +139,7 @@ def judged_in_every_way(loaded: JudgedCandidate, _: None) -> JudgedRun:
     """Do what a check does with a candidate: runs of one instance and of another, given Senses, margins."""
     controller = loaded.controller()
     record = recorded(loaded, SHORT, controller)
-    GivenSteps(controller, SHORT.nameplate()).answers(np.ones((20, 5 + SHORT.motor.phases)))
+    GivenSteps(controller, SHORT.nameplate()).answers(np.ones((20, 5 + SHORT.drive.machine.phases)))
     recorded(loaded, SHORT, loaded.controller())
     return judged(record, CHECKS)
 

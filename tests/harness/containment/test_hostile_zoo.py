@@ -23,7 +23,7 @@ from drivegate.gate.plan import REPEATED, planned_work
 from drivegate.gate.repetition import repeated_elsewhere
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 
 HERE = Path(__file__).parents[1]
@@ -556,7 +556,7 @@ def test_an_answer_that_depends_on_anything_else_is_non_deterministic(tmp_path, 
         f" def step(self, sense): return Command(1.0 + sense.time * ({UNSTEADY[source]}), 0.0)\n",
         encoding="utf-8",
     )
-    scenario = fixed_scenarios(load_motor("paper-5-phase"))[0].model_copy(update={"duration_s": 0.5})
+    scenario = fixed_scenarios(load_drive("paper-5-phase"))[0].model_copy(update={"duration_s": 0.5})
     with WorkerPool(resolve_candidate(f"{file}:Mine"), workers=1) as pool:
         (outcome,) = pool.map([Job(run_fixed, FixedRuns((scenario,), repeat=True))])
         (run,) = repeated_elsewhere(pool, outcome.runs)
@@ -567,7 +567,7 @@ def test_an_answer_that_depends_on_anything_else_is_non_deterministic(tmp_path, 
 
 
 def test_a_steady_answer_is_deterministic_in_another_process_too():
-    scenario = fixed_scenarios(load_motor("paper-5-phase"))[0].model_copy(update={"duration_s": 0.5})
+    scenario = fixed_scenarios(load_drive("paper-5-phase"))[0].model_copy(update={"duration_s": 0.5})
     with WorkerPool(resolve_candidate("initial"), workers=1) as pool:
         (outcome,) = pool.map([Job(run_fixed, FixedRuns((scenario,), repeat=True))])
         (run,) = repeated_elsewhere(pool, outcome.runs)

@@ -17,10 +17,10 @@ from drivegate.containment.messages import Job
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.drives.running import recorded
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 
 LIMITS = WorkerLimits(step_processor_seconds=0.5, start_processor_seconds=20.0, idle_seconds=20.0)
-SCENARIO = fixed_scenarios(load_motor("paper-5-phase"))[0].model_copy(update={"duration_s": 1.0})
+SCENARIO = fixed_scenarios(load_drive("paper-5-phase"))[0].model_copy(update={"duration_s": 1.0})
 
 CANDIDATE = """
 import ctypes, gc, inspect, mmap, os, pickle, socket, struct, sys, threading, time

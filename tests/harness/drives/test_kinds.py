@@ -8,8 +8,8 @@ import pytest
 
 from drivegate.checks.catalogue import CHECKS
 from drivegate.drives.drive_kind import DriveKind
-from drivegate.drives.kinds import DEFAULT_KIND, DEFAULT_MOTOR, DRIVE_KINDS, kind_of
-from drivegate_cases.motor.motor import load_motor
+from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_KIND, DRIVE_KINDS, kind_of
+from drivegate_cases.drive.drive_document import load_drive
 
 HEAVY = ("hypothesis", "numba", "numpy", "pandas", "pydantic", "scipy")
 
@@ -26,30 +26,30 @@ def test_the_bundles_load_nothing_heavy() -> None:
     assert ended.stdout.strip() == "[]"
 
 
-def test_a_kind_is_found_by_its_motor(kind: DriveKind) -> None:
-    assert kind_of(load_motor(kind.default_motor)) is kind
+def test_a_kind_is_found_by_its_drive(kind: DriveKind) -> None:
+    assert kind_of(load_drive(kind.default_drive)) is kind
     assert DEFAULT_KIND in DRIVE_KINDS.values()
-    assert DEFAULT_KIND.default_motor == DEFAULT_MOTOR
+    assert DEFAULT_KIND.default_drive == DEFAULT_DRIVE
 
 
-def test_its_scenarios_are_fair_and_on_its_motor(kind: DriveKind) -> None:
-    motor = load_motor(kind.default_motor)
-    fixed = kind.fixed_scenarios(motor, None)
+def test_its_scenarios_are_fair_and_on_its_drive(kind: DriveKind) -> None:
+    drive = load_drive(kind.default_drive)
+    fixed = kind.fixed_scenarios(drive, None)
     assert fixed
-    assert all(scenario.motor == motor and kind.is_fair(scenario) for scenario in fixed)
-    assert not kind.drawn_scenarios(motor, None, 0).is_empty
+    assert all(scenario.drive == drive and kind.is_fair(scenario) for scenario in fixed)
+    assert not kind.drawn_scenarios(drive, None, 0).is_empty
     assert {check.id for check in kind.checks()} <= {check.id for check in CHECKS}
 
 
 def test_its_oracle_and_its_steady_states_are_of_the_same_drive(kind: DriveKind) -> None:
     import numpy as np
 
-    motor = load_motor(kind.default_motor)
-    drive, oracle, states = motor.drive(), kind.oracle(), kind.steady_states()
-    speed, torque = 2.0 * motor.base_speed_rpm * math.pi / 30.0, 5.0
-    best = oracle.least_current_sum(drive, speed, torque)
+    drive = load_drive(kind.default_drive)
+    plant, oracle, states = drive.plant(), kind.oracle(), kind.steady_states()
+    speed, torque = 2.0 * drive.rating.base_speed_rpm * math.pi / 30.0, 5.0
+    best = oracle.least_current_sum(plant, speed, torque)
     values = np.empty((1, len(states.columns)))
-    states.solve(drive, np.array([speed]), np.array([best.advance]), np.array([best.reference]), values)
+    states.solve(plant, np.array([speed]), np.array([best.advance]), np.array([best.reference]), values)
     found = dict(zip(states.columns, values[0], strict=True))
     assert found["torque_mean_nm"] == pytest.approx(torque, rel=1e-3)
-    assert oracle.feasible_edge(drive, speed, torque) <= best.advance + 1e-3
+    assert oracle.feasible_edge(plant, speed, torque) <= best.advance + 1e-3

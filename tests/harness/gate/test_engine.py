@@ -13,7 +13,7 @@ from drivegate.gate.events import CheckFinished, CheckStarted, RunDone, Shrinkin
 from drivegate.gate.shrinking import size_of
 from drivegate.results.result import CheckResult
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
@@ -63,7 +63,7 @@ def test_the_reference_passes_every_required_check() -> None:
     assert verdicts(result)["FLO-1"] == "not applicable", "the reference does not follow the flowchart"
     assert "TIM-1" in result.timing["checks"], "a time depends on the machine and belongs to the times"
     assert [run.name for run in result.fixed] == [
-        scenario.name for scenario in fixed_scenarios(load_motor("paper-5-phase"))
+        scenario.name for scenario in fixed_scenarios(load_drive("paper-5-phase"))
     ]
 
 
@@ -76,7 +76,9 @@ def test_the_published_search_fails_and_shows_the_lock_up() -> None:
     convergence = next(outcome for outcome in result.checks if outcome.id == "CNV-1")
     assert "lock-up" in convergence.message
     assert convergence.counterexample is not None
-    assert convergence.counterexample["motor"]["inductance_h"] > 0.0, "the scenario is not fully resolved"
+    assert convergence.counterexample["drive"]["machine"]["inductance_h"] > 0.0, (
+        "the scenario is not fully resolved"
+    )
     assert convergence.scenario is not None
     assert convergence.found is not None
     assert convergence.found.margin < 0.0, "a counterexample has to break its check"

@@ -17,10 +17,10 @@ from drivegate.checks.margin import Margin
 from drivegate.gate.shard import DrawnRuns, content_key, run_drawn
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 
-MOTOR = "paper-5-phase"
+DRIVE = load_drive("paper-5-phase")
 
 
 class Loaded:
@@ -34,7 +34,7 @@ class Loaded:
 
 
 def drawn(seed: int, examples: int, **options: Any) -> ShardOutcome:
-    return run_drawn(Loaded(), DrawnRuns(MOTOR, seed, examples, **options))  # type: ignore[arg-type]
+    return run_drawn(Loaded(), DrawnRuns(DRIVE, seed, examples, **options))  # type: ignore[arg-type]
 
 
 @pytest.fixture
@@ -61,7 +61,7 @@ def test_no_run_is_made_twice_and_none_that_every_check_makes_anyway(seed: int) 
     assert len(keys) == len(set(keys)), "a run was made twice"
     # Two ways to draw the same scenario are two examples, but one run.
     assert 18 <= len(keys) <= 30, "too many draws tell nothing new"
-    fixed = {content_key(scenario.to_mapping()) for scenario in fixed_scenarios(load_motor(MOTOR))}
+    fixed = {content_key(scenario.to_mapping()) for scenario in fixed_scenarios(DRIVE)}
     assert not fixed & set(keys)
 
 
@@ -108,7 +108,7 @@ def test_a_declared_speed_range_holds_for_every_shard() -> None:
     declared = Declaration(speed_range_rpm=(800.0, 900.0))
     loaded.candidate = replace(loaded.candidate, declaration=declared)
     for seed in range(len(FAMILY_GROUPS)):
-        outcome = run_drawn(loaded, DrawnRuns(MOTOR, seed, 8))  # type: ignore[arg-type]
+        outcome = run_drawn(loaded, DrawnRuns(DRIVE, seed, 8))  # type: ignore[arg-type]
         speeds = {speed for run in outcome.runs for _, speed in run.scenario["speed_rpm"]}
         assert speeds
         assert all(800.0 <= speed <= 900.0 for speed in speeds), f"shard {seed} runs at {sorted(speeds)}"

@@ -34,18 +34,18 @@ from drivegate.scenarios.facts import facts_of
 from drivegate.scenarios.feasibility import is_fair
 from drivegate.scenarios.simplification import simplified
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 
-MOTOR = load_motor("paper-5-phase")
+DRIVE = load_drive("paper-5-phase")
 
 
 RATED_AT_970_RPM, RATED_AT_730_RPM = (
-    steady_scenario(MOTOR, speed, power_share=1.0, constant_power=True) for speed in (970.0, 730.0)
+    steady_scenario(DRIVE, speed, power_share=1.0, constant_power=True) for speed in (970.0, 730.0)
 )
 
 
-AT_1400_RPM = steady_scenario(MOTOR, 1400.0, power_share=0.6, constant_power=False)
+AT_1400_RPM = steady_scenario(DRIVE, 1400.0, power_share=0.6, constant_power=False)
 
 
 class Loaded:
@@ -64,7 +64,7 @@ def shrunk(name: str, scenario: Scenario, check: str, budget: int = 60) -> Shrun
 
 def disturbed() -> Scenario:
     """1430 rpm with nearly everything that a scenario can have."""
-    scenario = steady_scenario(MOTOR, 1430.0, power_share=0.95, constant_power=True)
+    scenario = steady_scenario(DRIVE, 1430.0, power_share=0.95, constant_power=True)
     scenario = with_load_shares(scenario, (0.0, 0.8), (9.5, 1.0), (12.3, 0.9))
     scenario = with_supply(scenario, pulsed(1.0, 0.95, 11.0, 0.4))
     scenario = with_scales(scenario, resistance=1.3, emf_constant=0.98, friction_added_n_m=0.2)
@@ -74,7 +74,7 @@ def disturbed() -> Scenario:
 
 
 def changing() -> Scenario:
-    scenario = steady_scenario(MOTOR, 1430.0, power_share=0.95, constant_power=True)
+    scenario = steady_scenario(DRIVE, 1430.0, power_share=0.95, constant_power=True)
     scenario = with_speed(scenario, stepped(1210.0, 1430.0, 9.5, over_s=0.7))
     return with_supply(scenario, stepped(1.0, 0.96, 8.5))
 
@@ -134,7 +134,7 @@ def test_what_has_nothing_to_do_with_a_failure_goes() -> None:
 
 def test_a_loaded_failure_stays_a_loaded_one() -> None:
     """The reference's current varies by more than k2 of it without a load, which is no failure of a loaded run."""
-    scenario = steady_scenario(MOTOR, 700.0, power_share=0.5, constant_power=True)
+    scenario = steady_scenario(DRIVE, 700.0, power_share=0.5, constant_power=True)
     light = scenario.replaced(load=scenario.load.model_copy(update={"power_w": 40.0}))
     for fields in ({"load": light.load.model_copy(update={"power_w": 0.0})}, {"load": _off(light)}):
         assert simplified(light, fields) is None
@@ -206,7 +206,7 @@ def test_a_check_that_does_not_fail_leaves_nothing_to_shrink() -> None:
 
 
 def test_what_cannot_be_simpler_stays_as_it_is() -> None:
-    plain = steady_scenario(MOTOR, 1500.0, power_share=1.0, constant_power=False)
+    plain = steady_scenario(DRIVE, 1500.0, power_share=1.0, constant_power=False)
     simplest = shrunk("initial", plain, "CNV-2")
     assert simplest is not None
     again = shrunk("initial", parse_document(simplest.scenario, Scenario, "it"), "CNV-2")
@@ -215,7 +215,7 @@ def test_what_cannot_be_simpler_stays_as_it_is() -> None:
 
 
 def test_what_is_simpler_has_less_size() -> None:
-    plain = steady_scenario(MOTOR, 1500.0, power_share=1.0, constant_power=False)
+    plain = steady_scenario(DRIVE, 1500.0, power_share=1.0, constant_power=False)
     ladder: list[Any] = [
         plain,
         plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0})),

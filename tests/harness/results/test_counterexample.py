@@ -67,7 +67,7 @@ def test_a_margin_without_a_number_is_left_out() -> None:
         ({"check": "\x1b[31m<script>"}, r"\u001b[31m<script>"),
         ({"scenario": "lock-up"}, "must be a table with the whole scenario, not a name"),
         ({"scenario": ...}, "the key 'scenario' is missing"),
-        ({"scenario": {**stored()["scenario"], "motor": "paper-5-phase"}}, "all of the motor's keys"),
+        ({"scenario": {**stored()["scenario"], "drive": "paper-5-phase"}}, "all of the drive's keys"),
         ({"scenario": {**stored()["scenario"], "duration_s": -1}}, "'duration_s' is -1"),
         ({"scenario": {**stored()["scenario"], "schema": 99}}, "schema 99 is newer"),
         ({"candidate": {"name": ""}}, "candidate.name"),

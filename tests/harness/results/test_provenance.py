@@ -58,6 +58,6 @@ def test_a_copy_of_the_sources_is_the_same_version_and_a_changed_one_is_not(tmp_
         folder = Path(package.__file__).parent
         shutil.copytree(folder, tmp_path / folder.name, ignore=shutil.ignore_patterns("__pycache__"))
     assert _sources_of_copy(tmp_path) == versions()["sources"]
-    motor = next((tmp_path / "drivegate_cases").rglob("paper-5-phase.toml"))
-    motor.write_text(motor.read_text(encoding="utf-8") + "\n# another\n", encoding="utf-8")
+    drive = next((tmp_path / "drivegate_cases").rglob("paper-5-phase.toml"))
+    drive.write_text(drive.read_text(encoding="utf-8") + "\n# another\n", encoding="utf-8")
     assert _sources_of_copy(tmp_path) != versions()["sources"]

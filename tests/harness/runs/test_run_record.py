@@ -13,7 +13,7 @@ from drivegate.checks.power import estimated_power
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.running import recorded
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 
 STEPS = 40
 
@@ -32,7 +32,7 @@ class Averaging:
 
 @pytest.mark.parametrize(("steps", "met"), [(STEPS, True), (0, False), (2 * STEPS, False)])
 def test_an_estimate_is_judged_over_the_time_that_its_candidate_declares(steps: int, met: bool) -> None:
-    scenario = fixed_scenarios(load_motor("paper-5-phase"))[1].replaced(duration_s=1.0)
+    scenario = fixed_scenarios(load_drive("paper-5-phase"))[1].replaced(duration_s=1.0)
     declaration = Declaration(estimates_power=True, power_window_s=steps * scenario.control_period_s)
     candidate = replace(resolve_candidate("reference"), declaration=declaration)
     loaded = JudgedCandidate(candidate, lambda: PythonController(Averaging()))

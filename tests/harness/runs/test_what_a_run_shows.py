@@ -24,10 +24,10 @@ from drivegate.scenarios.changes import (
     with_restarts,
 )
 from drivegate.scenarios.windows import observed_windows
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 
-PLAIN = steady_scenario(load_motor("paper-5-phase"), 700.0, power_share=0.5, constant_power=False)
+PLAIN = steady_scenario(load_drive("paper-5-phase"), 700.0, power_share=0.5, constant_power=False)
 
 
 class Noting:

@@ -11,9 +11,9 @@ from drivegate.scenarios.combined import LONG_S, combined_scenarios, long_scenar
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows, is_possible, possible_pairs
 from drivegate.scenarios.feasibility import is_fair
 from drivegate.scenarios.windows import observed_windows
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 
-MOTOR = load_motor("paper-5-phase")
+DRIVE = load_drive("paper-5-phase")
 
 
 def test_every_possible_pair_of_levels_is_in_some_row() -> None:
@@ -50,8 +50,10 @@ def test_the_rows_are_the_same_in_every_process() -> None:
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_every_row_becomes_a_fair_run_that_can_be_judged(seed: int) -> None:
-    scenarios = combined_scenarios(MOTOR, None, seed)
-    assert len(scenarios) == len(covering_rows()) + len(long_scenarios(MOTOR, None, seed)), "a row has no fair scenario"
+    scenarios = combined_scenarios(DRIVE, None, seed)
+    assert len(scenarios) == len(covering_rows()) + len(long_scenarios(DRIVE, None, seed)), (
+        "a row has no fair scenario"
+    )
     for scenario in scenarios:
         assert is_fair(scenario), scenario.description
         assert observed_windows(scenario), f"{scenario.name} is never judged"
@@ -62,23 +64,23 @@ def test_parts_make_the_whole_whatever_their_number() -> None:
         return {
             scenario.to_json()
             for part in range(parts)
-            for scenario in combined_scenarios(MOTOR, None, 3, part, parts)
+            for scenario in combined_scenarios(DRIVE, None, 3, part, parts)
         }
 
     assert contents(1) == contents(8)
-    assert contents(1) != {scenario.to_json() for scenario in combined_scenarios(MOTOR, None, 4)}
+    assert contents(1) != {scenario.to_json() for scenario in combined_scenarios(DRIVE, None, 4)}
 
 
 def test_long_runs_last_minutes_at_rated_power() -> None:
-    for scenario in long_scenarios(MOTOR, None, 0):
+    for scenario in long_scenarios(DRIVE, None, 0):
         assert scenario.duration_s >= LONG_S >= 120.0
         power = scenario.load.torque_nm * scenario.speed_rpm[0][1] * 0.10471975512  # type: ignore[union-attr]
-        assert power == pytest.approx(MOTOR.rated_power_w, rel=1e-3)
+        assert power == pytest.approx(DRIVE.rating.rated_power_w, rel=1e-3)
         assert scenario.load_profile[1] == (0.2, 1.0)
 
 
 def test_a_long_run_leaves_the_search_time_to_rest_between_more_than_twenty_changes() -> None:
-    *_, busy = long_scenarios(MOTOR, None, 0)
+    *_, busy = long_scenarios(DRIVE, None, 0)
     changes = [
         time
         for (time, share), (_, after) in pairwise(busy.load_profile)
@@ -90,7 +92,7 @@ def test_a_long_run_leaves_the_search_time_to_rest_between_more_than_twenty_chan
 
 
 def test_no_two_rows_of_the_loaded_speeds_have_the_same_one() -> None:
-    scenarios = combined_scenarios(MOTOR, None, 0)
+    scenarios = combined_scenarios(DRIVE, None, 0)
     steady = [
         scenario.speed_rpm[0][1]
         for scenario in scenarios
@@ -102,5 +104,5 @@ def test_no_two_rows_of_the_loaded_speeds_have_the_same_one() -> None:
 
 
 def test_a_declared_speed_range_holds() -> None:
-    for scenario in combined_scenarios(MOTOR, (700.0, 1200.0), 0):
+    for scenario in combined_scenarios(DRIVE, (700.0, 1200.0), 0):
         assert all(700.0 <= speed <= 1200.0 for _, speed in scenario.speed_rpm), scenario.name

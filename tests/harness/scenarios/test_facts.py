@@ -16,15 +16,15 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.scenarios.facts import facts_in_short, facts_of, plain_scenario
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 
-MOTOR = load_motor("paper-5-phase")
-PLAIN = plain_scenario(MOTOR)
+DRIVE = load_drive("paper-5-phase")
+PLAIN = plain_scenario(DRIVE)
 
 
 def steady(speed_rpm: float, *, constant_power: bool = False) -> Scenario:
-    return steady_scenario(MOTOR, speed_rpm, power_share=1.0, constant_power=constant_power)
+    return steady_scenario(DRIVE, speed_rpm, power_share=1.0, constant_power=constant_power)
 
 
 @pytest.mark.parametrize(

@@ -26,33 +26,33 @@ from drivegate.scenarios.feasibility import (
     unfair_because,
 )
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.steady.oracle import feasible_edge
 from drivegate_models.units import RADIANS_PER_RPM
 
-MOTOR = load_motor("paper-5-phase")
+DRIVE = load_drive("paper-5-phase")
 
 
 def steady(speed_rpm: float, share: float = 1.0, *, power: bool = False) -> Scenario:
-    return steady_scenario(MOTOR, speed_rpm, power_share=share, constant_power=power)
+    return steady_scenario(DRIVE, speed_rpm, power_share=share, constant_power=power)
 
 
 def test_every_fixed_scenario_is_fair() -> None:
-    unfair = [scenario.name for scenario in fixed_scenarios(MOTOR) if not is_fair(scenario)]
+    unfair = [scenario.name for scenario in fixed_scenarios(DRIVE) if not is_fair(scenario)]
     assert not unfair
 
 
 def test_fixed_scenarios_differ_and_begin_with_the_lock_up() -> None:
-    names = [scenario.name for scenario in fixed_scenarios(MOTOR)]
+    names = [scenario.name for scenario in fixed_scenarios(DRIVE)]
     assert names[:2] == ["lock-up", "fig5-search"]
     assert len(set(names)) == len(names), sorted(names)
 
 
 def test_a_speed_range_chooses_among_the_fixed_scenarios_and_always_leaves_one() -> None:
-    chosen = fixed_scenarios(MOTOR, (600.0, 1000.0))
+    chosen = fixed_scenarios(DRIVE, (600.0, 1000.0))
     assert {speed for scenario in chosen for _, speed in scenario.speed_rpm} == {600.0, 700.0, 900.0, 1000.0}
-    (only,) = fixed_scenarios(MOTOR, (1001.0, 1009.0))
+    (only,) = fixed_scenarios(DRIVE, (1001.0, 1009.0))
     assert only.speed_rpm == ((0.0, 1005.0),)
 
 
@@ -70,7 +70,7 @@ def test_a_speed_range_chooses_among_the_fixed_scenarios_and_always_leaves_one()
         (with_load_shares(steady(700.0, power=True), (0.0, 0.1), (10.0, 1.5)), False),
         (with_speed(steady(1500.0, power=True), stepped(550.0, 1500.0, 10.0)), False),
         (with_speed(steady(1500.0, 0.5), stepped(900.0, 1500.0, 10.0)), True),
-        (base_speed_scenario(MOTOR, 300.0, 520.0, 5.0), True),
+        (base_speed_scenario(DRIVE, 300.0, 520.0, 5.0), True),
     ],
     ids=lambda value: value.name if isinstance(value, Scenario) else None,
 )
@@ -81,13 +81,13 @@ def test_feasible_means_an_angle_for_every_corner_of_the_profiles(changed: Scena
 @pytest.mark.parametrize(("grade", "fair"), [(0.0, True), (3.0, True), (-3.0, False), (30.0, False)])
 def test_a_vehicle_can_neither_be_braked_nor_climb_any_hill(grade: float, fair: bool) -> None:
     road = stepped(0.0, grade, 5.0)
-    assert is_fair(vehicle_scenario(MOTOR, 1000.0, mass_kg=200.0, gear_ratio=4.0, grade_percent=road)) is fair
+    assert is_fair(vehicle_scenario(DRIVE, 1000.0, mass_kg=200.0, gear_ratio=4.0, grade_percent=road)) is fair
 
 
 def test_friction_counts_as_load() -> None:
     """At 1500 rpm, between the greatest torque with and without 0.5 N m of friction."""
     speed, torque = 1500.0 * RADIANS_PER_RPM, 9.0
-    while math.isfinite(feasible_edge(MOTOR.drive(), speed, torque + 0.4)):
+    while math.isfinite(feasible_edge(DRIVE.plant(), speed, torque + 0.4)):
         torque += 0.1
     scenario = steady(1500.0)
     near = scenario.replaced(load=scenario.load.model_copy(update={"torque_nm": torque}))
@@ -115,7 +115,7 @@ def test_a_reference_may_not_fall_faster_than_the_shaft_coasts(
 
 @pytest.mark.parametrize(("fall", "slow_enough"), [(10.0, True), (14.0, False)])
 def test_an_unloaded_shaft_is_slowed_by_its_core_loss_alone(fall: float, slow_enough: bool) -> None:
-    scenario = base_speed_scenario(MOTOR, 480.0, 520.0, fall)
+    scenario = base_speed_scenario(DRIVE, 480.0, 520.0, fall)
     assert coasts(scenario) is slow_enough
 
 
@@ -126,7 +126,7 @@ def test_a_load_below_base_speed_is_what_no_advance_is_needed_for(torque: float,
     slow = slow.replaced(load=slow.load.model_copy(update={"torque_nm": torque}))
     assert is_driven_without_advance(slow) is fair
     assert is_fair(slow) is fair, unfair_because(slow)
-    assert is_driven_without_advance(base_speed_scenario(MOTOR, 300.0, 520.0, 5.0))
+    assert is_driven_without_advance(base_speed_scenario(DRIVE, 300.0, 520.0, 5.0))
 
 
 def test_a_reference_through_base_speed_needs_its_acceleration_without_advance() -> None:

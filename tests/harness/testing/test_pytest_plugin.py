@@ -19,6 +19,7 @@ from drivegate.checks.catalogue import CHECKS
 from drivegate.gate import engine as real_engine
 from drivegate.gate.events import CheckFinished, CheckStarted, Event
 from drivegate.results.result import CheckOutcome, CheckResult
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import HarnessFault, InputError
 
@@ -164,6 +165,20 @@ def test_another_seed_is_another_check(pytester: pytest.Pytester, engine: FakeEn
     )
     pytester.runpytest_inprocess().assert_outcomes(passed=3 * (1 + len(CHECKS)))
     assert sorted(engine.calls) == [("reference", "default", 1), ("reference", "default", 2)]
+
+
+def test_a_drive_is_taken_from_the_decorator_and_the_option_wins(
+    suite: Any, engine: FakeEngine, pytester: pytest.Pytester
+) -> None:
+    paper = load_drive("paper-5-phase")
+    for name in ("mine", "other"):
+        drive = paper.replaced(name=name, resistance_ohm=0.1)
+        (pytester.path / f"{name}.json").write_text(drive.to_json(), encoding="utf-8")
+    suite(arguments='"reference", drive="mine.json"').assert_outcomes(passed=1 + len(CHECKS))
+    suite("--drivegate-drive=other.json", arguments='"reference", drive="mine.json"')
+    assert [records["drive"].name for records in engine.records] == ["mine", "other"]
+    result = suite(arguments='"reference", drive="none.json"')
+    result.stdout.fnmatch_lines(["*drivegate: *none.json does not exist*"])
 
 
 def test_options_win_over_the_decorator(suite: Any, engine: FakeEngine) -> None:

@@ -117,7 +117,7 @@ def test_phase_currents_are_those_of_the_published_points(
     assert following == pytest.approx(shifted, abs=0.05), "phase 2 lags phase 1 by a tenth of a cycle"
 
 
-def test_currents_fall_the_more_the_faster_the_motor_turns() -> None:
+def test_currents_fall_the_more_the_faster_the_drive_turns() -> None:
     slow, fast = (phase_currents.phase_currents(name) for name in phase_currents.POINTS)
     assert fast.slope_a_per_ms < 0.0, "the EMF is above the supply at 1500 rpm"
     assert fast.slope_a_per_ms < slow.slope_a_per_ms

@@ -9,27 +9,27 @@ from hypothesis import strategies as st
 
 from drivegate.candidates.declaration import FlowchartProfile
 from drivegate.checks.flowchart.scripts import Event, script_of
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.script import Script
 
 
 def drawn_scripts(
-    motor: Motor, profile: FlowchartProfile, speed_range_rpm: tuple[float, float] | None
+    drive: DriveDocument, profile: FlowchartProfile, speed_range_rpm: tuple[float, float] | None
 ) -> st.SearchStrategy[Script]:
     """Draw scripts."""
     lowest, highest = speed_range_rpm or (0.0, math.inf)
-    lowest = max(lowest, 1.2 * motor.base_speed_rpm)
-    highest = max(min(highest, 3.0 * motor.base_speed_rpm), lowest)
+    lowest = max(lowest, 1.2 * drive.rating.base_speed_rpm)
+    highest = max(min(highest, 3.0 * drive.rating.base_speed_rpm), lowest)
     powers = st.sampled_from((0.0, -2.0, 2.0, -3.0, 3.0, -5.0, 5.0, -0.5, 0.5))
     errors = st.sampled_from((0.0, 0.0, 0.0, 0.0, 0.0, 0.5, -0.5, 1.5, -1.5))
     return st.builds(
-        lambda slower, events: _drawn(motor, profile, highest - 10.0 * slower, events),
+        lambda slower, events: _drawn(drive, profile, highest - 10.0 * slower, events),
         st.integers(0, int((highest - lowest) // 10.0)),
         st.lists(st.tuples(powers, errors).map(lambda pair: Event(*pair)), min_size=1, max_size=24),
     )
 
 
-def _drawn(motor: Motor, profile: FlowchartProfile, speed_rpm: float, events: list[Event]) -> Script:
+def _drawn(drive: DriveDocument, profile: FlowchartProfile, speed_rpm: float, events: list[Event]) -> Script:
     digest = hashlib.sha256(repr(events).encode()).hexdigest()[:8]
     name = f"drawn-{speed_rpm:g}rpm-{len(events) + 1}-rows-{digest}"
-    return script_of(name, motor, profile, speed_rpm, events, "Changes of power and speed drawn at random.")
+    return script_of(name, drive, profile, speed_rpm, events, "Changes of power and speed drawn at random.")

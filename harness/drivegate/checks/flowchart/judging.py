@@ -97,7 +97,7 @@ class _Runner:
 
     def first_decision(self) -> int | None:
         """Return the first step, within an interval, in which a decision shows; None where none ever does."""
-        rows = probe(self.script.motor, self.profile, self.script.rows[0].speed_rpm).rows
+        rows = probe(self.script.drive, self.profile, self.script.rows[0].speed_rpm).rows
         line = self.angles(rows, 0, resting=True)
         changes = np.abs(np.diff(self.angles(rows, 0, resting=False) - line, prepend=0.0))
         found = np.flatnonzero(changes > ANGLE_ROUNDING)
@@ -168,7 +168,7 @@ def _compared(run: _ScriptRun) -> ScriptVerdict:
             searches,
             run.sensed(number),
             run.profile,
-            run.script.motor.supply_voltage_v,
+            run.script.drive.inverter.supply_voltage_v,
             free=number < FREE_DECISIONS,
         )
         deviations = run.deviations(options, begin, end)

@@ -17,7 +17,7 @@ from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.scenarios.drawn.isolation import from_the_seed_alone
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.script import Script, ScriptRow
 
 
@@ -27,15 +27,15 @@ class ScriptRuns:
 
     Attributes
     ----------
-    motor : str
-        Name of the motor.
+    drive : DriveDocument
+        The drive.
     seed : int
         Seed of the drawn scripts.
     examples : int
         Number of scripts to draw, besides the fixed ones.
     """
 
-    motor: str
+    drive: DriveDocument
     seed: int
     examples: int
 
@@ -48,8 +48,7 @@ def run_scripts(loaded: JudgedCandidate, plan: ScriptRuns) -> ShardOutcome:
     """Run the fixed scripts, then drawn ones."""
     declaration = loaded.candidate.declaration
     profile = declaration.flowchart
-    motor = load_motor(plan.motor)
-    speed = usual_speed(motor, declaration.speed_range_rpm)
+    speed = usual_speed(plan.drive, declaration.speed_range_rpm)
     if profile is None or speed is None:
         return ShardOutcome(())
     controller = loaded.controller()
@@ -63,10 +62,10 @@ def run_scripts(loaded: JudgedCandidate, plan: ScriptRuns) -> ShardOutcome:
             if not margin.met:
                 failures.append(script)
 
-    for fixed in fixed_scripts(motor, profile, speed):
+    for fixed in fixed_scripts(plan.drive, profile, speed):
         judge(fixed)
 
-    for drawn in _drawn(drawn_scripts(motor, profile, declaration.speed_range_rpm), plan):
+    for drawn in _drawn(drawn_scripts(plan.drive, profile, declaration.speed_range_rpm), plan):
         judge(drawn)
     if failures:
         shortest = min(failures, key=lambda script: len(script.rows))

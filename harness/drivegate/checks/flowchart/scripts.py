@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from drivegate.candidates.declaration import FlowchartProfile
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S
 from drivegate_cases.scenario.script import Script, ScriptRow
 
@@ -38,7 +38,7 @@ class Event(NamedTuple):
 
 def script_of(
     name: str,
-    motor: Motor,
+    drive: DriveDocument,
     profile: FlowchartProfile,
     speed_rpm: float,
     events: Sequence[Event],
@@ -46,21 +46,21 @@ def script_of(
 ) -> Script:
     """Write a script: a first row from which nothing has changed yet, and one row for each event."""
     falls = sum(abs(event.power) for event in events if event.power < 0.0)
-    steps = profile.power_tolerance / motor.supply_voltage_v
+    steps = profile.power_tolerance / drive.inverter.supply_voltage_v
     current = round(_USUAL_SUM_A + falls * steps, 3)
-    rows = [_row(speed_rpm, 0.0, current, motor, profile)]
+    rows = [_row(speed_rpm, 0.0, current, drive, profile)]
     for event in events:
         changed = _changed(current, event.power, steps, profile.power_tolerance_fraction)
         if not _SUMS_A[0] <= changed <= _SUMS_A[1]:
             changed = _changed(current, -event.power, steps, profile.power_tolerance_fraction)
         current = round(changed, _DIGITS)
         speed_rpm = event.speed_rpm or speed_rpm
-        rows.append(_row(speed_rpm, event.error, current, motor, profile))
+        rows.append(_row(speed_rpm, event.error, current, drive, profile))
     return Script(
         kind="script",
         name=name,
         description=why,
-        motor=motor,
+        drive=drive,
         control_period_s=control_period(profile),
         rows=tuple(rows),
     )
@@ -72,7 +72,7 @@ def control_period(profile: FlowchartProfile) -> float:
 
 
 def _row(
-    speed_rpm: float, error: float, current: float, motor: Motor, profile: FlowchartProfile
+    speed_rpm: float, error: float, current: float, drive: DriveDocument, profile: FlowchartProfile
 ) -> ScriptRow:
     tolerance = profile.speed_tolerance * 30.0 / math.pi
     requested = round(speed_rpm + error * tolerance, _DIGITS)
@@ -81,7 +81,7 @@ def _row(
         speed_reference_rpm=requested if requested >= 0.0 else round(speed_rpm - error * tolerance, _DIGITS),
         speed_rpm=speed_rpm,
         current_sum_a=current,
-        supply_v=motor.supply_voltage_v,
+        supply_v=drive.inverter.supply_voltage_v,
     )
 
 
@@ -95,20 +95,20 @@ def _changed(current: float, power: float, steps: float, fraction: float) -> flo
     return changed + max(abs(power) - 1.0, 0.0) * sign * unit
 
 
-def probe(motor: Motor, profile: FlowchartProfile, speed_rpm: float) -> Script:
+def probe(drive: DriveDocument, profile: FlowchartProfile, speed_rpm: float) -> Script:
     """Write a script on which every flowchart's angle changes, wherever it begins and in whichever direction."""
     powers = (_FALL, _FALL, _RISE, _FALL, _FALL, _FALL, _FALL, _RISE, _FALL)
-    return script_of("probe", motor, profile, speed_rpm, [Event(power) for power in powers])
+    return script_of("probe", drive, profile, speed_rpm, [Event(power) for power in powers])
 
 
-def usual_speed(motor: Motor, speed_range_rpm: tuple[float, float] | None) -> float | None:
+def usual_speed(drive: DriveDocument, speed_range_rpm: tuple[float, float] | None) -> float | None:
     """Choose the speed of the fixed scripts."""
     lowest, highest = speed_range_rpm or (0.0, math.inf)
     speed = min(max(USUAL_SPEED_RPM, lowest), highest)
-    return speed if speed > motor.base_speed_rpm * 1.05 else None
+    return speed if speed > drive.rating.base_speed_rpm * 1.05 else None
 
 
-def fixed_scripts(motor: Motor, profile: FlowchartProfile, speed_rpm: float) -> tuple[Script, ...]:
+def fixed_scripts(drive: DriveDocument, profile: FlowchartProfile, speed_rpm: float) -> tuple[Script, ...]:
     """List the scripts that are always run, one for each branch of the flowchart."""
     powers = {
         "fall": ([_FALL] * 6, "W falls again and again: the search goes on."),
@@ -133,7 +133,7 @@ def fixed_scripts(motor: Motor, profile: FlowchartProfile, speed_rpm: float) -> 
         ),
     }
     scripts = [
-        script_of(name, motor, profile, speed_rpm, [Event(power) for power in changes], why)
+        script_of(name, drive, profile, speed_rpm, [Event(power) for power in changes], why)
         for name, (changes, why) in powers.items()
     ]
     errors = (0.0, 0.0, 2.0, 2.0, 0.0, 0.0, -2.0, 0.0, _WITHIN, _BEYOND, -_WITHIN, -_BEYOND, 0.0)
@@ -142,12 +142,12 @@ def fixed_scripts(motor: Motor, profile: FlowchartProfile, speed_rpm: float) -> 
     speeds = [Event(_FALL, 0.0, speed_rpm * share) for share in (0.99, 0.97, 0.96, 1.0, 0.98)]
     scripts.append(
         script_of(
-            "gate", motor, profile, speed_rpm, gate, "The speed is off by more and less than k1 in turn."
+            "gate", drive, profile, speed_rpm, gate, "The speed is off by more and less than k1 in turn."
         )
     )
     scripts.append(
         script_of(
-            "speeds", motor, profile, speed_rpm, speeds, "The speed changes, and its reference with it."
+            "speeds", drive, profile, speed_rpm, speeds, "The speed changes, and its reference with it."
         )
     )
     return tuple(scripts)

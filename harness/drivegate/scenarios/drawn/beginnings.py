@@ -16,7 +16,7 @@ from drivegate.scenarios.changes import (
 from drivegate.scenarios.drawn.changes import load_step_scenarios
 from drivegate.scenarios.drawn.steps import change_times, nonzero, steady_runs
 from drivegate.scenarios.speed_range import SpeedRange
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 
 PERIODS_US: Final = (500, 400, 250, 200, 160, 125, 100, 80, 50)
@@ -28,9 +28,11 @@ ROTOR_STEP_DEG: Final = 12
 _ANGLES: Final = 360 // ROTOR_STEP_DEG
 
 
-def beginning_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def beginning_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw control periods of 50 to 500 µs, clocks that do not begin at 0, and rotor angles."""
-    runs = st.one_of(steady_runs(motor, speed_range), load_step_scenarios(motor, speed_range))
+    runs = st.one_of(steady_runs(drive, speed_range), load_step_scenarios(drive, speed_range))
     periods = st.sampled_from(PERIODS_US)
     clocks, angles = st.sampled_from(CLOCKS_S), st.integers(0, _ANGLES - 1)
     single = [
@@ -50,20 +52,24 @@ def beginning_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> 
     )
 
 
-def restart_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def restart_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw resets of the running controller, one or twenty in a row."""
     return st.builds(
         lambda often, at, run: with_restarts(run, *(moments(at) if often else (at,))),
         st.booleans(),
         change_times(),
-        steady_runs(motor, speed_range),
+        steady_runs(drive, speed_range),
     )
 
 
-def phase_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def phase_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw current sensors of one phase with a wrong gain or offset, or with samples that are lost."""
-    runs = steady_runs(motor, speed_range)
-    phases = st.integers(1, motor.phases)
+    runs = steady_runs(drive, speed_range)
+    phases = st.integers(1, drive.machine.phases)
     gains = st.builds(
         lambda phase, steps, run: with_current_error(run, phase, gain=round(1.0 + 0.02 * steps, 2)),
         phases,

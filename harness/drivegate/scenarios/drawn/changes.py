@@ -16,7 +16,7 @@ from drivegate.scenarios.changes import (
 )
 from drivegate.scenarios.drawn.steps import change_times, loaded_speeds, shares, steady_runs
 from drivegate.scenarios.speed_range import SpeedRange
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -27,13 +27,15 @@ _WEIGHTS_KG = (150.0, 200.0)
 _GEARS = (6.0, 8.0)
 
 
-def load_step_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def load_step_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw steps of the load, up or down, lasting or soon taken back."""
 
     def build(
         constant_power: bool, back: int, at: float, before: float, after: float, speed: float
     ) -> Scenario:
-        whole = steady_scenario(motor, speed, power_share=1.0, constant_power=constant_power)
+        whole = steady_scenario(drive, speed, power_share=1.0, constant_power=constant_power)
         changes = [(0.0, before), (at, after)]
         if back:
             changes.append((round(at + 0.1 * back, 9), before))
@@ -46,23 +48,25 @@ def load_step_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> 
         change_times(),
         shares(),
         shares(),
-        loaded_speeds(motor, speed_range),
+        loaded_speeds(drive, speed_range),
     )
 
 
-def speed_step_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def speed_step_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw changes of the speed reference under load: up at once or as a ramp, down slower than the shaft coasts."""
 
     def build(
         constant_power: bool, at: float, longer: int, share: float, before: float, after: float
     ) -> Scenario:
         faster = max(before, after)
-        run = steady_scenario(motor, faster, power_share=share, constant_power=constant_power)
+        run = steady_scenario(drive, faster, power_share=share, constant_power=constant_power)
         over = _RAMP_STEP_S * longer
         if after < before:
             # At the higher speed a constant power load is lightest.
-            torque = motor.rated_power_w * share / (faster * RADIANS_PER_RPM)
-            fastest = COASTING_SHARE * torque / motor.inertia_kg_m2
+            torque = drive.rating.rated_power_w * share / (faster * RADIANS_PER_RPM)
+            fastest = COASTING_SHARE * torque / drive.machine.inertia_kg_m2
             least = (before - after) * RADIANS_PER_RPM / fastest
             over += _RAMP_STEP_S * math.ceil(least / _RAMP_STEP_S)
         return with_speed(run, stepped(before, after, at, over_s=over))
@@ -73,12 +77,14 @@ def speed_step_scenarios(motor: Motor, speed_range: SpeedRange | None = None) ->
         change_times(),
         st.integers(0, 30),
         shares(),
-        loaded_speeds(motor, speed_range),
-        loaded_speeds(motor, speed_range),
+        loaded_speeds(drive, speed_range),
+        loaded_speeds(drive, speed_range),
     )
 
 
-def supply_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def supply_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw dips and swells of the supply, for a moment or for good."""
 
     def build(swell: bool, tenths: int, at: float, percent: int, run: Scenario) -> Scenario:
@@ -93,16 +99,18 @@ def supply_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.
         st.integers(0, 10),
         change_times(),
         st.integers(1, 10),
-        steady_runs(motor, speed_range),
+        steady_runs(drive, speed_range),
     )
 
 
-def vehicle_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def vehicle_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw runs of a light vehicle, on a flat road at first."""
 
     def build(mass: float, gear: float, at: float, half_percents: int, speed: float) -> Scenario:
         grade = stepped(0.0, 0.5 * half_percents, at) if half_percents else ((0.0, 0.0),)
-        return vehicle_scenario(motor, speed, mass_kg=mass, gear_ratio=gear, grade_percent=grade)
+        return vehicle_scenario(drive, speed, mass_kg=mass, gear_ratio=gear, grade_percent=grade)
 
     return st.builds(
         build,
@@ -110,5 +118,5 @@ def vehicle_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st
         st.sampled_from(_GEARS),
         change_times(),
         st.integers(0, 2),
-        loaded_speeds(motor, speed_range),
+        loaded_speeds(drive, speed_range),
     )

@@ -16,21 +16,23 @@ from drivegate.scenarios.changes import (
 from drivegate.scenarios.drawn.changes import load_step_scenarios
 from drivegate.scenarios.drawn.steps import change_times, nonzero, steady_runs
 from drivegate.scenarios.speed_range import SpeedRange
-from drivegate_cases.motor.motor import Motor
-from drivegate_cases.motor.scales import NOMINAL
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
 
 
-def _any_runs(motor: Motor, speed_range: SpeedRange | None) -> st.SearchStrategy[Scenario]:
+def _any_runs(drive: DriveDocument, speed_range: SpeedRange | None) -> st.SearchStrategy[Scenario]:
     """Draw steady runs, those at rated power apart, and load steps."""
     return st.one_of(
-        steady_runs(motor, speed_range),
-        steady_runs(motor, speed_range, lightest=0),
-        load_step_scenarios(motor, speed_range),
+        steady_runs(drive, speed_range),
+        steady_runs(drive, speed_range, lightest=0),
+        load_step_scenarios(drive, speed_range),
     )
 
 
-def parameter_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def parameter_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw plants whose parameters are not the nameplate's, one of them or several."""
     values = {
         "resistance": _factors(-5, 10, 0.1),
@@ -43,16 +45,18 @@ def parameter_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> 
         st.fixed_dictionaries({key: value.filter(nominal[key].__ne__)}) for key, value in values.items()
     ]
     factors = st.one_of(*single, st.fixed_dictionaries(values))
-    return st.builds(lambda values, run: with_scales(run, **values), factors, _any_runs(motor, speed_range))
+    return st.builds(lambda values, run: with_scales(run, **values), factors, _any_runs(drive, speed_range))
 
 
 def _factors(lowest: int, highest: int, step: float) -> st.SearchStrategy[float]:
     return st.integers(lowest, highest).map(lambda count: round(1.0 + step * count, 2))
 
 
-def sensor_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def sensor_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw runs through the sensors of the published implementation."""
-    return _seen(_any_runs(motor, speed_range))
+    return _seen(_any_runs(drive, speed_range))
 
 
 def _seen(runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
@@ -60,9 +64,11 @@ def _seen(runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
     return st.builds(lambda seed, run: with_mcs96(run, seed), st.integers(0, 999), runs)
 
 
-def fault_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def fault_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw signals that are lost for a moment, false encoder edges, unequal supply halves and drift."""
-    runs = steady_runs(motor, speed_range)
+    runs = steady_runs(drive, speed_range)
     lost = st.builds(
         lambda signal, at, milliseconds, run: with_dropout(run, signal, at, milliseconds / 1000.0),
         st.sampled_from(("speed", "currents", "supply")),

@@ -11,7 +11,7 @@ from drivegate.scenarios.changes import pulsed, repeated, stepped, with_load_fac
 from drivegate.scenarios.drawn.changes import COASTING_SHARE
 from drivegate.scenarios.drawn.steps import LOAD_STEP, change_times, loaded_speeds, shares
 from drivegate.scenarios.speed_range import SpeedRange
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
@@ -22,19 +22,21 @@ STANDSTILL_S = 2.0
 _HEAVIEST_AT_STANDSTILL = 0.5
 
 
-def load_course_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def load_course_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw loads that come or go as a ramp, vanish for a while or for good, or change twenty times in a row."""
 
     def build(
         course: str, constant_power: bool, at: float, before: float, tenths: int, after: float, speed: float
     ) -> Scenario:
-        whole = steady_scenario(motor, speed, power_share=1.0, constant_power=constant_power)
+        whole = steady_scenario(drive, speed, power_share=1.0, constant_power=constant_power)
         return with_load_factor(whole, load_course(course, before, after, at, round(0.1 * tenths, 1)))
 
     def drawn(
         course: str, lasting: st.SearchStrategy[int], other: st.SearchStrategy[float]
     ) -> st.SearchStrategy[Scenario]:
-        speeds = loaded_speeds(motor, speed_range)
+        speeds = loaded_speeds(drive, speed_range)
         return st.builds(
             build, st.just(course), st.booleans(), change_times(), shares(), lasting, other, speeds
         )
@@ -64,17 +66,20 @@ def load_course(course: str, before: float, after: float, at_s: float, lasts_s: 
     return ((0.0, 0.0), (LOAD_RAMP_S, before), *profile[1:])
 
 
-def standstill_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def standstill_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw references that begin at zero, or go down to it and up again, under loads that no advance is needed for."""
     if speed_range is not None and speed_range[0] > 0.0:
         return st.nothing()
 
     def build(begins: bool, slower: int, steps: int, at: float, speed: float) -> Scenario:
-        heaviest = _HEAVIEST_AT_STANDSTILL * motor.rated_power_w / (motor.base_speed_rpm * RADIANS_PER_RPM)
-        rated = motor.rated_power_w / (speed * RADIANS_PER_RPM)
+        power, base_speed = drive.rating.rated_power_w, drive.rating.base_speed_rpm * RADIANS_PER_RPM
+        heaviest = _HEAVIEST_AT_STANDSTILL * power / base_speed
+        rated = power / (speed * RADIANS_PER_RPM)
         torque = LOAD_STEP * steps * min(heaviest, rated)
         return standstill_scenario(
-            motor, speed, torque_nm=torque, at_s=at, over_s=0.1 * slower, begins=begins
+            drive, speed, torque_nm=torque, at_s=at, over_s=0.1 * slower, begins=begins
         )
 
     return st.builds(
@@ -83,21 +88,27 @@ def standstill_scenarios(motor: Motor, speed_range: SpeedRange | None = None) ->
         st.one_of(st.just(0), st.integers(10, 30)),
         st.integers(2, 18),
         change_times(),
-        loaded_speeds(motor, speed_range),
+        loaded_speeds(drive, speed_range),
     )
 
 
 def standstill_scenario(
-    motor: Motor, speed_rpm: float, *, torque_nm: float, at_s: float, over_s: float, begins: bool = False
+    drive: DriveDocument,
+    speed_rpm: float,
+    *,
+    torque_nm: float,
+    at_s: float,
+    over_s: float,
+    begins: bool = False,
 ) -> Scenario:
     """Make a run that begins at standstill, or comes to it and leaves it again, under a constant torque."""
     load = ConstantTorqueLoad(
         kind="constant_torque", torque_nm=round(torque_nm, 3), factor=((0.0, 0.0), (LOAD_RAMP_S, 1.0))
     )
-    run = steady_scenario(motor, speed_rpm, power_share=0.5, constant_power=False).replaced(load=load)
+    run = steady_scenario(drive, speed_rpm, power_share=0.5, constant_power=False).replaced(load=load)
     if begins:
         return with_speed(run, stepped(0.0, speed_rpm, at_s, over_s=over_s))
-    fall = COASTING_SHARE * load.torque_nm / motor.inertia_kg_m2 / RADIANS_PER_RPM
+    fall = COASTING_SHARE * load.torque_nm / drive.machine.inertia_kg_m2 / RADIANS_PER_RPM
     down = tidy(at_s + 0.1 * math.ceil(speed_rpm / fall / 0.1))
     up = tidy(down + STANDSTILL_S)
     return with_speed(

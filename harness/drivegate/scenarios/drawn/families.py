@@ -19,34 +19,38 @@ from drivegate.scenarios.drawn.circumstances import fault_scenarios, parameter_s
 from drivegate.scenarios.drawn.courses import load_course_scenarios, standstill_scenarios
 from drivegate.scenarios.drawn.steps import SPEED_STEP_RPM, loaded_speeds, shares, steady_runs, steps_between
 from drivegate.scenarios.speed_range import HIGHEST_LOADED, SpeedRange
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 
-Family: TypeAlias = Callable[[Motor, SpeedRange | None], st.SearchStrategy[Scenario]]
-"""From a motor and the speeds that a candidate is made for to scenarios of one kind."""
+Family: TypeAlias = Callable[[DriveDocument, SpeedRange | None], st.SearchStrategy[Scenario]]
+"""From a drive and the speeds that a candidate is made for to scenarios of one kind."""
 
 HIGHEST_ADVISED = 4.0
 """Highest speed over base speed, up to which constant power is required in an advisory way (1)."""
 
 
-def steady_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def steady_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw runs at one speed under one load."""
-    return steady_runs(motor, speed_range)
+    return steady_runs(drive, speed_range)
 
 
 def constant_power_scenarios(
-    motor: Motor, speed_range: SpeedRange | None = None
+    drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
     """Draw runs at rated power."""
-    return loaded_speeds(motor, speed_range).map(
-        lambda speed: steady_scenario(motor, speed, power_share=1.0, constant_power=True)
+    return loaded_speeds(drive, speed_range).map(
+        lambda speed: steady_scenario(drive, speed, power_share=1.0, constant_power=True)
     )
 
 
-def overspeed_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def overspeed_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw runs beyond the required speeds, at rated power or under any lighter load."""
-    lowest = HIGHEST_LOADED * motor.base_speed_rpm + SPEED_STEP_RPM
-    highest = HIGHEST_ADVISED * motor.base_speed_rpm
+    lowest = HIGHEST_LOADED * drive.rating.base_speed_rpm + SPEED_STEP_RPM
+    highest = HIGHEST_ADVISED * drive.rating.base_speed_rpm
     if speed_range is not None:
         lowest, highest = max(lowest, speed_range[0]), min(highest, speed_range[1])
     if lowest > highest:
@@ -54,27 +58,32 @@ def overspeed_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> 
     speeds = steps_between(lowest, highest)
     lighter = st.builds(
         lambda constant_power, share, speed: steady_scenario(
-            motor, speed, power_share=share, constant_power=constant_power
+            drive, speed, power_share=share, constant_power=constant_power
         ),
         st.booleans(),
         shares(),
         speeds,
     )
-    rated = speeds.map(lambda speed: steady_scenario(motor, speed, power_share=1.0, constant_power=True))
+    rated = speeds.map(lambda speed: steady_scenario(drive, speed, power_share=1.0, constant_power=True))
     return st.one_of(rated, lighter)
 
 
-def base_speed_scenarios(motor: Motor, speed_range: SpeedRange | None = None) -> st.SearchStrategy[Scenario]:
+def base_speed_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
     """Draw unloaded runs through base speed."""
     below, above = 80, 8
     if speed_range is not None:
-        below = min(below, int((motor.base_speed_rpm - speed_range[0]) // 5.0))
-        above = min(above, int((speed_range[1] - motor.base_speed_rpm) // 5.0))
+        below = min(below, int((drive.rating.base_speed_rpm - speed_range[0]) // 5.0))
+        above = min(above, int((speed_range[1] - drive.rating.base_speed_rpm) // 5.0))
     if below < 2 or above < 1:
         return st.nothing()
     return st.builds(
         lambda below, above, fall: base_speed_scenario(
-            motor, motor.base_speed_rpm - 5.0 * below, motor.base_speed_rpm + 5.0 * above, float(fall)
+            drive,
+            drive.rating.base_speed_rpm - 5.0 * below,
+            drive.rating.base_speed_rpm + 5.0 * above,
+            float(fall),
         ),
         st.integers(1, below),
         st.integers(1, above),
@@ -96,10 +105,10 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
 
 
 def drawn_scenarios(
-    motor: Motor, speed_range: SpeedRange | None = None, group: int | None = None
+    drive: DriveDocument, speed_range: SpeedRange | None = None, group: int | None = None
 ) -> st.SearchStrategy[Scenario]:
     """Draw a scenario of any family, or of one group of them."""
     groups = FAMILY_GROUPS if group is None else (FAMILY_GROUPS[group % len(FAMILY_GROUPS)],)
-    drawn = [family(motor, speed_range) for families in groups for family in families]
+    drawn = [family(drive, speed_range) for families in groups for family in families]
     filled = [strategy for strategy in drawn if not strategy.is_empty]
-    return st.one_of(filled or [steady_scenarios(motor, speed_range)])
+    return st.one_of(filled or [steady_scenarios(drive, speed_range)])

@@ -14,7 +14,7 @@ from drivegate.scenarios.changes import (
     CHANGE_S,
 )
 from drivegate.scenarios.speed_range import SpeedRange, loaded_range
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 
 SPEED_STEP_RPM = 10.0
@@ -36,9 +36,9 @@ def steps_between(lowest: float, highest: float) -> st.SearchStrategy[float]:
     return st.integers(0, top - bottom).map(lambda slower: SPEED_STEP_RPM * (top - slower))
 
 
-def loaded_speeds(motor: Motor, speed_range: SpeedRange | None) -> st.SearchStrategy[float]:
+def loaded_speeds(drive: DriveDocument, speed_range: SpeedRange | None) -> st.SearchStrategy[float]:
     """Draw a speed of a loaded run."""
-    return steps_between(*loaded_range(motor, speed_range))
+    return steps_between(*loaded_range(drive, speed_range))
 
 
 def shares(lightest: int = LIGHTEST_STEPS) -> st.SearchStrategy[float]:
@@ -58,14 +58,14 @@ def nonzero(greatest: int) -> st.SearchStrategy[int]:
 
 
 def steady_runs(
-    motor: Motor, speed_range: SpeedRange | None, *, lightest: int = LIGHTEST_STEPS
+    drive: DriveDocument, speed_range: SpeedRange | None, *, lightest: int = LIGHTEST_STEPS
 ) -> st.SearchStrategy[Scenario]:
     """Draw runs at one speed under one load, of constant torque or constant power."""
     return st.builds(
         lambda constant_power, share, speed: steady_scenario(
-            motor, speed, power_share=share, constant_power=constant_power
+            drive, speed, power_share=share, constant_power=constant_power
         ),
         st.booleans(),
         shares(lightest),
-        loaded_speeds(motor, speed_range),
+        loaded_speeds(drive, speed_range),
     )

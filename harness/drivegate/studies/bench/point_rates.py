@@ -6,7 +6,7 @@ import time
 from math import degrees, radians
 from typing import Final
 
-from drivegate.drives.kinds import DEFAULT_KIND, DEFAULT_MOTOR
+from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_KIND
 from drivegate.studies.bench.measurement import Correctness, Value, duration, rate, timed
 from drivegate.studies.bench.workbench import Workbench
 
@@ -25,13 +25,13 @@ def steady_rate(bench: Workbench, band: float) -> Value:
     """Measure the solution of steady states."""
     import numpy as np
 
-    from drivegate_cases.motor.motor import load_motor
+    from drivegate_cases.drive.drive_document import load_drive
     from drivegate_models.half_bridge.plant.phases import make_phases
     from drivegate_models.half_bridge.steady.grid import POINT_COLUMNS, solve_points
     from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME
 
     # Without core loss, which floating phases take from the shaft, powers add up from what a point tells.
-    drive = load_motor(DEFAULT_MOTOR).drive()._replace(hysteresis_band=band, core_loss_conductance=0.0)
+    drive = load_drive(DEFAULT_DRIVE).plant()._replace(hysteresis_band=band, core_loss_conductance=0.0)
     work, slices = make_phases(drive, KEPT_TIME), make_phases(drive)
     count = POINTS // 10 if bench.quick else POINTS
     places = np.arange(count, dtype=np.float64)
@@ -61,10 +61,10 @@ def steady_rate(bench: Workbench, band: float) -> Value:
 
 def oracle_time(bench: Workbench, speed_rpm: float, torque: float) -> Value:
     """Measure how long the angle of least Σ|i| takes at one point."""
-    from drivegate_cases.motor.motor import load_motor
+    from drivegate_cases.drive.drive_document import load_drive
     from drivegate_models.units import RADIANS_PER_RPM
 
-    oracle, drive = DEFAULT_KIND.oracle(), load_motor(DEFAULT_MOTOR).drive()
+    oracle, drive = DEFAULT_KIND.oracle(), load_drive(DEFAULT_DRIVE).plant()
     speed = speed_rpm * RADIANS_PER_RPM
     best = oracle.least_current_sum(drive, speed, torque)
     there = oracle.point_at_torque(drive, speed, best.advance, torque)

@@ -78,7 +78,7 @@ class Workbench:
 def operating_scenario(speed_rpm: int, sensors: str, seconds: float) -> Scenario:
     """Make a run at one speed: 9.8 N·m, or less where that would be more than rated power."""
     published = load_scenario("fig5-search")
-    rated = published.motor.rated_power_w / (speed_rpm * RADIANS_PER_RPM)
+    rated = published.drive.rating.rated_power_w / (speed_rpm * RADIANS_PER_RPM)
     torque = round(min(_MOST_TORQUE, _SHARE_OF_POWER * rated), 2)
     return published.replaced(
         name=f"bench-{speed_rpm}-{sensors}",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import degrees
 from typing import Any, Final
 
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.half_bridge.steady.calibration import (
     ROUNDING,
     Calibration,
@@ -18,28 +18,28 @@ from drivegate_models.half_bridge.steady.calibration import (
 SCHEMA: Final = 1
 
 
-def calibration_document(stored: Motor) -> dict[str, Any]:
-    """Fit the motor's constants to the facts, and compare them with those of a stored motor."""
+def calibration_document(stored: DriveDocument) -> dict[str, Any]:
+    """Fit the motor's constants to the facts, and compare them with those of a stored drive."""
     # The facts are read with an ideal regulator and without core loss, as in the fit.
-    ideal = stored.replaced(hysteresis_band_a=0.0, core_loss_conductance_s=0.0).drive()
-    calibration = calibrate(resistance=stored.resistance_ohm)
+    ideal = stored.replaced(hysteresis_band_a=0.0, core_loss_conductance_s=0.0).plant()
+    calibration = calibrate(resistance=stored.machine.resistance_ohm)
     fitted, spread = _constants(calibration.constants), _constants(calibration.spread)
     constants = [
         {
             "key": key,
             "fitted": fitted[key],
             "spread": spread[key],
-            "stored": getattr(stored, key),
-            "agrees": abs(getattr(stored, key) - fitted[key]) <= spread[key],
+            "stored": stored.value(key),
+            "agrees": abs(stored.value(key) - fitted[key]) <= spread[key],
         }
         for key in fitted
     ]
     facts = _facts(calibration.facts, published_facts(ideal))
     return {
         "schema": SCHEMA,
-        "motor": stored.name,
+        "drive": stored.name,
         "agrees": all(row["agrees"] for row in (*constants, *facts)),
-        "resistance_ohm": stored.resistance_ohm,
+        "resistance_ohm": stored.machine.resistance_ohm,
         "constants": constants,
         "facts": facts,
         **_evidence(calibration),

@@ -38,10 +38,10 @@ def show_calibration(console: Console, document: dict[str, Any]) -> None:
     )
     console.print(plain(f"the EMF constant requires {flux:.2f} T in the gap with the published geometry"))
     if document["agrees"]:
-        console.print(plain(f"the stored motor '{document['motor']}' agrees with the fit", "green"))
+        console.print(plain(f"the stored drive '{document['drive']}' agrees with the fit", "green"))
     else:
         message = (
-            f"the stored motor '{document['motor']}' differs from the fit by more than rounding explains"
+            f"the stored drive '{document['drive']}' differs from the fit by more than rounding explains"
         )
         console.print(plain(message, "bold red"))
     console.print(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from drivegate.scenarios.parameters import MOTOR_KEYS, SCALES, SPEED
+from drivegate.scenarios.parameters import DRIVE_KEYS, SCALES, SPEED
 from drivegate.studies.campaign.file import NormalSpread, Spread
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
@@ -34,9 +34,9 @@ def with_parameters(case: Scenario, parameters: Mapping[str, float], *, name: st
     scales = {key: value for key, value in parameters.items() if key in SCALES}
     if scales:
         changes["scales"] = _scaled(case, scales)
-    motor = {key: value for key, value in parameters.items() if key in MOTOR_KEYS}
-    if motor:
-        changes["motor"] = case.motor.with_overrides([f"{key}={value:.17g}" for key, value in motor.items()])
+    drive = {key: value for key, value in parameters.items() if key in DRIVE_KEYS}
+    if drive:
+        changes["drive"] = case.drive.with_overrides([f"{key}={value:.17g}" for key, value in drive.items()])
     if SPEED in parameters:
         changes["initial_speed_rpm"] = parameters[SPEED]
         changes["speed_rpm"] = ((0.0, parameters[SPEED]),)

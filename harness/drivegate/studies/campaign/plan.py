@@ -18,6 +18,7 @@ from drivegate.studies.campaign.file import Campaign
 from drivegate.studies.campaign.parameters import drawn, with_parameters
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate_cases.documents.wording import one_line
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError
 
@@ -154,10 +155,12 @@ class CampaignPlan:
                     with_parameters(case, point | extremes, name=case.name, seed=0)
 
 
-def planned(campaign: Campaign, folder: Path) -> CampaignPlan:
-    """Find what a campaign names."""
+def planned(campaign: Campaign, folder: Path, drive: DriveDocument | None = None) -> CampaignPlan:
+    """Find what a campaign names; a drive that is given takes the place of every case's."""
     candidates = tuple(resolve_candidate(beside(text, folder)) for text in campaign.candidates)
     cases = tuple(load_scenario(beside(text, folder)) for text in campaign.cases)
+    if drive is not None:
+        cases = tuple(case.replaced(drive=drive) for case in cases)
     for noun, names in (
         ("candidates", [candidate.name for candidate in candidates]),
         ("cases", [case.name for case in cases]),

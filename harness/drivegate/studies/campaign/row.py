@@ -100,7 +100,7 @@ class CampaignRow:
 
 def run_row(loaded: JudgedCandidate, request: RowRequest) -> CampaignRow:
     """Make a run and judge it."""
-    if not kind_of(request.scenario.motor).is_fair(request.scenario):
+    if not kind_of(request.scenario.drive).is_fair(request.scenario):
         return CampaignRow(SET_ASIDE)
     try:
         record = recorded(loaded, request.scenario, loaded.controller())

@@ -1,10 +1,10 @@
-"""The scenarios, operating points, sweeps, drive cycles and motors that come along, as a document."""
+"""The scenarios, operating points, sweeps, drive cycles and drives that come along, as a document."""
 
 from __future__ import annotations
 
 from typing import Any, Final
 
-from drivegate_cases.motor.motor import load_motor, motor_names
+from drivegate_cases.drive.drive_document import drive_names, load_drive
 from drivegate_cases.scenario.drive_cycle import cycle_names, load_drive_cycle
 from drivegate_cases.scenario.operating_point import (
     load_operating_point,
@@ -25,7 +25,7 @@ def cases_document() -> dict[str, Any]:
         "operating_points": _operating_points(),
         "sweeps": _sweeps(),
         "drive_cycles": _drive_cycles(),
-        "motors": _motors(),
+        "drives": _drives(),
     }
 
 
@@ -34,7 +34,7 @@ def _scenarios() -> list[dict[str, Any]]:
         {
             "name": name,
             "description": scenario.description,
-            "motor": scenario.motor.name,
+            "drive": scenario.drive.name,
             "duration_s": scenario.duration_s,
         }
         for name in scenario_names()
@@ -85,13 +85,14 @@ def _drive_cycles() -> list[dict[str, Any]]:
     ]
 
 
-def _motors() -> list[dict[str, Any]]:
+def _drives() -> list[dict[str, Any]]:
     return [
         {
             "name": name,
-            "description": f"{motor.phases} phases, {2 * motor.pole_pairs} poles, {motor.rated_power_w:g} W, "
-            f"{motor.base_speed_rpm:g} rpm, 2 × {motor.supply_voltage_v:g} V",
+            "description": f"{drive.machine.phases} phases, {2 * drive.machine.pole_pairs} poles, "
+            f"{drive.rating.rated_power_w:g} W, "
+            f"{drive.rating.base_speed_rpm:g} rpm, 2 × {drive.inverter.supply_voltage_v:g} V",
         }
-        for name in motor_names()
-        for motor in [load_motor(name)]
+        for name in drive_names()
+        for drive in [load_drive(name)]
     ]

@@ -17,7 +17,7 @@ def show_cases(console: Console, document: dict[str, Any]) -> None:
         ("operating_points", "operating point"),
         ("sweeps", "sweep"),
         ("drive_cycles", "drive cycle"),
-        ("motors", "motor"),
+        ("drives", "drive"),
     ):
         listed = table(heading, "description")
         for row in document[key]:
@@ -25,7 +25,7 @@ def show_cases(console: Console, document: dict[str, Any]) -> None:
         console.print(listed)
     console.print(
         plain(
-            "next: drivegate simulate reference --case NAME runs a scenario, --motor NAME takes a motor, "
+            "next: drivegate simulate reference --case NAME runs a scenario, --drive NAME takes a drive, "
             "drivegate compare A B --cycle NAME drives a cycle",
             "dim",
         )

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.resolution import resolve_candidate
@@ -24,6 +24,9 @@ from drivegate.studies.check.checked import Checked, summary
 from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import HarnessFault, InputError
+
+if TYPE_CHECKING:
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 _Result = TypeVar("_Result")
 
@@ -99,14 +102,19 @@ def check_all(
     sign: Path | None = None,
     part: Part = WHOLE_CHECK,
     *,
+    drive: DriveDocument | None = None,
     quiet: bool = False,
 ) -> list[Checked]:
-    """Check candidates and write their reports; nothing is written where there is no result."""
+    """Check candidates and write their reports; nothing is written where there is no result.
+
+    Each is checked on the drive that is given, else on the one that its manifest names, else on the default.
+    """
     finish = _finish(sign)
     all_checked = [_resolved(specification) for specification in specifications]
     if all(checked.candidate is None for checked in all_checked):
         return all_checked
     options = _options(effort, records, [_name(checked) for checked in all_checked])
+    options["drive"] = drive
     if part != WHOLE_CHECK:
         options["focus"] = focus_of(part, [checked.candidate for checked in all_checked], output)
     taken: set[str] = set()

@@ -9,17 +9,20 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.drives.kinds import DEFAULT_MOTOR
+from drivegate.drives.choice import common_drive
 from drivegate.output.event_loop import followed
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
 from drivegate.output.report_writers import COMPARISON_GROUP, report_points, write_reports
 from drivegate.output.result_file import as_json
+
+if TYPE_CHECKING:
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 COMPARISON_FILE: Final = "comparison.json"
 TABLES: Final = "tables"
@@ -41,6 +44,8 @@ class ComparisonOptions:
         Whether the checks are made as well.
     cycle : str
         Name or file of the drive cycle.
+    drive : DriveDocument or None
+        The drive; None for that of the candidates' manifests, or the default.
     """
 
     effort: str = "default"
@@ -48,6 +53,7 @@ class ComparisonOptions:
     workers: int | None = None
     checks: bool = True
     cycle: str = "ece-15"
+    drive: DriveDocument | None = None
 
 
 @dataclass(frozen=True)
@@ -71,15 +77,15 @@ class ComparisonEnding:
 
 def compare_all(specifications: Sequence[str], output: Path, options: ComparisonOptions) -> ComparisonEnding:
     """Compare candidates and write the report; nothing is written where none of them could be run."""
-    from drivegate_cases.motor.motor import load_motor
     from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 
     resolved = [_resolved(specification) for specification in specifications]
-    if not any(isinstance(found, Candidate) for found in resolved):
+    candidates = [found for found in resolved if isinstance(found, Candidate)]
+    if not candidates:
         return ComparisonEnding(None, (), _errors(specifications, resolved))
-    cycle, motor = load_drive_cycle(options.cycle), load_motor(DEFAULT_MOTOR)
+    cycle, drive = load_drive_cycle(options.cycle), common_drive(candidates, options.drive)
     with ReportFolder(output) as folder:
-        document, refused = _compared(specifications, resolved, cycle, motor, options)
+        document, refused = _compared(specifications, resolved, cycle, drive, options)
         if document is None:
             return ComparisonEnding(None, (), refused)
         write_tables(document, folder.staging)
@@ -112,7 +118,7 @@ def _compared(
     specifications: Sequence[str],
     resolved: Sequence[Candidate | Exception],
     cycle: Any,
-    motor: Any,
+    drive: DriveDocument,
     options: ComparisonOptions,
 ) -> tuple[dict[str, Any] | None, tuple[tuple[str, Exception], ...]]:
     # These bring the compiled plant, which candidates that are refused do not need.
@@ -129,7 +135,7 @@ def _compared(
     oracle: dict[str, Any] = {}
     with progress_on(sys.stderr) as display:
         followed(prepared(), display)
-        plan = planned_runs(motor, cycle, options.effort, options.seed)
+        plan = planned_runs(drive, cycle, options.effort, options.seed)
         for compared, found in zip(all_compared, resolved, strict=True):
             if isinstance(found, Exception):
                 compared.error = found
@@ -154,7 +160,7 @@ def _compared(
         all_compared,
         plan,
         oracle,
-        motor=motor,
+        drive=drive,
         cycle=cycle,
         effort=options.effort,
         seed=options.seed,

@@ -30,7 +30,7 @@ from drivegate.studies.compare.tables import (
     point_rows,
     repeated_rows,
 )
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.drive_cycle import DriveCycle
 
 SCHEMA: Final = 1
@@ -44,7 +44,7 @@ def comparison_document(
     plan: Sequence[PlannedRun],
     oracle: dict[str, Any],
     *,
-    motor: Motor,
+    drive: DriveDocument,
     cycle: DriveCycle,
     effort: str,
     seed: int,
@@ -64,10 +64,10 @@ def comparison_document(
         "rule": RULE if checks else RULE_WITHOUT_CHECKS,
         "method": METHOD,
         "checks_effort": CHECKS_EFFORT if checks else None,
-        "motor": {
-            "name": motor.name,
-            "base_speed_rpm": motor.base_speed_rpm,
-            "rated_power_w": motor.rated_power_w,
+        "drive": {
+            "name": drive.name,
+            "base_speed_rpm": drive.rating.base_speed_rpm,
+            "rated_power_w": drive.rating.rated_power_w,
         },
         "size": asdict(EFFORTS[effort]) | {"runs_of_each": len(plan)},
         "cycle": _cycle(cycle),

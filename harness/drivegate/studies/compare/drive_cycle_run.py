@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.drive_cycle import DriveCycle
 from drivegate_cases.scenario.load import GRAVITY, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
@@ -47,15 +47,15 @@ PHASES: Final = ("accelerating", "cruising", "slowing", "standing")
 """Kinds of stretches of a cycle."""
 
 
-def cycle_scenario(cycle: DriveCycle, motor: Motor, *, noise_seed: int | None = None) -> Scenario:
+def cycle_scenario(cycle: DriveCycle, drive: DriveDocument, *, noise_seed: int | None = None) -> Scenario:
     """Make the run of a drive cycle."""
     period = LONGEST_CONTROL_PERIOD_S
     periods = math.ceil(cycle.duration_s / period - 1e-6)
     rpm_per_km_h = 1.0 / 3.6 / VEHICLE.lever_m / RADIANS_PER_RPM
-    load = VEHICLE.model_copy(update={"grade_percent": braking_grade(cycle, motor)})
+    load = VEHICLE.model_copy(update={"grade_percent": braking_grade(cycle, drive)})
     return Scenario(
         name=f"cycle-{cycle.name}"[:200],
-        motor=motor,
+        drive=drive,
         duration_s=round(periods * period, 9),
         initial_speed_rpm=round(cycle.speed_km_h[0][1] * rpm_per_km_h, 6),
         speed_rpm=tuple((time, round(speed * rpm_per_km_h, 6)) for time, speed in cycle.speed_km_h),
@@ -65,7 +65,7 @@ def cycle_scenario(cycle: DriveCycle, motor: Motor, *, noise_seed: int | None = 
     )
 
 
-def braking_grade(cycle: DriveCycle, motor: Motor) -> Profile:
+def braking_grade(cycle: DriveCycle, drive: DriveDocument) -> Profile:
     """Give the driver's brake as a grade of the road."""
     points: list[tuple[float, float]] = []
     for (start, first), (end, last) in pairwise(cycle.speed_km_h):
@@ -79,21 +79,21 @@ def braking_grade(cycle: DriveCycle, motor: Motor) -> Profile:
         for piece in range(pieces + 1):
             share = piece / pieces
             speed = (first + share * (last - first)) / 3.6
-            grade = _grade(deceleration, speed, motor, standing=first == last == 0.0)
+            grade = _grade(deceleration, speed, drive, standing=first == last == 0.0)
             point = (round(start + share * (end - start), 9), grade)
             if not points or points[-1] != point:
                 points.append(point)
     return tuple(points)
 
 
-def _grade(deceleration: float, speed: float, motor: Motor, *, standing: bool) -> float:
+def _grade(deceleration: float, speed: float, drive: DriveDocument, *, standing: bool) -> float:
     """Return the grade whose weight along the road is the brake's force (%)."""
     if standing:
         return round(100.0 * STANDING_BRAKE, 6)
     if deceleration <= 0.0:
         return 0.0
     weight = VEHICLE.mass_kg * GRAVITY
-    inertial = (VEHICLE.mass_kg + motor.inertia_kg_m2 / VEHICLE.lever_m**2) * deceleration
+    inertial = (VEHICLE.mass_kg + drive.machine.inertia_kg_m2 / VEHICLE.lever_m**2) * deceleration
     by_itself = VEHICLE.torque_at(speed / VEHICLE.lever_m / RADIANS_PER_RPM) / VEHICLE.lever_m
     share = min(max((inertial - by_itself) / weight, 0.0), 0.7)
     return round(100.0 * share / math.sqrt(1.0 - share * share), 6)

@@ -21,6 +21,7 @@ from drivegate.results.verdict import check_outcomes
 from drivegate.studies.compare.oracle import greatest_torque, oracle_point, solved
 from drivegate.studies.compare.plan import PlannedRun
 from drivegate.studies.compare.run import Figures, measured, timed
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import HarnessFault
 
 CHECKS_EFFORT: Final = "quick"
@@ -114,7 +115,7 @@ def run_plan(
     """Run a candidate through a plan, and let the checks judge it."""
     candidate = compared.candidate
     assert candidate is not None, "only a candidate can be run"
-    work = _checks_work(candidate, seed) if checks else []
+    work = _checks_work(candidate, plan[0].scenario.drive, seed) if checks else []
     total = len(plan) + 1 + sum(item.runs for item in work)
     yield CheckStarted(compared.label, total)
     done = 0
@@ -136,9 +137,9 @@ def _count(workers: int | None) -> int:
     return workers or os.cpu_count() or 1
 
 
-def _checks_work(candidate: Candidate, seed: int) -> list[Work]:
+def _checks_work(candidate: Candidate, drive: DriveDocument, seed: int) -> list[Work]:
     """Plan the checks, but for the one that takes times: those are taken apart."""
-    work = planned_work(CHECKS_EFFORT, seed, declaration=candidate.declaration)
+    work = planned_work(CHECKS_EFFORT, seed, drive=drive, declaration=candidate.declaration)
     return [item for item in work if item.origin is not Origin.TIMED]
 
 

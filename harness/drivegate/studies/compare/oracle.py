@@ -12,7 +12,7 @@ from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.drive_kind import Drive, Oracle
 from drivegate.drives.kinds import kind_of
 from drivegate.studies.compare.plan import PlannedRun
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.units import RADIANS_PER_RPM
 
 _WAYS: Final = 2
@@ -27,8 +27,8 @@ class OraclePoint:
 
     Attributes
     ----------
-    motor : Motor
-        The motor.
+    drive : DriveDocument
+        The drive.
     speed_rpm : float
         Speed (rpm).
     torques_nm : tuple of float
@@ -36,7 +36,7 @@ class OraclePoint:
         candidate's mean torque lies (N·m).
     """
 
-    motor: Motor
+    drive: DriveDocument
     speed_rpm: float
     torques_nm: tuple[float, float]
 
@@ -45,18 +45,18 @@ def oracle_point(planned: PlannedRun) -> OraclePoint:
     """Give the operating point of a planned run."""
     assert planned.speed_rpm is not None, "an operating point has a speed"
     assert planned.share is not None, "an operating point has a load"
-    motor = planned.scenario.motor
-    drive = motor.drive()
+    drive = planned.scenario.drive
+    plant = drive.plant()
     speed = planned.speed_rpm * RADIANS_PER_RPM
-    load = motor.rated_power_w * planned.share / speed
-    own = drive.friction + drive.viscous_friction * speed
-    core = drive.phases * drive.core_loss_conductance * drive.emf_constant**2 * speed
-    return OraclePoint(motor, planned.speed_rpm, (load + own, load + own + core))
+    load = drive.rating.rated_power_w * planned.share / speed
+    own = plant.friction + plant.viscous_friction * speed
+    core = plant.phases * plant.core_loss_conductance * plant.emf_constant**2 * speed
+    return OraclePoint(drive, planned.speed_rpm, (load + own, load + own + core))
 
 
 def solved(_loaded: JudgedCandidate, point: OraclePoint) -> dict[str, Any]:
     """Solve an operating point; this is what a worker process does."""
-    oracle, drive = kind_of(point.motor).oracle(), point.motor.drive()
+    oracle, drive = kind_of(point.drive).oracle(), point.drive.plant()
     speed = point.speed_rpm * RADIANS_PER_RPM
     edge = oracle.feasible_edge(drive, speed, point.torques_nm[1])
     sums = [oracle.least_current_sum(drive, speed, torque).current_sum for torque in point.torques_nm]
@@ -83,10 +83,10 @@ def least_at(oracle: dict[str, Any], key: str, torque_nm: float) -> float | None
 
 def greatest_torque(_loaded: JudgedCandidate, point: OraclePoint) -> float:
     """Find the greatest torque that some advance angle gives at a speed; this is what a worker process does."""
-    oracle, drive = kind_of(point.motor).oracle(), point.motor.drive()
+    oracle, drive = kind_of(point.drive).oracle(), point.drive.plant()
     speed = point.speed_rpm * RADIANS_PER_RPM
-    base = point.motor.base_speed_rpm * RADIANS_PER_RPM
-    return _bisected(oracle, drive, speed, _MOST_TORQUE * point.motor.rated_power_w / base)
+    base = point.drive.rating.base_speed_rpm * RADIANS_PER_RPM
+    return _bisected(oracle, drive, speed, _MOST_TORQUE * point.drive.rating.rated_power_w / base)
 
 
 def _bisected(oracle: Oracle, drive: Drive, speed: float, highest: float) -> float:

@@ -21,7 +21,7 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.studies.compare.drive_cycle_run import cycle_scenario
-from drivegate_cases.motor.motor import Motor
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.drive_cycle import DriveCycle
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -38,7 +38,7 @@ class ComparisonEffort:
     speeds_rpm : tuple of float
         Speeds of the operating points (rpm).
     shares : tuple of float
-        Their loads, as shares of the motor's rated power (1).
+        Their loads, as shares of the drive's rated power (1).
     disturbances : int
         How many of the disturbances.
     noise_seeds : int
@@ -108,33 +108,33 @@ class PlannedRun:
     seed: int | None = None
 
 
-def planned_runs(motor: Motor, cycle: DriveCycle, effort: str, seed: int) -> tuple[PlannedRun, ...]:
+def planned_runs(drive: DriveDocument, cycle: DriveCycle, effort: str, seed: int) -> tuple[PlannedRun, ...]:
     """Plan the runs of a comparison."""
     size = EFFORTS[effort]
     return (
-        *_operating_points(motor, size),
-        *disturbances(motor)[: size.disturbances],
-        *_noisy(motor, size, seed),
-        *_drawn(motor, size, seed),
-        *_cycles(motor, cycle, size, seed),
+        *_operating_points(drive, size),
+        *disturbances(drive)[: size.disturbances],
+        *_noisy(drive, size, seed),
+        *_drawn(drive, size, seed),
+        *_cycles(drive, cycle, size, seed),
     )
 
 
-def _point(motor: Motor, speed_rpm: float, share: float) -> Scenario:
-    return steady_scenario(motor, speed_rpm, power_share=share, constant_power=False)
+def _point(drive: DriveDocument, speed_rpm: float, share: float) -> Scenario:
+    return steady_scenario(drive, speed_rpm, power_share=share, constant_power=False)
 
 
-def _operating_points(motor: Motor, size: ComparisonEffort) -> Iterator[PlannedRun]:
+def _operating_points(drive: DriveDocument, size: ComparisonEffort) -> Iterator[PlannedRun]:
     for speed in size.speeds_rpm:
         for share in size.shares:
             label = f"{speed:g} rpm, {100.0 * share:g} %"
-            yield PlannedRun("points", label, _point(motor, speed, share), speed, share)
+            yield PlannedRun("points", label, _point(drive, speed, share), speed, share)
 
 
-def disturbances(motor: Motor) -> tuple[PlannedRun, ...]:
+def disturbances(drive: DriveDocument) -> tuple[PlannedRun, ...]:
     """List the runs in which something changes once a search has converged."""
-    rated = steady_scenario(motor, 900.0, power_share=1.0, constant_power=True)
-    full, fast = _point(motor, 1500.0, 1.0), _point(motor, 1400.0, 0.6)
+    rated = steady_scenario(drive, 900.0, power_share=1.0, constant_power=True)
+    full, fast = _point(drive, 1500.0, 1.0), _point(drive, 1400.0, 0.6)
     listed: tuple[tuple[str, Scenario, float], ...] = (
         (
             "load step up, 50 to 100 % at 1500 rpm",
@@ -143,7 +143,7 @@ def disturbances(motor: Motor) -> tuple[PlannedRun, ...]:
         ),
         (
             "supply dip of 10 % for 0.5 s at 1500 rpm, 80 %",
-            with_supply(_point(motor, 1500.0, 0.8), pulsed(1.0, 0.9, CHANGE_S, 0.5)),
+            with_supply(_point(drive, 1500.0, 0.8), pulsed(1.0, 0.9, CHANGE_S, 0.5)),
             CHANGE_S + 0.5,
         ),
         (
@@ -169,7 +169,7 @@ def disturbances(motor: Motor) -> tuple[PlannedRun, ...]:
         (
             "supply step down by 8 % at 1150 rpm, rated power",
             with_supply(
-                steady_scenario(motor, 1150.0, power_share=1.0, constant_power=True),
+                steady_scenario(drive, 1150.0, power_share=1.0, constant_power=True),
                 stepped(1.0, 0.92, CHANGE_S),
             ),
             CHANGE_S,
@@ -185,26 +185,26 @@ def _noise_seed(seed: int, number: int) -> int:
     return int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
 
 
-def _noisy(motor: Motor, size: ComparisonEffort, seed: int) -> Iterator[PlannedRun]:
+def _noisy(drive: DriveDocument, size: ComparisonEffort, seed: int) -> Iterator[PlannedRun]:
     for speed, share in NOISY_POINTS:
         for number in range(size.noise_seeds):
-            scenario = with_mcs96(_point(motor, speed, share), seed=_noise_seed(seed, number))
+            scenario = with_mcs96(_point(drive, speed, share), seed=_noise_seed(seed, number))
             label = f"{speed:g} rpm, {100.0 * share:g} %, noisy sensors"
             yield PlannedRun("noise", label, scenario, speed, share, seed=number)
 
 
-def _drawn(motor: Motor, size: ComparisonEffort, seed: int) -> Iterator[PlannedRun]:
+def _drawn(drive: DriveDocument, size: ComparisonEffort, seed: int) -> Iterator[PlannedRun]:
     for number in range(size.drawn):
         generator = np.random.default_rng([seed, 1_000_000 + number])
         for _ in range(_MOST_DRAWS):
-            speed, share, scenario = _draw(motor, generator)
-            if kind_of(scenario.motor).is_fair(scenario):
+            speed, share, scenario = _draw(drive, generator)
+            if kind_of(scenario.drive).is_fair(scenario):
                 noisy = with_mcs96(scenario, seed=_noise_seed(seed, 1_000_000 + number))
                 yield PlannedRun("drawn", noisy.name, noisy, speed, share, seed=number)
                 break
 
 
-def _draw(motor: Motor, generator: np.random.Generator) -> tuple[float, float, Scenario]:
+def _draw(drive: DriveDocument, generator: np.random.Generator) -> tuple[float, float, Scenario]:
     """Draw an operating point and a plant within the ranges of ROB-1, in whole steps."""
 
     def whole(low: int, high: int) -> int:
@@ -213,7 +213,7 @@ def _draw(motor: Motor, generator: np.random.Generator) -> tuple[float, float, S
     speed = 10.0 * whole(55, 150)
     share = round(0.05 * whole(6, 20), 2)
     scenario = with_scales(
-        _point(motor, speed, share),
+        _point(drive, speed, share),
         resistance=round(0.1 * whole(5, 20), 2),
         inductance=round(0.05 * whole(16, 24), 2),
         emf_constant=round(0.01 * whole(95, 105), 2),
@@ -222,8 +222,10 @@ def _draw(motor: Motor, generator: np.random.Generator) -> tuple[float, float, S
     return speed, share, scenario
 
 
-def _cycles(motor: Motor, cycle: DriveCycle, size: ComparisonEffort, seed: int) -> Iterator[PlannedRun]:
-    yield PlannedRun("cycle", "ideal sensors", cycle_scenario(cycle, motor))
+def _cycles(
+    drive: DriveDocument, cycle: DriveCycle, size: ComparisonEffort, seed: int
+) -> Iterator[PlannedRun]:
+    yield PlannedRun("cycle", "ideal sensors", cycle_scenario(cycle, drive))
     for number in range(size.noise_seeds):
-        scenario = cycle_scenario(cycle, motor, noise_seed=_noise_seed(seed, 2_000_000 + number))
+        scenario = cycle_scenario(cycle, drive, noise_seed=_noise_seed(seed, 2_000_000 + number))
         yield PlannedRun("cycle", "noisy sensors", scenario, seed=number)

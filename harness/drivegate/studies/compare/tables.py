@@ -170,7 +170,7 @@ def _runs(
 def _where(planned: PlannedRun) -> Row:
     assert planned.speed_rpm is not None, "an operating point has a speed"
     assert planned.share is not None, "an operating point has a load"
-    power = planned.scenario.motor.rated_power_w * planned.share
+    power = planned.scenario.drive.rating.rated_power_w * planned.share
     return {
         "speed_rpm": planned.speed_rpm,
         "load_percent": round(100.0 * planned.share, 6),

@@ -116,7 +116,7 @@ def compared(
                 led = leading.run(Job(record_run, RecordRequest(path, scenario)))
             if isinstance(led, Fault):
                 return StepComparison(led.step or 0, fault=led, faulted=FIRST)
-            end = row_count(path, scenario.motor.phases)
+            end = row_count(path, scenario.drive.machine.phases)
             plan = Shadowing(path, scenario, rule, end, end, again)
             ended = following.run(Job(shadow_run, plan))
             if isinstance(ended, Fault):
@@ -128,7 +128,7 @@ def compared(
 
 
 def _difference(following: Judge, plan: Shadowing, step: int, before: int, after: int) -> Difference:
-    scenario, phases = plan.scenario, plan.scenario.motor.phases
+    scenario, phases = plan.scenario, plan.scenario.drive.machine.phases
     begin, end = max(step - before, 0), min(step + 1 + after, plan.end)
     around = following.run(Job(shadow_run, Shadowing(plan.path, scenario, None, begin, end, plan.again)))
     if isinstance(around, Fault):

@@ -48,7 +48,7 @@ def document_of(
             for candidate in candidates
         ],
         "scenario": scenario.name,
-        "motor": scenario.motor.name,
+        "drive": scenario.drive.name,
         "control_period_s": scenario.control_period_s,
         "tolerance": None if rule.tolerance == BITWISE else rule.tolerance,
         "compared": list(rule.judged),

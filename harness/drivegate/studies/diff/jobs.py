@@ -110,7 +110,7 @@ def record_run(loaded: JudgedCandidate, plan: RecordRequest) -> None:
     with plan.path.open("wb") as file:
 
         def recording(inner: Controller) -> Controller:
-            recorders.append(RecordingController(inner, file, plan.scenario.motor.phases))
+            recorders.append(RecordingController(inner, file, plan.scenario.drive.machine.phases))
             return recorders[-1]
 
         run_scenario(plan.scenario, loaded.controller(), wrap=recording)

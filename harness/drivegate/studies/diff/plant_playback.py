@@ -69,7 +69,7 @@ class _Playback:
 
 def plant_at(path: Path, scenario: Scenario, step: int) -> PlantState:
     """Find the plant's state at one step by giving it the recorded commands again."""
-    playback = _Playback(path, scenario.motor.phases, step)
+    playback = _Playback(path, scenario.drive.machine.phases, step)
     plain = scenario.replaced(sensors="ideal", dropouts=(), glitches=(), current_errors=(), restarts_s=())
     try:
         run_scenario(plain, PythonController(playback))

@@ -32,7 +32,7 @@ _NUMBER: Final = np.dtype(np.float64)
 
 def refuse_without_room(scenario: Scenario, folder: Path) -> None:
     """Refuse a run whose record would not fit on the disk."""
-    needed = scenario.control_periods * row_length(scenario.motor.phases) * _NUMBER.itemsize
+    needed = scenario.control_periods * row_length(scenario.drive.machine.phases) * _NUMBER.itemsize
     free = shutil.disk_usage(folder).free
     if needed > free:
         raise InputError(

@@ -16,8 +16,8 @@ SCHEMA: Final = 1
 def title_of(plan: MapPlan) -> str:
     """Tell whose map it is."""
     if plan.candidate is not None:
-        return f"{plan.candidate.name} on {plan.motor.name}"
-    return plan.motor.name if plan.kind == "points" else f"the best of {plan.motor.name}"
+        return f"{plan.candidate.name} on {plan.drive.name}"
+    return plan.drive.name if plan.kind == "points" else f"the best of {plan.drive.name}"
 
 
 def document_of(made: OperatingMap, seconds: float, files: Sequence[str]) -> dict[str, Any]:
@@ -33,7 +33,7 @@ def document_of(made: OperatingMap, seconds: float, files: Sequence[str]) -> dic
         "schema": SCHEMA,
         "kind": "operating map",
         "of": plan.kind,
-        "motor": plan.motor.name,
+        "drive": plan.drive.name,
         "candidate": None if plan.candidate is None else plan.candidate.name,
         "axes": {name: list(values) for name, values in zip(plan.axes.names, plan.axes.values, strict=True)},
         "points": plan.axes.points,

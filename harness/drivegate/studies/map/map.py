@@ -49,7 +49,7 @@ class OperatingMap:
 def computed(plan: MapPlan, backend: Backend, report_progress: Callable[[int, int], None]) -> OperatingMap:
     """Compute a map."""
     for parameter in single_parameters(plan):
-        plant_of(plan.motor, parameter)
+        plant_of(plan.drive, parameter)
     points, done = plan.axes.points, 0
     values = np.full((points, len(plan.columns)), nan)
     verdicts = [""] * points if plan.kind == "loop" else []

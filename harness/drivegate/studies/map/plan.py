@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.drives.kinds import kind_of
-from drivegate.scenarios.parameters import MOTOR_KEYS, SCALES
+from drivegate.scenarios.parameters import DRIVE_KEYS, SCALES
 from drivegate.studies.map.axes import MapAxes
-from drivegate_cases.motor.motor import Motor
-from drivegate_cases.motor.scales import Scales
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.scales import Scales
 
 SPEED: Final = "speed_rpm"
 TORQUE: Final = "torque_nm"
 ADVANCE: Final = "advance_deg"
 CURRENT: Final = "current_a"
-PARAMETERS: Final = (*SCALES, *MOTOR_KEYS)
+PARAMETERS: Final = (*SCALES, *DRIVE_KEYS)
 """Parameters that may be further axes of a map."""
 
 BEST_COLUMNS: Final = (
@@ -63,8 +63,8 @@ class MapPlan:
     ----------
     kind : {"points", "best", "loop"}
         Steady states over speed, angle and current; the best angle over speed and torque; or closed-loop runs.
-    motor : Motor
-        The nominal motor.
+    drive : DriveDocument
+        The nominal drive.
     axes : MapAxes
         The grid.
     candidate : Candidate or None
@@ -72,7 +72,7 @@ class MapPlan:
     """
 
     kind: str
-    motor: Motor
+    drive: DriveDocument
     axes: MapAxes
     candidate: Candidate | None = None
 
@@ -80,7 +80,7 @@ class MapPlan:
     def columns(self) -> tuple[str, ...]:
         """Names of the computed columns."""
         if self.kind == "points":
-            return kind_of(self.motor).steady_states().columns
+            return kind_of(self.drive).steady_states().columns
         return {"best": BEST_COLUMNS, "loop": LOOP_COLUMNS}[self.kind]
 
     def pieces(self) -> list[tuple[int, int]]:
@@ -98,14 +98,14 @@ def single_parameters(plan: MapPlan) -> Iterator[dict[str, float]]:
                 yield {name: value}
 
 
-def plant_of(motor: Motor, values: dict[str, float]) -> tuple[Motor, Scales]:
-    """Change a motor as parameters say."""
-    own = [f"{key}={value:.17g}" for key, value in values.items() if key in MOTOR_KEYS]
+def plant_of(drive: DriveDocument, values: dict[str, float]) -> tuple[DriveDocument, Scales]:
+    """Change a drive as parameters say."""
+    own = [f"{key}={value:.17g}" for key, value in values.items() if key in DRIVE_KEYS]
     scales = {key: value for key, value in values.items() if key in SCALES}
     if not scales:
-        return motor.with_overrides(own), Scales()
+        return drive.with_overrides(own), Scales()
     # Scales are a table of a scenario; one is made to have them checked.
-    return motor.with_overrides(own), _checked_scales(scales)
+    return drive.with_overrides(own), _checked_scales(scales)
 
 
 def _checked_scales(scales: dict[str, float]) -> Scales:
@@ -120,7 +120,9 @@ def _checked_scales(scales: dict[str, float]) -> Scales:
         raise InputError(f"--parameter: {described(error, Scales)}") from error
 
 
-def drives_of(plan: MapPlan, at: dict[str, NDArray[np.float64]]) -> Iterator[tuple[slice, Motor, Scales]]:
+def drives_of(
+    plan: MapPlan, at: dict[str, NDArray[np.float64]]
+) -> Iterator[tuple[slice, DriveDocument, Scales]]:
     """Cut points where a parameter changes, so that each stretch has one plant."""
     names = [name for name in plan.axes.names if name in PARAMETERS]
     length = len(at[SPEED])
@@ -129,5 +131,5 @@ def drives_of(plan: MapPlan, at: dict[str, NDArray[np.float64]]) -> Iterator[tup
         table = np.column_stack([at[name] for name in names])
         starts += (np.flatnonzero((table[1:] != table[:-1]).any(axis=1)) + 1).tolist()
     for start, end in zip(starts, [*starts[1:], length], strict=True):
-        motor, scales = plant_of(plan.motor, {name: float(at[name][start]) for name in names})
-        yield slice(start, end), motor, scales
+        drive, scales = plant_of(plan.drive, {name: float(at[name][start]) for name in names})
+        yield slice(start, end), drive, scales

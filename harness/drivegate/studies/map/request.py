@@ -11,7 +11,7 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     from drivegate.candidates.candidate import Candidate
     from drivegate.studies.map.plan import MapPlan
-    from drivegate_cases.motor.motor import Motor
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 _SPEEDS: Final = {"points": "100:2000:39", "best": "550:2000:30", "loop": "550:2000:15"}
 _TORQUES: Final = {"best": "1:25:25", "loop": "2:24:12"}
@@ -49,7 +49,7 @@ def map_axes(kind: str, texts: Mapping[str, str | None]) -> dict[str, tuple[floa
 
 def planned_map(
     kind: str,
-    motor: Motor,
+    drive: DriveDocument,
     candidate: Candidate | None,
     axes: Mapping[str, Sequence[float]],
     parameters: Sequence[str],
@@ -62,4 +62,4 @@ def planned_map(
     if len(further) < len(parameters):
         raise InputError("--parameter names the same key twice, but each key has one axis")
     # Parameters vary slowest, so that each worker's points share one drive.
-    return MapPlan(kind, motor, MapAxes.of({**further, **axes}), candidate)
+    return MapPlan(kind, drive, MapAxes.of({**further, **axes}), candidate)

@@ -34,8 +34,8 @@ from drivegate.studies.map.plan import (
     MapPlan,
     drives_of,
 )
-from drivegate_cases.motor.motor import Motor
-from drivegate_cases.motor.scales import Scales
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.profile import dwells
 from drivegate_cases.scenario.scenario import Scenario
@@ -94,32 +94,32 @@ def _first_point(_loaded: JudgedCandidate, package: bytes) -> None:
 
 def _points(plan: MapPlan, first: int, last: int) -> MapPart:
     at = plan.axes.coordinates(first, last)
-    states = kind_of(plan.motor).steady_states()
+    states = kind_of(plan.drive).steady_states()
     values = np.full((last - first, len(states.columns)), nan)
-    for piece, motor, scales in drives_of(plan, at):
+    for piece, drive, scales in drives_of(plan, at):
         states.solve(
-            motor.drive(scales),
+            drive.plant(scales),
             at[SPEED][piece] * RADIANS_PER_RPM,
             np.radians(at[ADVANCE][piece]),
             at[CURRENT][piece],
             values[piece],
         )
     # A current beyond the limit is never requested, so what it would give is nobody's operating point.
-    for piece, motor, _ in drives_of(plan, at):
-        values[piece][at[CURRENT][piece] > motor.current_limit_a] = nan
+    for piece, drive, _ in drives_of(plan, at):
+        values[piece][at[CURRENT][piece] > drive.rating.current_limit_a] = nan
     return MapPart(values)
 
 
 def _best(plan: MapPlan, first: int, last: int) -> MapPart:
     at = plan.axes.coordinates(first, last)
     values = np.full((last - first, len(BEST_COLUMNS)), nan)
-    for piece, motor, scales in drives_of(plan, at):
-        oracle, drive = kind_of(motor).oracle(), motor.drive(scales)
+    for piece, drive, scales in drives_of(plan, at):
+        oracle, plant = kind_of(drive).oracle(), drive.plant(scales)
         for place in range(piece.start, piece.stop):
             speed, torque = float(at[SPEED][place]) * RADIANS_PER_RPM, float(at[TORQUE][place])
-            edge = oracle.feasible_edge(drive, speed, torque)
+            edge = oracle.feasible_edge(plant, speed, torque)
             if isfinite(edge):
-                best = oracle.least_current_sum(drive, speed, torque)
+                best = oracle.least_current_sum(plant, speed, torque)
                 shaft = speed * torque
                 values[place] = (
                     degrees(edge),
@@ -142,8 +142,8 @@ def _loop(plan: MapPlan, first: int, last: int) -> MapPart:
     assert plan.candidate is not None, "a map of closed-loop runs is a candidate's"
     at = plan.axes.coordinates(first, last)
     scenarios = [
-        _LoopPoint(_steady(motor, scales, float(at[SPEED][place]), float(at[TORQUE][place])))
-        for piece, motor, scales in drives_of(plan, at)
+        _LoopPoint(_steady(drive, scales, float(at[SPEED][place]), float(at[TORQUE][place])))
+        for piece, drive, scales in drives_of(plan, at)
         for place in range(piece.start, piece.stop)
     ]
     values = np.full((last - first, len(LOOP_COLUMNS)), nan)
@@ -158,10 +158,10 @@ def _loop(plan: MapPlan, first: int, last: int) -> MapPart:
     return MapPart(values, tuple(verdicts))
 
 
-def _steady(motor: Motor, scales: Scales, speed_rpm: float, torque: float) -> Scenario:
+def _steady(drive: DriveDocument, scales: Scales, speed_rpm: float, torque: float) -> Scenario:
     return Scenario(
         name=f"{speed_rpm:g} rpm, {torque:g} N·m",
-        motor=motor,
+        drive=drive,
         scales=scales,
         duration_s=LOAD_RAMP_S + DWELL_S,
         initial_speed_rpm=speed_rpm,
@@ -174,7 +174,7 @@ def _steady(motor: Motor, scales: Scales, speed_rpm: float, torque: float) -> Sc
 
 def _run_point(loaded: JudgedCandidate, point: _LoopPoint) -> tuple[str, tuple[float, ...]]:
     scenario = point.scenario
-    drive = scenario.motor.drive(scenario.scales)
+    drive = scenario.drive.plant(scenario.scales)
     if not _is_feasible(scenario, drive):
         return NOT_FEASIBLE, (nan,) * len(LOOP_COLUMNS)
     record = recorded(loaded, scenario, loaded.controller())
@@ -186,8 +186,8 @@ def _is_feasible(scenario: Scenario, drive: Drive) -> bool:
     assert isinstance(load, ConstantTorqueLoad), "points of a map have a load of constant torque"
     speed = speed_rpm * RADIANS_PER_RPM
     torque = load.torque_nm + drive.friction + drive.viscous_friction * speed
-    oracle = kind_of(scenario.motor).oracle()
-    if speed_rpm <= scenario.motor.base_speed_rpm:
+    oracle = kind_of(scenario.drive).oracle()
+    if speed_rpm <= scenario.drive.rating.base_speed_rpm:
         # There is no advance below base speed.
         return oracle.point_at_torque(drive, speed, 0.0, torque).robust
     return isfinite(oracle.feasible_edge(drive, speed, torque))
@@ -204,8 +204,8 @@ def _measured(record: RunRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
         row.input_power,
     )
     least = nan
-    if scenario.initial_speed_rpm > scenario.motor.base_speed_rpm and torque > 0.0 < speed:
-        least = kind_of(scenario.motor).oracle().least_current_sum(drive, speed, torque).current_sum
+    if scenario.initial_speed_rpm > scenario.drive.rating.base_speed_rpm and torque > 0.0 < speed:
+        least = kind_of(scenario.drive).oracle().least_current_sum(drive, speed, torque).current_sum
     shaft = window.torque_required * speed
     values = (
         margin,

@@ -65,8 +65,10 @@ KINDS: Final = MappingProxyType(
 """The kinds, by the name on the command line."""
 
 
-def write_candidate(kind: str, name: str, folder: Path, today: date) -> tuple[Path, ...]:
-    """Write a new candidate."""
+def write_candidate(
+    kind: str, name: str, folder: Path, today: date, drive: str | None = None
+) -> tuple[Path, ...]:
+    """Write a new candidate, for a drive that comes along or a copy of a file of one."""
     if not _NAME.fullmatch(name):
         raise InputError(
             f"the name '{one_line(name)}' must begin with a letter and have letters, digits, '-' and '_' after it, "
@@ -87,6 +89,8 @@ def write_candidate(kind: str, name: str, folder: Path, today: date) -> tuple[Pa
         _PLACES.get(place, place): _filled(place, text, kind, words).encode() for place, text in texts.items()
     }
     contents[words["@wheel@"]] = wheel_bytes()
+    if drive is not None:
+        _name_drive(contents, drive)
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder.parent) as beside:
@@ -102,6 +106,17 @@ def write_candidate(kind: str, name: str, folder: Path, today: date) -> tuple[Pa
             "with --output"
         ) from error
     return tuple(sorted(map(Path, contents)))
+
+
+def _name_drive(contents: dict[str, bytes], drive: str) -> None:
+    """Let the manifest name a drive, with a copy of its file beside it."""
+    from drivegate_cases.drive.drive_document import drive_names
+
+    if drive not in drive_names():
+        place = f"drive{Path(drive).suffix.lower()}"
+        contents[place], drive = Path(drive).read_bytes(), place
+    line = f'drive = "{drive}"\n'.encode()
+    contents["candidate.toml"] = contents["candidate.toml"].replace(b"\nkind", b"\n" + line + b"kind", 1)
 
 
 def _refuse_occupied(folder: Path) -> None:

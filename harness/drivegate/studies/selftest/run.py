@@ -23,6 +23,7 @@ from drivegate.studies.selftest.correct_designs import CorrectDesign
 from drivegate.studies.selftest.detection import FaultRow
 from drivegate.studies.selftest.matrix import DesignRow, LeastMargin
 from drivegate.studies.selftest.trial import Trial, TrialOutcome, run_trial
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import HarnessFault
 
 HOST: Final = "reference"
@@ -54,6 +55,8 @@ class SelftestEffort:
         Whether to climb toward small margins.
     drawn_only : bool
         Whether to leave the fixed scenarios out, so that the drawn ones have to catch the faults.
+    drive : DriveDocument or None
+        The drive; None for the default.
     """
 
     name: str = "default"
@@ -61,6 +64,7 @@ class SelftestEffort:
     workers: int | None = None
     search: bool = True
     drawn_only: bool = False
+    drive: DriveDocument | None = None
 
 
 def try_faults(mutations: Sequence[Mutation], effort: SelftestEffort) -> Iterator[FaultRow]:
@@ -83,7 +87,13 @@ def planned_trial(mutation: Mutation, effort: SelftestEffort) -> Trial:
         mutation.check, (Origin.DRAWN,) if effort.drawn_only else (Origin.FIXED, Origin.DRAWN)
     )
     plans = {
-        seed: planned_work(effort.name, seed, declaration=candidate.declaration, search=effort.search)
+        seed: planned_work(
+            effort.name,
+            seed,
+            drive=effort.drive,
+            declaration=candidate.declaration,
+            search=effort.search,
+        )
         for seed in range(effort.seeds)
     }
     return Trial(
@@ -123,6 +133,7 @@ def design_check(design: CorrectDesign, seed: int, effort: SelftestEffort) -> It
     name = effort.name if design.checks is None else "quick"
     return check_candidate(
         resolve_candidate(design.candidate),
+        drive=effort.drive,
         effort=name,
         seed=seed,
         workers=effort.workers,

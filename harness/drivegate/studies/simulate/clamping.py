@@ -17,7 +17,7 @@ _FAR_BEYOND: Final = 50.0
 
 def clamped_in_words(scenario: Scenario, run: ClosedLoopRun) -> list[str]:
     """Tell the extremes of commands that were clamped before they reached the plant."""
-    observed, limit = run.observed, scenario.motor.current_limit_a
+    observed, limit = run.observed, scenario.drive.rating.current_limit_a
     words = []
     if observed.angle_highest > LARGEST_ANGLE:
         angle = observed.angle_highest

@@ -14,7 +14,7 @@ from drivegate_cases.scenario.operating_point import load_operating_point
 from drivegate_models.half_bridge.steady.oracle import least_input_power
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREEN, GREY, SKY, VERMILION, label, new_figure
-from drivegate_reports.paper.drive import ideal_drive, reference_motor
+from drivegate_reports.paper.drive import ideal_drive, reference_drive
 from drivegate_reports.paper.figures.input_current import (
     INITIAL_LINE,
     PUBLISHED_LINE,
@@ -90,7 +90,7 @@ def initial_angles() -> InitialAngles:
     least_power = [least_input_power(ideal_drive(), speed, sweep.power_w / speed).advance for speed in speeds]
     points = [(name, load_operating_point(name)) for name in PUBLISHED_POINTS]
     return InitialAngles(
-        base_speed_rpm=reference_motor().base_speed_rpm,
+        base_speed_rpm=reference_drive().rating.base_speed_rpm,
         power_w=sweep.power_w,
         speed_rpm=sweep.speed_rpm,
         published_deg=sweep.published_deg,

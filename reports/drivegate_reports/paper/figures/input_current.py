@@ -14,7 +14,7 @@ from drivegate_cases.scenario.operating_point import load_power_sweep
 from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum, point_at_torque
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label, new_figure
-from drivegate_reports.paper.drive import ideal_drive, reference_motor
+from drivegate_reports.paper.drive import ideal_drive, reference_drive
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,7 +73,7 @@ class InputCurrentSweep:
 
 def line_angle(line: tuple[float, float], speed_rpm: float) -> float:
     """Return the initial angle of a line above base speed (paper, Fig. 3)."""
-    return min(line[0] + line[1] * (speed_rpm - reference_motor().base_speed_rpm), 90.0)
+    return min(line[0] + line[1] * (speed_rpm - reference_drive().rating.base_speed_rpm), 90.0)
 
 
 @cache

@@ -18,7 +18,7 @@ from drivegate_reports.paper.drive import (
     HIGHEST_PUBLISHED_RPM,
     banded_drive,
     ideal_drive,
-    reference_motor,
+    reference_drive,
 )
 from drivegate_reports.paper.figures.input_current import input_current_sweep
 from drivegate_reports.paper.figures.instantaneous_torque import LIMIT_PERCENT, torque_cycle
@@ -64,7 +64,9 @@ def _percent(lowest: float, highest: float, mean: float) -> float:
 
 
 def _slow(speed_rpm: float) -> float:
-    state = steady_state(ideal_drive(), speed_rpm * RADIANS_PER_RPM, reference_motor().current_limit_a, 0.0)
+    state = steady_state(
+        ideal_drive(), speed_rpm * RADIANS_PER_RPM, reference_drive().rating.current_limit_a, 0.0
+    )
     return _percent(state.torque_lowest, state.torque_highest, state.torque)
 
 

@@ -120,7 +120,7 @@ def search_trajectory() -> SearchTrajectory:
         published=_search_run("published", scenario),
         speed_rpm=speed,
         torque_nm=load.torque_nm,
-        current_limit_a=scenario.motor.current_limit_a,
+        current_limit_a=scenario.drive.rating.current_limit_a,
         load_begins_s=load.factor[-1][0],
         curve_advance_deg=_CURVE_DEG,
         curve_current_sum_a=curve.current_sum,

@@ -18,7 +18,7 @@ from drivegate_reports.paper.drive import (
     HIGHEST_PUBLISHED_RPM,
     ideal_drive,
     power_torque,
-    reference_motor,
+    reference_drive,
 )
 
 if TYPE_CHECKING:
@@ -74,22 +74,25 @@ class SpeedLimit:
 @cache
 def speed_limit() -> SpeedLimit:
     """Compute what is within reach up to `FASTEST_RPM`."""
-    motor, drive = reference_motor(), ideal_drive()
+    rating, drive = reference_drive().rating, ideal_drive()
     speeds = np.arange(600.0, FASTEST_RPM + 1.0, 200.0)
     edges, best, greatest, ninety = [], [], [], []
     for speed_rpm in speeds:
         speed = speed_rpm * RADIANS_PER_RPM
         powers = [
-            speed * steady_state(drive, speed, motor.current_limit_a, angle).torque
+            speed * steady_state(drive, speed, rating.current_limit_a, angle).torque
             for angle in np.radians(_ANGLES_DEG)
         ]
         at = int(np.argmax(powers))
-        edges.append(math.degrees(feasible_edge(drive, speed, power_torque(speed_rpm, motor.rated_power_w))))
+        edges.append(math.degrees(feasible_edge(drive, speed, power_torque(speed_rpm, rating.rated_power_w))))
         best.append(_ANGLES_DEG[at])
         greatest.append(powers[at])
         ninety.append(powers[-1])
     return SpeedLimit(
-        motor.rated_power_w, motor.base_speed_rpm, speeds, *map(np.array, (edges, best, greatest, ninety))
+        rating.rated_power_w,
+        rating.base_speed_rpm,
+        speeds,
+        *map(np.array, (edges, best, greatest, ninety)),
     )
 
 
@@ -112,7 +115,7 @@ def caption(data: SpeedLimit) -> str:
         f"At 26 A with ideal regulators. Rated power is within reach far beyond three times base speed, at least up to "
         f"{data.reached_rpm:.0f} rpm, {data.reached_rpm / data.base_speed_rpm:.0f} times base speed. From "
         f"{data.ninety_from_rpm:.0f} rpm on no angle gives more power than 90°, as published for the greatest speed; "
-        "but this motor, without friction and core loss, shows no greatest speed: its power levels off above 1.5 kW."
+        "but this drive, without friction and core loss, shows no greatest speed: its power levels off above 1.5 kW."
     )
 
 

@@ -16,7 +16,7 @@ from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import with_load_shares, with_mcs96
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest.correct_designs import correct_designs
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError
 
@@ -37,7 +37,7 @@ def failed_margins(name: str, scenario: Scenario) -> list[Margin]:
 def test_a_design_rests_at_the_optimum(name: str, scenario_name: str) -> None:
     (scenario,) = (
         scenario
-        for scenario in fixed_scenarios(load_motor("paper-5-phase"))
+        for scenario in fixed_scenarios(load_drive("paper-5-phase"))
         if scenario.name == scenario_name
     )
     failed = failed_margins(name, scenario)
@@ -47,13 +47,13 @@ def test_a_design_rests_at_the_optimum(name: str, scenario_name: str) -> None:
 @pytest.mark.parametrize("name", DESIGN_CANDIDATES)
 @pytest.mark.parametrize("share", [0.95, 0.9])
 def test_a_load_a_little_lighter_during_the_search_does_not_mislead_a_design(name: str, share: float) -> None:
-    steady = steady_scenario(load_motor("paper-5-phase"), 1210.0, power_share=1.0, constant_power=True)
+    steady = steady_scenario(load_drive("paper-5-phase"), 1210.0, power_share=1.0, constant_power=True)
     failed = failed_margins(name, with_load_shares(steady, (0.0, 0.95), (1.5, 1.0), (3.5, share)))
     assert not failed, failed
 
 
 def test_at_light_load_a_design_takes_the_angle_of_the_table() -> None:
-    steady = steady_scenario(load_motor("paper-5-phase"), 1430.0, power_share=0.3, constant_power=True)
+    steady = steady_scenario(load_drive("paper-5-phase"), 1430.0, power_share=0.3, constant_power=True)
     seen = steady.replaced(sensors={"kind": "mcs96"})
     digests = {
         name: run_scenario(seen, load_controller(resolve_candidate(name))).digest
@@ -64,14 +64,14 @@ def test_at_light_load_a_design_takes_the_angle_of_the_table() -> None:
 
 
 def test_a_design_does_not_rest_where_regulator_and_band_beat() -> None:
-    steady = steady_scenario(load_motor("paper-5-phase"), 1460.0, power_share=0.1, constant_power=True)
+    steady = steady_scenario(load_drive("paper-5-phase"), 1460.0, power_share=0.1, constant_power=True)
     failed = failed_margins("design:quadratic-interpolation", steady)
     assert not failed, failed
 
 
 @pytest.mark.parametrize("name", DESIGN_CANDIDATES)
 def test_a_design_does_not_rest_where_the_current_sum_swings_within_a_step_of_the_encoder(name: str) -> None:
-    steady = steady_scenario(load_motor("paper-5-phase"), 1440.0, power_share=1.0, constant_power=False)
+    steady = steady_scenario(load_drive("paper-5-phase"), 1440.0, power_share=1.0, constant_power=False)
     controller = load_controller(resolve_candidate(name))
     margins = {}
     for seed in (*range(12), 158):

@@ -20,7 +20,7 @@ from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import base_speed_scenario
 from drivegate.scenarios.changes import stepped, with_dropout, with_supply
 from drivegate.scenarios.fixed import fixed_scenarios, steady_scenario
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import InputError
@@ -30,9 +30,9 @@ from drivegate_models.half_bridge.faults.clocks import alter_search_by_counters
 from drivegate_models.half_bridge.faults.state import FAULTY_STATE
 
 KNOWN = {check.id: check for check in CHECKS}
-MOTOR = load_motor("paper-5-phase")
-SHORT = steady_scenario(MOTOR, 1500.0, power_share=1.0, constant_power=False)
-BETWEEN_FIXED_SPEEDS = steady_scenario(MOTOR, 1250.0, power_share=1.0, constant_power=False)
+DRIVE = load_drive("paper-5-phase")
+SHORT = steady_scenario(DRIVE, 1500.0, power_share=1.0, constant_power=False)
+BETWEEN_FIXED_SPEEDS = steady_scenario(DRIVE, 1250.0, power_share=1.0, constant_power=False)
 KEEPS_SOMETHING = sorted(
     name for name, mutation in MUTATIONS.items() if mutation.keeps and mutation.check == "DET-1"
 )
@@ -72,7 +72,7 @@ def through_standstill() -> Scenario:
 
 
 def lightly_loaded() -> Scenario:
-    return steady_scenario(MOTOR, 1180.0, power_share=0.1, constant_power=False)
+    return steady_scenario(DRIVE, 1180.0, power_share=0.1, constant_power=False)
 
 
 def currents_lost() -> Scenario:
@@ -107,7 +107,7 @@ STARTS_LATE = "catches-up-with-the-clock"
 
 @cache
 def scenarios() -> tuple[Scenario, ...]:
-    return (BETWEEN_FIXED_SPEEDS, *fixed_scenarios(MOTOR))
+    return (BETWEEN_FIXED_SPEEDS, *fixed_scenarios(DRIVE))
 
 
 @cache
@@ -203,7 +203,7 @@ def test_one_near_a_limit_answers_unlike_the_reference_and_fails_nothing(name: s
     reference = BuiltinController(SEARCHES["reference"])
     differs = [
         scenario.name
-        for scenario in (SHORT, base_speed_scenario(MOTOR, 480.0, 560.0, 8.0))
+        for scenario in (SHORT, base_speed_scenario(DRIVE, 480.0, 560.0, 8.0))
         for digest in [run_scenario(scenario, load_controller(candidate)).digest]
         if name.startswith("power") or digest != run_scenario(scenario, reference).digest
     ]

@@ -11,16 +11,16 @@ from drivegate.checks.convergence import converges, converges_again, reaches_opt
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.fixed import steady_scenario
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 
-MOTOR = load_motor("paper-5-phase")
+DRIVE = load_drive("paper-5-phase")
 CHANGE = 12.2
 
 
 def changed(speed_rpm: float, share: float, **changes: Any) -> Scenario:
-    scenario = steady_scenario(MOTOR, speed_rpm, power_share=share, constant_power=False)
+    scenario = steady_scenario(DRIVE, speed_rpm, power_share=share, constant_power=False)
     return scenario.model_copy(update={"duration_s": CHANGE + 10.5, **changes})
 
 
@@ -61,7 +61,7 @@ def test_it_finds_the_optimum_again_after_a_dip_of_the_supply(speed: float) -> N
 
 def test_a_weaker_machine_gets_its_torque_back_beyond_the_initial_angle() -> None:
     """With 20 % more inductance the initial line itself lies below the feasible edge at 1500 rpm."""
-    scenario = steady_scenario(MOTOR, 1500.0, power_share=1.0, constant_power=False)
+    scenario = steady_scenario(DRIVE, 1500.0, power_share=1.0, constant_power=False)
     weaker = scenario.replaced(scales={"inductance": 1.2}, duration_s=14.2)
     held, lost = record(weaker), record(weaker, "initial")
     speeds = [run.run.observed.speed_final for run in (held, lost)]

@@ -250,7 +250,7 @@ def test_a_time_input_is_set(workshop, altered):
     assert [answer.current_reference for answer in answers[6:]] == [1.0, 2.0, 3.0, 4.0, times[-1]]
 
 
-def test_the_phases_must_be_those_of_the_motor(workshop):
+def test_the_phases_must_be_those_of_the_drive(workshop):
     controller = controller_of(workshop(3))
     with pytest.raises(InputError, match="takes 5 phase currents, but the motor has 3 phases"):
         controller.reset(NAMEPLATE._replace(phases=3))

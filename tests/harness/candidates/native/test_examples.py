@@ -12,10 +12,10 @@ from drivegate.checks.judging import judged
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 
 EXAMPLES = Path(__file__).parents[4] / "examples"
-SCENARIOS = {scenario.name: scenario for scenario in fixed_scenarios(load_motor("paper-5-phase"))}
+SCENARIOS = {scenario.name: scenario for scenario in fixed_scenarios(load_drive("paper-5-phase"))}
 REQUIRED = (
     "ADV-1",
     "ADV-2",

@@ -24,7 +24,7 @@ from drivegate.candidates.program.protocol import (
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.records import command_record, sense_record
 from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
@@ -229,7 +229,7 @@ def short(scenario: Scenario) -> Scenario:
 
 def test_the_example_gives_the_commands_of_the_same_algorithm_in_the_harness(monkeypatch):
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
-    scenario = short(fixed_scenarios(load_motor("paper-5-phase"))[1])
+    scenario = short(fixed_scenarios(load_drive("paper-5-phase"))[1])
     example = load_controller(resolve_candidate(str(EXAMPLE / "candidate.toml")))
     builtin = load_controller(resolve_candidate("initial"))
     for _ in range(2):

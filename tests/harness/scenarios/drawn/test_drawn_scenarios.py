@@ -20,14 +20,14 @@ from drivegate.scenarios.drawn.families import (
 from drivegate.scenarios.feasibility import coasts
 from drivegate.scenarios.windows import SETTLING_TIME, SHORTEST_WINDOW, observed_windows
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.load import VehicleLoad
 from drivegate_cases.scenario.piecewise import breakpoints, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
-MOTOR = load_motor("paper-5-phase")
+DRIVE = load_drive("paper-5-phase")
 FAMILIES = [family for group in FAMILY_GROUPS for family in group]
 MANY = settings(
     max_examples=60, deadline=None, database=None, derandomize=True, suppress_health_check=list(HealthCheck)
@@ -43,7 +43,7 @@ def load_torque(scenario: Scenario, time: float, at: Callable[..., float]) -> fl
 @each_family
 def test_every_drawn_scenario_is_fair(family: Family) -> None:
     @MANY
-    @given(scenario=family(MOTOR, None))
+    @given(scenario=family(DRIVE, None))
     def holds(scenario: Scenario) -> None:
         assert scenario.initial_speed_rpm == scenario.speed_rpm[0][1], "it does not start at its reference"
         for time in breakpoints([scenario.speed_rpm, scenario.load_profile], scenario.duration_s):
@@ -63,12 +63,12 @@ def test_no_loaded_reference_falls_faster_than_the_load_slows_the_shaft(family: 
     """Written down without the harness's own rule: J·|dω/dt| is at most the least load torque on the way."""
 
     @MANY
-    @given(scenario=family(MOTOR, None))
+    @given(scenario=family(DRIVE, None))
     def holds(scenario: Scenario) -> None:
         for (start, before), (end, after) in pairwise(scenario.speed_rpm):
             if after >= before:
                 continue
-            needed = MOTOR.inertia_kg_m2 * (before - after) * RADIANS_PER_RPM / (end - start)
+            needed = DRIVE.machine.inertia_kg_m2 * (before - after) * RADIANS_PER_RPM / (end - start)
             if load_torque(scenario, start, value_from) == 0.0:
                 assert (before - after) / (end - start) <= 10.0 + 1e-2, f"{scenario.name} falls too fast"
             else:
@@ -81,7 +81,7 @@ def test_no_loaded_reference_falls_faster_than_the_load_slows_the_shaft(family: 
 @each_family
 def test_drawn_scenarios_are_whole_steps_and_survive_json(family: Family) -> None:
     @MANY
-    @given(scenario=family(MOTOR, None))
+    @given(scenario=family(DRIVE, None))
     def holds(scenario: Scenario) -> None:
         speeds = [speed for _, speed in scenario.speed_rpm]
         assert all(speed % 5.0 == 0.0 for speed in speeds), f"speeds {speeds} are no whole steps"
@@ -97,7 +97,7 @@ def test_drawn_scenarios_are_whole_steps_and_survive_json(family: Family) -> Non
 @each_family
 def test_the_last_steady_stretch_can_be_judged(family: Family) -> None:
     @MANY
-    @given(scenario=family(MOTOR, None))
+    @given(scenario=family(DRIVE, None))
     def holds(scenario: Scenario) -> None:
         start, end = observed_windows(scenario)[-1]
         assert end == scenario.duration_s, f"{scenario.name} ends without a judged stretch"
@@ -113,16 +113,16 @@ def test_the_last_steady_stretch_can_be_judged(family: Family) -> None:
 def test_a_declared_speed_range_limits_what_is_drawn(speeds: tuple[int, int], data: st.DataObject) -> None:
     lowest, highest = float(min(speeds)), float(max(speeds))
     for group in range(len(FAMILY_GROUPS)):
-        scenario = data.draw(drawn_scenarios(MOTOR, (lowest, highest), group=group))
+        scenario = data.draw(drawn_scenarios(DRIVE, (lowest, highest), group=group))
         outside = [speed for _, speed in scenario.speed_rpm if not lowest <= speed <= highest]
         assert not outside, f"{scenario.name} is outside of {lowest} to {highest} rpm"
 
 
 def test_a_candidate_for_other_speeds_is_refused_in_one_sentence() -> None:
     with pytest.raises(InputError, match=r"100 to 300 rpm, but is checked under load from 550 to 1500 rpm"):
-        drawn_scenarios(MOTOR, (100.0, 300.0))
+        drawn_scenarios(DRIVE, (100.0, 300.0))
 
 
 def test_families_that_do_not_fit_the_speed_range_draw_nothing() -> None:
-    assert overspeed_scenarios(MOTOR, (550.0, 1500.0)).is_empty
-    assert base_speed_scenarios(MOTOR, (550.0, 1500.0)).is_empty
+    assert overspeed_scenarios(DRIVE, (550.0, 1500.0)).is_empty
+    assert base_speed_scenarios(DRIVE, (550.0, 1500.0)).is_empty

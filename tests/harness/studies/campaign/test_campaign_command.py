@@ -95,14 +95,14 @@ def test_people_get_a_table_a_hint_and_progress_in_lines(write, run):
     assert ended.err.splitlines()[-1].startswith("small: 2 of 2 runs, ")
 
 
-def test_a_motor_with_a_value_in_a_wrong_unit_is_warned_of_once(write, run, folder, short_case):
+def test_a_drive_with_a_value_in_a_wrong_unit_is_warned_of_once(write, run, folder, short_case):
     case = json.loads(short_case)
-    case["motor"]["resistance_ohm"] = 80.0
+    case["drive"]["machine"]["resistance_ohm"] = 80.0
     for name in ("short.json", "again.json"):
         (folder / name).write_text(json.dumps(case | {"name": name}), encoding="utf-8")
     ended = run("campaign", write(draws=1, cases=["short.json", "again.json"]), "--workers", 1)
     assert ended.code == 0, ended.err
-    assert ended.err.count("warning: the motor's resistance_ohm is 80, but usual for 48 V and 26 A is ") == 1
+    assert ended.err.count("warning: the drive's resistance_ohm is 80, but usual for 48 V and 26 A is ") == 1
 
 
 def test_drives_that_no_controller_could_serve_are_set_aside(write, finish):

@@ -60,9 +60,9 @@ def test_parameters_change_the_case_and_leave_the_nameplate_or_not(plan):
     assert scenario.initial_speed_rpm == 900.0
     assert scenario.load_profile[-1][1] == 0.5
     assert scenario.supply_profile[0][1] == pytest.approx(0.9 * 48.0)
-    assert scenario.motor.inertia_kg_m2 == 0.06
+    assert scenario.drive.machine.inertia_kg_m2 == 0.06
     assert scenario.scales.resistance == run.parameters["resistance"]
-    assert scenario.nameplate().resistance == scenario.motor.resistance_ohm
+    assert scenario.nameplate().resistance == scenario.drive.machine.resistance_ohm
     assert scenario.seed == run.seed
 
 
@@ -97,7 +97,7 @@ def test_what_a_campaign_names_must_exist_and_fit(plan, folder, changes, reason)
 def test_a_locked_load_has_no_share(plan, folder, short_case):
     locked = folder / "locked.toml"
     locked.write_text(
-        'schema = 2\nname = "locked"\nmotor = "paper-5-phase"\nduration_s = 0.5\nspeed_rpm = [[0.0, 900.0]]\n'
+        'schema = 2\nname = "locked"\ndrive = "paper-5-phase"\nduration_s = 0.5\nspeed_rpm = [[0.0, 900.0]]\n'
         '[load]\nkind = "locked"\n',
         encoding="utf-8",
     )

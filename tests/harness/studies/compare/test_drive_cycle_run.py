@@ -6,7 +6,7 @@ import pytest
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.drives.running import run_scenario
 from drivegate.studies.compare.drive_cycle_run import VEHICLE, braking_grade, cycle_figures, cycle_scenario
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.drive_cycle import DriveCycle, load_drive_cycle
 from drivegate_cases.scenario.load import GRAVITY
 from drivegate_cases.scenario.sensors import MCS96
@@ -14,7 +14,7 @@ from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_models.units import RADIANS_PER_RPM
 
-MOTOR = load_motor("paper-5-phase")
+DRIVE = load_drive("paper-5-phase")
 SHORT = DriveCycle(
     name="short", speed_km_h=((0.0, 0.0), (1.0, 0.0), (6.0, 20.0), (9.0, 20.0), (13.0, 0.0), (15.0, 0.0))
 )
@@ -22,26 +22,26 @@ SHORT = DriveCycle(
 
 @pytest.fixture(scope="module")
 def short_figures():
-    scenario = cycle_scenario(SHORT, MOTOR)
+    scenario = cycle_scenario(SHORT, DRIVE)
     run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]), trace_every=1)
     return cycle_figures(scenario, run)
 
 
 def test_the_reference_is_the_cycle_s_speed_through_wheel_and_gear():
-    scenario = cycle_scenario(load_drive_cycle("ece-15"), MOTOR)
+    scenario = cycle_scenario(load_drive_cycle("ece-15"), DRIVE)
     highest = max(speed for _, speed in scenario.speed_rpm)
     assert highest * RADIANS_PER_RPM * VEHICLE.lever_m * 3.6 == pytest.approx(50.0)
     assert scenario.duration_s == 195.0
     assert scenario.sensors.kind == "ideal"
-    assert cycle_scenario(SHORT, MOTOR, noise_seed=3).sensors == MCS96
+    assert cycle_scenario(SHORT, DRIVE, noise_seed=3).sensors == MCS96
 
 
 def test_the_brake_gives_what_coasting_does_not():
-    grade = braking_grade(SHORT, MOTOR)
+    grade = braking_grade(SHORT, DRIVE)
     slope = [percent for time, percent in grade if time == 9.0][-1] / 100.0
     brake = VEHICLE.mass_kg * GRAVITY * slope / np.hypot(1.0, slope)
     by_itself = VEHICLE.mass_kg * GRAVITY * 0.010 + 0.5 * 1.2 * 0.4 * (20.0 / 3.6) ** 2
-    mass = VEHICLE.mass_kg + MOTOR.inertia_kg_m2 / VEHICLE.lever_m**2
+    mass = VEHICLE.mass_kg + DRIVE.machine.inertia_kg_m2 / VEHICLE.lever_m**2
     assert brake + by_itself == pytest.approx(mass * (20.0 / 3.6) / 4.0, rel=1e-3)
     assert [percent for time, percent in grade if 1.0 < time < 9.0] == [0.0], "nobody brakes while driving"
     assert grade[-1] == (15.0, 5.0), "the brake holds the vehicle at a stop"
@@ -49,7 +49,7 @@ def test_the_brake_gives_what_coasting_does_not():
 
 def test_a_cycle_without_braking_has_no_brake():
     rising = DriveCycle(name="rising", speed_km_h=((0.0, 5.0), (10.0, 20.0)))
-    assert {percent for _, percent in braking_grade(rising, MOTOR)} == {0.0}
+    assert {percent for _, percent in braking_grade(rising, DRIVE)} == {0.0}
 
 
 def test_a_cycle_that_brakes_too_hard_is_refused():
@@ -57,7 +57,7 @@ def test_a_cycle_that_brakes_too_hard_is_refused():
     with pytest.raises(
         InputError, match=r"'crash' slows down by 13\.9 m/s² at 0 s, but may by 6 m/s² at most"
     ):
-        cycle_scenario(crash, MOTOR)
+        cycle_scenario(crash, DRIVE)
 
 
 def test_the_reference_controller_follows_and_stops(short_figures):

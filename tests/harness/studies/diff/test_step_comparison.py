@@ -165,10 +165,10 @@ def test_a_record_is_exact_and_the_plant_played_back_is_the_plant(tmp_path):
     path = tmp_path / "steps"
     inner = load_controller(resolve_candidate("reference"))
     with path.open("wb") as file:
-        controller = RecordingController(inner, file, scenario.motor.phases)
+        controller = RecordingController(inner, file, scenario.drive.machine.phases)
         run = run_scenario(scenario, controller, trace_every=1)
         controller.finish()
-    phases = scenario.motor.phases
+    phases = scenario.drive.machine.phases
     assert row_count(path, phases) == run.steps > BLOCK_ROWS
     rows = np.concatenate(list(recorded_rows(path, phases)))
     columns = run.trace
@@ -182,7 +182,7 @@ def test_a_record_is_exact_and_the_plant_played_back_is_the_plant(tmp_path):
     sensed = rows[1501]
     assert plant.speed != sensed[2], "the encoder shows the speed otherwise than it is"
     assert plant.phase_currents == pytest.approx(sensed[8:], abs=1.0)
-    turned = scenario.motor.pole_pairs * (math.pi / 30.0) * columns["speed_rpm"][:1501].sum() * 0.0005
+    turned = scenario.drive.machine.pole_pairs * (math.pi / 30.0) * columns["speed_rpm"][:1501].sum() * 0.0005
     assert math.remainder(plant.angle - turned, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
 
 

@@ -14,7 +14,7 @@ from drivegate.containment.backend import Backend
 from drivegate.studies.map.axes import MapAxes, axis_within, parameter_axis
 from drivegate.studies.map.map import computed
 from drivegate.studies.map.plan import MapPlan
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum
 from drivegate_models.half_bridge.steady.steady_state import steady_state
@@ -25,8 +25,8 @@ def silent(_done: int, _before: int) -> None:
 
 
 def frame_of(kind, axes, candidate=None, workers=1):
-    motor = load_motor("paper-5-phase")
-    plan = MapPlan(kind, motor, MapAxes.of(axes), candidate)
+    drive = load_drive("paper-5-phase")
+    plan = MapPlan(kind, drive, MapAxes.of(axes), candidate)
     return pandas.DataFrame(computed(plan, Backend(workers=workers), silent).table())
 
 
@@ -46,7 +46,7 @@ def command(tmp_path, monkeypatch, capsys):
 def test_every_point_of_a_map_is_the_steady_state_there():
     axes = {"speed_rpm": (300.0, 1500.0), "advance_deg": (0.0, 52.5), "current_a": (5.0, 20.0)}
     frame = frame_of("points", axes)
-    drive = load_motor("paper-5-phase").drive()
+    drive = load_drive("paper-5-phase").plant()
     assert len(frame) == 8
     for row in frame.itertuples():
         state = steady_state(drive, row.speed_rpm * pi / 30.0, row.current_a, radians(row.advance_deg))
@@ -80,7 +80,7 @@ def test_a_parameter_changes_the_plant_it_belongs_to():
 
 def test_the_map_of_the_best_is_the_oracle_and_nothing_where_no_angle_will_do():
     frame = frame_of("best", {"speed_rpm": (700.0, 1500.0), "torque_nm": (9.8, 20.0)})
-    drive = load_motor("paper-5-phase").drive()
+    drive = load_drive("paper-5-phase").plant()
     first = frame.iloc[0]
     best = least_current_sum(drive, 700.0 * pi / 30.0, 9.8)
     # The speed has gone through rpm, which may cost its last digit.

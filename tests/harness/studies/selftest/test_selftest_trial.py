@@ -15,9 +15,9 @@ from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest import trial as trial_module
 from drivegate.studies.selftest.run import SelftestEffort, planned_trial
 from drivegate.studies.selftest.trial import Trial, run_trial
-from drivegate_cases.motor.motor import load_motor
+from drivegate_cases.drive.drive_document import load_drive
 
-SCENARIO = fixed_scenarios(load_motor("paper-5-phase"))[0].to_mapping()
+SCENARIO = fixed_scenarios(load_drive("paper-5-phase"))[0].to_mapping()
 FAULTY = resolve_candidate("faulty:drifts")
 BASE = resolve_candidate("reference")
 # It is not made simpler, so that no run is made here.

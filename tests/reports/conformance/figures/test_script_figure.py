@@ -19,7 +19,7 @@ ROWS = [
     {"speed_reference_rpm": 1500.0, "speed_rpm": speed, "current_sum_a": current, "supply_v": 48.0}
     for speed, current in ((1500.0, 40.0), (1499.0, 39.5), (1490.0, 41.25))
 ]
-STORED = {"schema": 1, "kind": "script", "name": "falling <b>", "motor": "paper-5-phase", "rows": ROWS}
+STORED = {"schema": 1, "kind": "script", "name": "falling <b>", "drive": "paper-5-phase", "rows": ROWS}
 MEASURED = "row 3, at 0.3 s: the angle is -2° from the initial one, but Fig. 4 has -1°"
 
 

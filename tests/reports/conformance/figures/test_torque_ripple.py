@@ -46,7 +46,7 @@ def test_a_torque_out_of_reach_is_told_and_drawn_at_the_current_limit(signals: R
     ripple = ripple_of("RIP-1", at_angle(signals, 40.0))
     assert ripple is not None
     assert ripple.is_short
-    assert ripple.cycle.current_reference_a == signals.scenario.motor.current_limit_a
+    assert ripple.cycle.current_reference_a == signals.scenario.drive.rating.current_limit_a
     assert "9.80 N·m of the run are out of reach" in caption(ripple)
 
 

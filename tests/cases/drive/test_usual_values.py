@@ -1,15 +1,22 @@
-"""Values of a motor that only a wrong unit explains: told in one sentence, and no others."""
+"""Values of a drive that only a wrong unit explains: told in one sentence, and no others."""
 
 import pytest
 
-from drivegate_cases.motor.motor import load_motor
-from drivegate_cases.motor.usual_values import unusual_values
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.usual_values import unusual_values
 
-PAPER = load_motor("paper-5-phase")
+PAPER = load_drive("paper-5-phase")
 
 
 def changed(**values):
-    return PAPER.model_copy(update=values)
+    """Change values as no document could, where the rest of the drive does not fit them."""
+    tables = {
+        name: table.model_copy(update={key: value for key, value in values.items() if key in keys})
+        for name in ("machine", "inverter", "rating")
+        for table in [getattr(PAPER, name)]
+        for keys in [type(table).model_fields]
+    }
+    return PAPER.model_copy(update=tables)
 
 
 @pytest.mark.parametrize(
@@ -36,14 +43,14 @@ def changed(**values):
 )
 def test_a_wrong_unit_is_told_with_value_range_and_unit(key, value, asked):
     (sentence,) = unusual_values(changed(**{key: value}))
-    assert sentence.startswith(f"the motor's {key} is {value:g}, but usual for "), sentence
+    assert sentence.startswith(f"the drive's {key} is {value:g}, but usual for "), sentence
     assert "; it is expected in " in sentence
     assert sentence.endswith(asked), sentence
 
 
 def test_the_sentence_reads_as_a_whole():
     assert unusual_values(changed(resistance_ohm=300.0)) == (
-        "the motor's resistance_ohm is 300, but usual for 48 V and 26 A is 0.0018 to 5.5; it is expected in ohm: "
+        "the drive's resistance_ohm is 300, but usual for 48 V and 26 A is 0.0018 to 5.5; it is expected in ohm: "
         "is it in milliohm?",
     )
 

@@ -1,4 +1,4 @@
-"""How a plant differs from the nominal motor that its controller knows."""
+"""How a plant differs from the nominal drive that its controller knows."""
 
 from pydantic import Field
 
@@ -6,13 +6,13 @@ from drivegate_cases.documents.document import Section
 
 
 class Scales(Section):
-    """Factors on nominal parameters of a motor; a controller's nameplate keeps the nominal values."""
+    """Factors on nominal parameters of a drive; a controller's nameplate keeps the nominal values."""
 
     resistance: float = Field(default=1.0, ge=0.0, le=100.0, description="factor on the phase resistance")
     inductance: float = Field(default=1.0, ge=0.01, le=100.0, description="factor on the phase inductance")
     emf_constant: float = Field(default=1.0, ge=0.01, le=100.0, description="factor on the EMF constant")
     friction_added_n_m: float = Field(
-        default=0.0, ge=0.0, le=1e5, description="friction torque added to the motor's own, in newton metres"
+        default=0.0, ge=0.0, le=1e5, description="friction torque added to the drive's own, in newton metres"
     )
 
 

@@ -1,11 +1,11 @@
-"""Values of a motor that are far off its kind, as a wrong unit makes them."""
+"""Values of a drive that are far off its kind, as a wrong unit makes them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from drivegate_cases.motor.motor import RPM, Motor
+from drivegate_cases.drive.drive_document import RPM, DriveDocument
 
 _MILLI = 1e-3
 _PER_1000_RPM = 1.0 / (1000.0 * RPM)
@@ -13,7 +13,7 @@ _PER_1000_RPM = 1.0 / (1000.0 * RPM)
 
 @dataclass(frozen=True)
 class UsualRange:
-    """What a key of a motor usually is in drives of its kind.
+    """What a key of a drive usually is in drives of its kind.
 
     Attributes
     ----------
@@ -45,19 +45,19 @@ class UsualRange:
         names = (name for name, size in self.mistaken if self.holds(value * size))
         asked = next((f": is it in {name}?" for name in names), "")
         return (
-            f"the motor's {self.key} is {value:g}, but usual {self.kind} is {self.lowest:.2g} to {self.highest:.2g}; "
+            f"the drive's {self.key} is {value:g}, but usual {self.kind} is {self.lowest:.2g} to {self.highest:.2g}; "
             f"it is expected in {self.unit}{asked}"
         )
 
 
-def unusual_values(motor: Motor) -> tuple[str, ...]:
+def unusual_values(drive: DriveDocument) -> tuple[str, ...]:
     """Tell each value that is far off its kind; what others are measured by comes alone."""
-    stages = (_of_any_drive(), _of_its_power(motor), _of_its_kind(motor))
-    return next(filter(None, (_unusual(motor, ranges) for ranges in stages)), ())
+    stages = (_of_any_drive(), _of_its_power(drive), _of_its_kind(drive))
+    return next(filter(None, (_unusual(drive, ranges) for ranges in stages)), ())
 
 
-def _unusual(motor: Motor, ranges: Iterable[UsualRange]) -> tuple[str, ...]:
-    values = ((usual, float(getattr(motor, usual.key))) for usual in ranges)
+def _unusual(drive: DriveDocument, ranges: Iterable[UsualRange]) -> tuple[str, ...]:
+    values = ((usual, float(drive.value(usual.key))) for usual in ranges)
     return tuple(usual.warning(value) for usual, value in values if not usual.holds(value))
 
 
@@ -83,30 +83,31 @@ def _of_any_drive() -> tuple[UsualRange, ...]:
     )
 
 
-def _of_its_power(motor: Motor) -> tuple[UsualRange, ...]:
+def _of_its_power(drive: DriveDocument) -> tuple[UsualRange, ...]:
     """Give the range of the current, as a multiple of what the power takes."""
-    current = motor.rated_power_w / (motor.phases * motor.supply_voltage_v)
+    current = drive.rating.rated_power_w / (drive.machine.phases * drive.inverter.supply_voltage_v)
     return (
         UsualRange(
             "current_limit_a",
             0.1 * current,
             100.0 * current,
             "ampere",
-            f"for {motor.rated_power_w:g} W from {motor.supply_voltage_v:g} V in {motor.phases} phases",
+            f"for {drive.rating.rated_power_w:g} W from {drive.inverter.supply_voltage_v:g} V "
+            f"in {drive.machine.phases} phases",
             (("milliampere", _MILLI), ("kiloampere", 1e3)),
         ),
     )
 
 
-def _of_its_kind(motor: Motor) -> tuple[UsualRange, ...]:
+def _of_its_kind(drive: DriveDocument) -> tuple[UsualRange, ...]:
     """Give the ranges of what follows from the kind of drive, each as a share of what its ratings make of it."""
-    speed = motor.base_speed_rpm * RPM
-    impedance = motor.supply_voltage_v / motor.current_limit_a
-    inductance = impedance / (motor.pole_pairs * speed)
-    emf = motor.supply_voltage_v / speed
-    torque = motor.rated_power_w / speed
-    electrical = f"for {motor.supply_voltage_v:g} V and {motor.current_limit_a:g} A"
-    rated = f"for {motor.rated_power_w:g} W at {motor.base_speed_rpm:g} rpm"
+    speed = drive.rating.base_speed_rpm * RPM
+    impedance = drive.inverter.supply_voltage_v / drive.rating.current_limit_a
+    inductance = impedance / (drive.machine.pole_pairs * speed)
+    emf = drive.inverter.supply_voltage_v / speed
+    torque = drive.rating.rated_power_w / speed
+    electrical = f"for {drive.inverter.supply_voltage_v:g} V and {drive.rating.current_limit_a:g} A"
+    rated = f"for {drive.rating.rated_power_w:g} W at {drive.rating.base_speed_rpm:g} rpm"
     return (
         UsualRange(
             "resistance_ohm",
@@ -121,7 +122,7 @@ def _of_its_kind(motor: Motor) -> tuple[UsualRange, ...]:
             0.01 * inductance,
             10.0 * inductance,
             "henry",
-            f"{electrical} at {motor.base_speed_rpm:g} rpm and {motor.pole_pairs} pole pairs",
+            f"{electrical} at {drive.rating.base_speed_rpm:g} rpm and {drive.machine.pole_pairs} pole pairs",
             (("millihenry", _MILLI), ("microhenry", 1e-6)),
         ),
         UsualRange(
@@ -129,7 +130,7 @@ def _of_its_kind(motor: Motor) -> tuple[UsualRange, ...]:
             0.02 * emf,
             5.0 * emf,
             "volt seconds per radian",
-            f"for {motor.supply_voltage_v:g} V at {motor.base_speed_rpm:g} rpm",
+            f"for {drive.inverter.supply_voltage_v:g} V at {drive.rating.base_speed_rpm:g} rpm",
             (("volts per 1000 turns a minute", _PER_1000_RPM), ("millivolt seconds per radian", _MILLI)),
         ),
         UsualRange(
@@ -146,10 +147,10 @@ def _of_its_kind(motor: Motor) -> tuple[UsualRange, ...]:
         ),
         UsualRange(
             "hysteresis_band_a",
-            1e-4 * motor.current_limit_a,
-            0.5 * motor.current_limit_a,
+            1e-4 * drive.rating.current_limit_a,
+            0.5 * drive.rating.current_limit_a,
             "ampere",
-            f"for {motor.current_limit_a:g} A",
+            f"for {drive.rating.current_limit_a:g} A",
             (("milliampere", _MILLI),),
         ),
         UsualRange(

@@ -1,0 +1,210 @@
+"""The drive as data, and what the plant and a controller know of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from drivegate_cases.documents.document import Document, Section, parse_document
+from drivegate_cases.documents.overrides import parse_overrides
+from drivegate_cases.documents.packaged import load_named, packaged_names
+from drivegate_cases.drive.inverter import Inverter
+from drivegate_cases.drive.machine import Machine
+from drivegate_cases.drive.provenance import Provenance, check_provenance
+from drivegate_cases.drive.rating import Advance, Rating
+from drivegate_cases.drive.scales import NOMINAL, Scales
+
+if TYPE_CHECKING:
+    from drivegate_models.contract.outer_loop.signals import Nameplate
+    from drivegate_models.half_bridge.plant.drive import Drive
+
+HIGHEST_CHOPPING_FREQUENCY_HZ = 10e6
+RPM = 2.0 * math.pi / 60.0
+
+_TABLES: Final[Mapping[str, type[Section]]] = {
+    "machine": Machine,
+    "inverter": Inverter,
+    "rating": Rating,
+    "advance": Advance,
+}
+_KEYS: Final = {name: tuple(table.model_fields) for name, table in _TABLES.items()}
+_TABLE_OF_KEY: Final = {key: table for table, keys in _KEYS.items() for key in keys}
+"""The table of each key; a key stands in one table only, so that it may go without its table's name."""
+
+TABLE_KEYS = tuple(_TABLE_OF_KEY)
+"""Keys of all tables, by their bare names."""
+SETTABLE_KEYS = ("name", *TABLE_KEYS, *(f"{table}.{key}" for key, table in _TABLE_OF_KEY.items()))
+"""Keys of a drive that ``--set`` takes."""
+
+
+class DriveDocument(Document):
+    """A machine with its supply, inverter, current regulators and rating."""
+
+    name: str = Field(min_length=1, max_length=200, description="name of the drive")
+    kind: Literal["half-bridge"] = Field(
+        description='kind of drive: "half-bridge", decoupled phases on half-bridge legs at a split supply'
+    )
+    machine: Machine = Field(description="table of the windings, their EMF, and the shaft")
+    inverter: Inverter = Field(description="table of the supply, the current regulators and the devices")
+    rating: Rating = Field(description="table of power, current and speeds that the drive is made for")
+    advance: Advance | None = Field(
+        default=None, description="table of the line of initial advance angles over speed"
+    )
+    provenance: Provenance = Field(
+        default_factory=dict,
+        description="table that says where the values come from, one sentence for each key of each table",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _keys_stand_in_their_tables(cls, values: Any) -> Any:
+        """Tell where a known key belongs; one that is not known is refused with the nearest."""
+        if isinstance(values, Mapping):
+            for place in ("", *_KEYS):
+                keys = values.get(place) if place else values
+                for key in keys if isinstance(keys, Mapping) else ():
+                    table = _TABLE_OF_KEY.get(key, place)
+                    if table != place:
+                        raise ValueError(
+                            f"the key '{place and place + '.'}{key}' belongs in the table [{table}]"
+                        )
+        return values
+
+    @field_validator("provenance")
+    @classmethod
+    def _provenance_is_of_keys(cls, provenance: Provenance) -> Provenance:
+        return check_provenance(provenance, _KEYS)
+
+    @model_validator(mode="after")
+    def _tables_fit_together(self) -> Self:
+        band, limit = self.inverter.hysteresis_band_a, self.rating.current_limit_a
+        if band > limit:
+            raise ValueError(
+                f"the key 'inverter.hysteresis_band_a' is {band:g}, but must be at most the current limit of "
+                f"{limit:g} A"
+            )
+        self._check_chopping()
+        return self
+
+    def _check_chopping(self) -> None:
+        """Refuse a band that the current crosses faster than any device could follow.
+
+        With no EMF the current moves by V/L a second, so it crosses the half-width h up and down V/(2 L h)
+        times a second; the plant solves each crossing, and its work grows with them.
+        """
+        band = self.inverter.hysteresis_band_a
+        if band == 0.0:
+            return
+        slew_rate = self.inverter.supply_voltage_v / self.machine.inductance_h
+        narrowest = slew_rate / (2.0 * HIGHEST_CHOPPING_FREQUENCY_HZ)
+        if band < narrowest:
+            raise ValueError(
+                f"the key 'inverter.hysteresis_band_a' is {band}, but with this supply and "
+                f"machine.inductance_h must be at least {narrowest:.3g}, so that it chops at no more than 10 MHz"
+            )
+
+    def __hash__(self) -> int:
+        """Hash the values; the provenance, a table, is left out."""
+        return hash((self.name, self.kind, self.machine, self.inverter, self.rating, self.advance))
+
+    def value(self, key: str) -> Any:
+        """Give the value of a key of any table, by its bare name."""
+        return getattr(getattr(self, _TABLE_OF_KEY[key]), key)
+
+    def replaced(self, **changes: Any) -> Self:
+        """Make a drive that differs in a few keys, of any table, checked like any other."""
+        return super().replaced(**self._with_tables(changes))
+
+    def _with_tables(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """Put keys into their tables, beside what these hold now."""
+        top = {key: value for key, value in changes.items() if key not in _TABLE_OF_KEY}
+        for key, value in changes.items():
+            if (table := _TABLE_OF_KEY.get(key)) is not None:
+                section = getattr(self, table)
+                top.setdefault(table, {} if section is None else section.model_dump())[key] = value
+        return top
+
+    def with_overrides(self, pairs: Sequence[str]) -> DriveDocument:
+        """Set single values from the command line, by ``table.key`` or by the bare key."""
+        if not pairs:
+            return self
+        given = parse_overrides(pairs, SETTABLE_KEYS)
+        values = {key.rpartition(".")[2]: value for key, value in given.items()}
+        mapping = self.to_mapping() | self._with_tables(values)
+        sources = {table: dict(sentences) for table, sentences in self.provenance.items()}
+        for key in values:
+            if key in _TABLE_OF_KEY:
+                sources.setdefault(_TABLE_OF_KEY[key], {})[key] = "set on the command line"
+        return parse_document(
+            mapping | {"provenance": sources}, DriveDocument, "--set " + " --set ".join(pairs)
+        )
+
+    def plant(self, scales: Scales | None = None) -> Drive:
+        """Make the plant's parameters, in SI units."""
+        from drivegate_models.half_bridge.plant.drive import make_drive
+        from drivegate_models.machine.emf import sine_corners, table_corners, trapezoid_corners
+
+        factors = scales or NOMINAL
+        machine, inverter = self.machine, self.inverter
+        if machine.emf_shape == "table":
+            angles = [math.radians(angle) for angle, _ in machine.emf_table]
+            corners = table_corners(angles, [value for _, value in machine.emf_table])
+        elif machine.emf_shape == "sine":
+            corners = sine_corners()
+        else:
+            assert machine.emf_flat_deg is not None, "a trapezoid without its flat width is refused on entry"
+            corners = trapezoid_corners(math.radians(machine.emf_flat_deg))
+        return make_drive(
+            phases=machine.phases,
+            pole_pairs=machine.pole_pairs,
+            resistance=machine.resistance_ohm * factors.resistance,
+            inductance=machine.inductance_h * factors.inductance,
+            emf_constant=machine.emf_constant_v_s_per_rad * factors.emf_constant,
+            emf_angles=corners[0],
+            emf_values=corners[1],
+            half_supply_voltage=inverter.supply_voltage_v,
+            hysteresis_band=inverter.hysteresis_band_a,
+            window=math.radians(inverter.window_deg),
+            current_limit=self.rating.current_limit_a,
+            core_loss_conductance=machine.core_loss_conductance_s,
+            inertia=machine.inertia_kg_m2,
+            friction=machine.friction_n_m + factors.friction_added_n_m,
+            viscous_friction=machine.viscous_friction_n_m_s_per_rad,
+            switch_drop=inverter.switch_drop_v,
+            diode_drop=inverter.diode_drop_v,
+            turn_on_energy=inverter.turn_on_energy_j,
+            turn_off_energy=inverter.turn_off_energy_j,
+        )
+
+    def nameplate(self, control_period: float) -> Nameplate:
+        """Make what a controller is given before a run, in SI units."""
+        from drivegate_models.contract.outer_loop.signals import Nameplate
+
+        return Nameplate(
+            phases=self.machine.phases,
+            pole_pairs=self.machine.pole_pairs,
+            half_supply_voltage=self.inverter.supply_voltage_v,
+            base_speed=self.rating.base_speed_rpm * RPM,
+            rated_power=self.rating.rated_power_w,
+            current_limit=self.rating.current_limit_a,
+            control_period=control_period,
+            hysteresis_band=self.inverter.hysteresis_band_a,
+            resistance=self.machine.resistance_ohm,
+            inductance=self.machine.inductance_h,
+            emf_constant=self.machine.emf_constant_v_s_per_rad,
+            inertia=self.machine.inertia_kg_m2,
+        )
+
+
+def load_drive(name_or_path: str | Path, *, beside: Path | None = None) -> DriveDocument:
+    """Load a drive that comes with drivegate, or one from a file."""
+    return load_named(name_or_path, DriveDocument, "drives", "drive", beside=beside)
+
+
+def drive_names() -> tuple[str, ...]:
+    """List the drives that come with drivegate."""
+    return packaged_names("drives")

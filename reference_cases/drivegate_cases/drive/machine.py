@@ -1,0 +1,58 @@
+"""The table `[machine]` of a drive: its windings, their back-EMF, and the shaft."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from drivegate_cases.documents.document import Section
+from drivegate_cases.drive.emf_table import EmfTable, check_emf_table
+
+_Torque = Annotated[float, Field(ge=0.0, le=1e5)]
+
+
+class Machine(Section):
+    """A machine whose phases are alike and decoupled."""
+
+    phases: int = Field(ge=1, le=31, description="number of phases, half a cycle divided by it apart")
+    pole_pairs: int = Field(ge=1, le=200, description="electrical cycles in a turn of the shaft")
+    resistance_ohm: float = Field(ge=0.0, le=1e4, description="resistance of one phase, in ohm")
+    inductance_h: float = Field(gt=0.0, le=1e2, description="inductance of one phase, in henry")
+    emf_constant_v_s_per_rad: float = Field(
+        gt=0.0, le=1e4, description="peak EMF of one phase over the shaft's speed, in volt seconds per radian"
+    )
+    emf_shape: Literal["trapezoid", "sine", "table"] = Field(description="shape of the EMF over the angle")
+    emf_flat_deg: float | None = Field(
+        default=None, ge=0.0, lt=180.0, description="flat width of a trapezoidal EMF, in electrical degrees"
+    )
+    emf_table: EmfTable = Field(
+        default=(),
+        description="list of [electrical degrees, share of the peak] over 0 to 180, of a table's EMF",
+    )
+    core_loss_conductance_s: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=1e2,
+        description="conductance that stands for the core loss of a phase, in siemens",
+    )
+    inertia_kg_m2: float = Field(
+        gt=0.0, le=1e6, description="inertia of the shaft, in kilogram square metres"
+    )
+    friction_n_m: _Torque = Field(default=0.0, description="friction torque at any speed, in newton metres")
+    viscous_friction_n_m_s_per_rad: _Torque = Field(
+        default=0.0, description="friction torque over speed, in newton metre seconds per radian"
+    )
+
+    @field_validator("emf_table")
+    @classmethod
+    def _table_is_a_shape(cls, table: EmfTable) -> EmfTable:
+        return check_emf_table(table)
+
+    @model_validator(mode="after")
+    def _shape_has_its_values(self) -> Self:
+        if self.emf_shape == "trapezoid" and self.emf_flat_deg is None:
+            raise ValueError(
+                "the key 'emf_flat_deg' is missing, but must be given for the shape \"trapezoid\""
+            )
+        if self.emf_shape == "table" and not self.emf_table:
+            raise ValueError("the key 'emf_table' is missing, but must be given for the shape \"table\"")
+        return self

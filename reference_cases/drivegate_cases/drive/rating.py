@@ -1,0 +1,46 @@
+"""The tables `[rating]` and `[advance]` of a drive: what it is made for."""
+
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from drivegate_cases.documents.document import Section
+
+
+class Rating(Section):
+    """Power, current and the speeds between which the power is constant."""
+
+    base_speed_rpm: float = Field(
+        gt=0.0, le=1e6, description="speed at which constant power begins, in turns a minute"
+    )
+    highest_speed_rpm: float = Field(
+        gt=0.0, le=1e6, description="speed up to which constant power is required, in turns a minute"
+    )
+    overspeed_rpm: float = Field(
+        gt=0.0, le=1e6, description="speed that the drive must survive, in turns a minute"
+    )
+    rated_power_w: float = Field(gt=0.0, le=1e9, description="rated power at the shaft, in watts")
+    current_limit_a: float = Field(gt=0.0, le=1e5, description="greatest current reference, in ampere")
+
+    @model_validator(mode="after")
+    def _speeds_rise(self) -> Self:
+        if self.highest_speed_rpm <= self.base_speed_rpm:
+            raise ValueError(
+                f"the key 'highest_speed_rpm' is {self.highest_speed_rpm:g}, but must be above the "
+                f"base speed of {self.base_speed_rpm:g} rpm"
+            )
+        if self.overspeed_rpm < self.highest_speed_rpm:
+            raise ValueError(
+                f"the key 'overspeed_rpm' is {self.overspeed_rpm:g}, but must be at least the "
+                f"highest speed of {self.highest_speed_rpm:g} rpm"
+            )
+        return self
+
+
+class Advance(Section):
+    """A line of initial advance angles over speed."""
+
+    start_deg: float = Field(ge=0.0, le=90.0, description="angle at base speed, in electrical degrees")
+    slope_deg_per_rpm: float = Field(
+        ge=0.0, le=90.0, description="rise above base speed, in electrical degrees for each turn a minute"
+    )

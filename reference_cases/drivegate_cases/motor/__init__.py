@@ -1,1 +1,0 @@
-"""A motor and its drive as a document."""

@@ -1,0 +1,52 @@
+"""The option --drive of every command that runs something."""
+
+import pytest
+
+from drivegate_cases.drive.drive_document import load_drive
+
+POINT = ["--speed-rpm", "700", "--advance-deg", "30", "--current-a", "10"]
+COMMANDS = {
+    "check": ["initial"],
+    "compare": ["initial"],
+    "selftest": ["--fault", "angle-capped"],
+    "simulate": ["initial", "--case", "fig5-search"],
+    "diff": ["initial", "initial", "--case", "fig5-search"],
+    "map": ["--speed-rpm", "700", "--advance-deg", "30", "--current-a", "10"],
+    "point": POINT,
+    "new": ["python", "mine"],
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize(
+    ("drive", "reason"),
+    [
+        ("paper-5-fase", "no drive is called 'paper-5-fase', the nearest is 'paper-5-phase'"),
+        ("missing.toml", "missing.toml does not exist"),
+    ],
+)
+def test_a_drive_that_there_is_not_is_refused(refused, name, drive, reason):
+    assert reason in refused(name, *COMMANDS[name], "--drive", drive)
+
+
+def test_a_drive_of_one_s_own_is_what_a_candidate_is_made_for(command, tmp_path):
+    mine = load_drive("paper-5-phase").replaced(name="mine", resistance_ohm=0.1)
+    (tmp_path / "my-drive.json").write_text(mine.to_json(), encoding="utf-8")
+    assert command("new", "python", "tuned", "--drive", "my-drive.json").code == 0
+    manifest = (tmp_path / "tuned" / "candidate.toml").read_text(encoding="utf-8")
+    assert 'drive = "drive.json"\n' in manifest
+    from drivegate.candidates.resolution import resolve_candidate
+
+    assert resolve_candidate(str(tmp_path / "tuned" / "candidate.toml")).drive == mine
+
+
+def test_a_map_is_of_the_drive_that_the_candidate_s_manifest_names(command, tmp_path):
+    mine = load_drive("paper-5-phase").replaced(name="mine", resistance_ohm=0.1)
+    (tmp_path / "mine.json").write_text(mine.to_json(), encoding="utf-8")
+    (tmp_path / "candidate.toml").write_text(
+        'schema = 1\nname = "tuned"\nkind = "builtin"\nentry = "initial"\ndrive = "mine.json"\n',
+        encoding="utf-8",
+    )
+    words = ["map", "candidate.toml", "--speed-rpm", "700", "--torque-nm", "5"]
+    assert command(*words, "--json").document["drive"] == "mine"
+    assert command(*words, "--drive", "paper-5-phase", "--json").document["drive"] == "paper-5-phase"

@@ -1,0 +1,49 @@
+"""The plan of a check is made for one drive, which stands in every job as a whole."""
+
+from typing import Any
+
+from drivegate.candidates.declaration import Declaration, FlowchartProfile
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.gate import engine
+from drivegate.gate.joint_runs import JointRuns, run_joint
+from drivegate.gate.plan import planned_work
+from drivegate.gate.shard import FixedRuns
+from drivegate_cases.drive.drive_document import load_drive
+
+PAPER = load_drive("paper-5-phase")
+MINE = PAPER.replaced(name="mine", resistance_ohm=0.1)
+FLOWCHART = FlowchartProfile(
+    speed_tolerance=0.5, power_tolerance=0.0, power_tolerance_fraction=0.001, step=0.02, period=0.1
+)
+
+
+def test_every_job_is_on_the_drive_that_is_given() -> None:
+    work = planned_work("default", 0, declaration=Declaration(FLOWCHART), drive=MINE)
+    for item in work:
+        payload: Any = item.job.payload
+        if isinstance(payload, FixedRuns):
+            drives = {scenario.drive for scenario in payload.scenarios}
+        else:
+            drives = {payload.scenario.drive if hasattr(payload, "scenario") else payload.drive}
+        assert drives == {MINE}, f"{item.label} runs on {drives}"
+
+
+def test_joint_runs_are_drawn_for_their_drive(monkeypatch: Any) -> None:
+    made: list[FixedRuns] = []
+    monkeypatch.setattr("drivegate.gate.joint_runs.run_fixed", lambda _, plan: made.append(plan))
+    run_joint(engine_loaded(), JointRuns(MINE, 0, 0, 8))
+    assert {scenario.drive for scenario in made[0].scenarios} == {MINE}
+
+
+def engine_loaded() -> Any:
+    from drivegate.containment.judge import own_candidate
+
+    return own_candidate(resolve_candidate("reference"))
+
+
+def test_a_check_is_planned_on_the_drive_that_is_named(monkeypatch: Any) -> None:
+    planned = []
+    monkeypatch.setattr(engine, "planned_work", lambda *_, **options: planned.append(options["drive"]) or [])
+    for drive in (None, MINE):
+        next(iter(engine.check_candidate(resolve_candidate("reference"), drive=drive)))
+    assert planned == [PAPER, MINE]
