@@ -15,13 +15,12 @@ from math import degrees, radians
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares, minimize_scalar
+from scipy.optimize import least_squares
 
 from drivegate_models.errors import HarnessFault
 from drivegate_models.half_bridge.plant.drive import Drive, make_drive
-from drivegate_models.half_bridge.plant.phases import make_phases
-from drivegate_models.half_bridge.steady.current_search import mean_state
-from drivegate_models.half_bridge.steady.oracle import feasible_edge
+from drivegate_models.half_bridge.steady.angle_search import torque_at_limit, torque_demand
+from drivegate_models.half_bridge.steady.oracle import feasible_edge, greatest_torque_at_limit
 from drivegate_models.machine.emf import trapezoid_corners
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -189,40 +188,7 @@ def calibration_drive(constants: MotorConstants) -> Drive:
 
 
 def _torque_at_limit(drive: Drive, speed_rpm: float, advance: float) -> float:
-    work, slices = make_phases(drive), make_phases(drive)
-    voltage = drive.half_supply_voltage
-    return mean_state(
-        drive, work, slices, speed_rpm * RADIANS_PER_RPM, voltage, drive.current_limit, advance
-    ).torque
-
-
-def greatest_torque_at_limit(drive: Drive, speed_rpm: float) -> tuple[float, float]:
-    """Return the greatest torque at the current limit over all advance angles, and its angle.
-
-    Parameters
-    ----------
-    drive : Drive
-        The drive.
-    speed_rpm : float
-        Shaft speed (rpm).
-
-    Returns
-    -------
-    torque : float
-        Mean electromagnetic torque (N m).
-    advance : float
-        The angle (rad electrical), from a grid of 1 degree and Brent's method about the best.
-    """
-    torques = [_torque_at_limit(drive, speed_rpm, radians(degree)) for degree in range(91)]
-    # Brent's method finds one maximum of several; the grid chooses which.
-    best = int(np.argmax(torques))
-    found = minimize_scalar(
-        lambda advance: -_torque_at_limit(drive, speed_rpm, float(advance)),
-        bounds=(radians(max(best - 1, 0)), radians(min(best + 1, 90))),
-        method="bounded",
-        options={"xatol": 1e-8},
-    )
-    return -float(found.fun), float(found.x)
+    return torque_at_limit(torque_demand(drive, speed_rpm * RADIANS_PER_RPM), advance)
 
 
 def published_facts(drive: Drive, figures: PublishedFigures | None = None) -> tuple[ComparedFigure, ...]:
@@ -254,7 +220,8 @@ def published_facts(drive: Drive, figures: PublishedFigures | None = None) -> tu
     for name, speed_rpm, torque, angle in edges:
         ours = degrees(feasible_edge(drive, speed_rpm * RADIANS_PER_RPM, torque))
         facts.append(ComparedFigure(name, angle, ours, ours - angle, "deg"))
-    power = greatest_torque_at_limit(drive, _BASE_SPEED)[0] * _BASE_SPEED * RADIANS_PER_RPM
+    base_speed = _BASE_SPEED * RADIANS_PER_RPM
+    power = greatest_torque_at_limit(drive, base_speed).torque * base_speed
     excess = power - chosen.rated_power
     facts.append(
         ComparedFigure("power at 500 rpm and 26 A (Table 1)", chosen.rated_power, power, excess, "W")
@@ -277,7 +244,7 @@ def _residuals(
     # Torques at published angles, not angles at published torques: an angle can jump or vanish.
     worst = _torque_at_limit(drive, 1500.0, radians(figures.worst_ripple_angle))
     middle = _torque_at_limit(drive, 1200.0, radians(figures.middle_angle))
-    rated, _ = greatest_torque_at_limit(drive, _BASE_SPEED)
+    rated = greatest_torque_at_limit(drive, _BASE_SPEED * RADIANS_PER_RPM).torque
     required = figures.rated_power / (_BASE_SPEED * RADIANS_PER_RPM)
     return np.array([worst - figures.worst_ripple_torque, middle - figures.middle_torque, rated - required])
 
