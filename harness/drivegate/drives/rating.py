@@ -1,0 +1,87 @@
+"""A drive with its rating, as studies of what it can do take both: the one place that reads them from a document."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+from drivegate.drives.drive_kind import Drive, Oracle
+from drivegate.drives.kinds import kind_of
+from drivegate.scenarios.speed_range import HIGHEST_LOADED, LOWEST_LOADED
+from drivegate_cases.motor.motor import Motor
+from drivegate_models.units import RADIANS_PER_RPM
+
+OVERSPEED: Final = 4.0
+"""Overspeed over base speed, up to which constant power is advised (1)."""
+
+
+@dataclass(frozen=True)
+class Rating:
+    """What a drive is rated for.
+
+    Attributes
+    ----------
+    base_speed : float
+        Speed up to which torque is constant, and above which power is (rad/s).
+    lowest_speed : float
+        Lowest speed at which rated power is required; right at base speed there is no advance yet (rad/s).
+    highest_speed : float
+        Highest speed at which rated power is required (rad/s).
+    overspeed : float
+        Greatest speed (rad/s).
+    power : float
+        Rated power at the shaft (W).
+    """
+
+    base_speed: float
+    lowest_speed: float
+    highest_speed: float
+    overspeed: float
+    power: float
+
+
+@dataclass(frozen=True)
+class RatedDrive:
+    """A drive with its rating.
+
+    Attributes
+    ----------
+    name : str
+        Name of the drive.
+    oracle : Oracle
+        What such a drive can do at best.
+    constants : Drive
+        The plant's constants.
+    ideal : Drive
+        The same with the ideal current regulator.
+    rating : Rating
+        What it is rated for.
+    """
+
+    name: str
+    oracle: Oracle
+    constants: Drive
+    ideal: Drive
+    rating: Rating
+
+    def demanded_torque(self, speed: float) -> float:
+        """Give the torque of rated power at a speed (rad/s), constant below base speed (N·m)."""
+        return self.oracle.demanded_torque(self.constants, speed, self.rating.base_speed, self.rating.power)
+
+    def limited_to(self, current: float) -> RatedDrive:
+        """Give the same drive with another current limit (A)."""
+        return replace(self, constants=self.constants._replace(current_limit=current))
+
+
+def rated_drive(motor: Motor) -> RatedDrive:
+    """Take drive and rating from a document."""
+    base_speed = motor.base_speed_rpm * RADIANS_PER_RPM
+    rating = Rating(
+        base_speed=base_speed,
+        lowest_speed=LOWEST_LOADED * base_speed,
+        highest_speed=HIGHEST_LOADED * base_speed,
+        overspeed=OVERSPEED * base_speed,
+        power=motor.rated_power_w,
+    )
+    ideal = motor.replaced(hysteresis_band_a=0.0)
+    return RatedDrive(motor.name, kind_of(motor).oracle(), motor.drive(), ideal.drive(), rating)
