@@ -50,18 +50,21 @@ def bounded(lowest: float, highest: float = inf, *, above: bool = False) -> Call
     return number
 
 
+settings_option = click.option(
+    "--set",
+    "settings",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Set one key of the motor; may be given again.",
+)
+"""The option that sets single values of a motor."""
+
+
 def motor_options(function: _Function) -> _Function:
     """Add the options that name a motor and set single values of it."""
-    function = click.option(
-        "--set",
-        "settings",
-        metavar="KEY=VALUE",
-        multiple=True,
-        help="Set one key of the motor; may be given again.",
-    )(function)
     return click.option(
         "--motor", metavar="NAME|FILE", help="A motor that comes along, or a TOML or JSON file of one."
-    )(function)
+    )(settings_option(function))
 
 
 def chosen_motor(name: str | None, settings: tuple[str, ...], default: Callable[[], Motor]) -> Motor:

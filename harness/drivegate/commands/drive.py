@@ -1,0 +1,48 @@
+"""``drivegate drive``: what a drive can do, before anyone is judged on it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from shlex import quote
+from typing import TYPE_CHECKING
+
+import click
+
+from drivegate.commands.conduct import Outcome
+from drivegate.commands.options import chosen_motor, json_option, settings_option
+from drivegate.drives.kinds import DEFAULT_MOTOR
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+@click.command("drive")
+@click.argument("drive", metavar="[NAME|FILE]", default=DEFAULT_MOTOR)
+@click.option(
+    "--plot", type=click.Path(path_type=Path), help="Write a figure; the name ends in .png or .svg."
+)
+@settings_option
+@json_option
+def command(drive: str, plot: Path | None, settings: tuple[str, ...]) -> Outcome:
+    """Show what a drive can do: a motor that comes along, or a TOML or JSON file of one.
+
+    Torque and power at the current limit over speed, the angles that give rated power and what they cost, the line of
+    initial angles that follows, and what the drive's times mean for a controller. A rating that no controller can meet
+    is named with the nearest that can be met.
+    """
+    from drivegate.output.trace_files import check_targets
+    from drivegate_cases.motor.motor import load_motor
+
+    check_targets(None, None, plot)
+    motor = chosen_motor(drive, settings, lambda: load_motor(DEFAULT_MOTOR))
+
+    from drivegate.studies.drive.run import studied_drive
+
+    document = studied_drive(motor, plot=plot)
+
+    def show(console: Console) -> None:
+        from drivegate.studies.drive.display import show_drive
+
+        show_drive(console, document, quote(drive))
+
+    return Outcome(document, show)
