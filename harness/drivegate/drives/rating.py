@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import pi
 from typing import Final
 
 from drivegate.drives.drive_kind import Drive, Oracle
@@ -13,6 +14,8 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 OVERSPEED: Final = 4.0
 """Overspeed over base speed, up to which constant power is advised (1)."""
+MOST_CHOPS: Final = 500.0
+"""Chops in half an electrical cycle at base speed from which a band is taken as none, since each costs time."""
 
 
 @dataclass(frozen=True)
@@ -51,11 +54,13 @@ class RatedDrive:
     oracle : Oracle
         What such a drive can do at best.
     constants : Drive
-        The plant's constants.
+        The plant's constants, its band none where it is so narrow that it chops more than `MOST_CHOPS` times.
     ideal : Drive
         The same with the ideal current regulator.
     rating : Rating
         What it is rated for.
+    has_band : bool
+        Whether the document's band is in the constants, or none was given.
     """
 
     name: str
@@ -63,6 +68,7 @@ class RatedDrive:
     constants: Drive
     ideal: Drive
     rating: Rating
+    has_band: bool = True
 
     def demanded_torque(self, speed: float) -> float:
         """Give the torque of rated power at a speed (rad/s), constant below base speed (N·m)."""
@@ -83,5 +89,22 @@ def rated_drive(motor: Motor) -> RatedDrive:
         overspeed=OVERSPEED * base_speed,
         power=motor.rated_power_w,
     )
-    ideal = motor.replaced(hysteresis_band_a=0.0)
-    return RatedDrive(motor.name, kind_of(motor).oracle(), motor.drive(), ideal.drive(), rating)
+    ideal = motor.replaced(hysteresis_band_a=0.0).drive()
+    own = motor.drive()
+    has_band = _chops(own, base_speed) <= MOST_CHOPS
+    return RatedDrive(
+        name=motor.name,
+        oracle=kind_of(motor).oracle(),
+        constants=own if has_band else ideal,
+        ideal=ideal,
+        rating=rating,
+        has_band=has_band,
+    )
+
+
+def _chops(constants: Drive, speed: float) -> float:
+    """Count how often the current crosses its band, up and down, in half an electrical cycle without EMF."""
+    if constants.hysteresis_band == 0.0:
+        return 0.0
+    frequency = constants.half_supply_voltage / (2.0 * constants.inductance * constants.hysteresis_band)
+    return float(frequency * pi / (constants.pole_pairs * speed))

@@ -23,7 +23,7 @@ _COLUMNS: Final = (
     ("input_power_w", "input W", 0),
     ("ripple_percent", "ripple %", 1),
 )
-_SHOWN: Final = (1, 4, 9, 10, 13, 17, 21, 25, 29, 34, 39)
+_SHOWN: Final = (0, 2, 4, 5, 8, 12, 16, 20, 24, 29, 34)
 """Places of the points that the table has; all are in the document."""
 
 
@@ -44,6 +44,8 @@ def show_drive(console: Console, document: dict[str, Any], name: str) -> None:
     )
     for words in _facts(document):
         console.print(plain(words))
+    if not document["has_band"]:
+        console.print(plain("the band is so narrow that it is taken as none, which the means do not show"))
     for row in document["unreachable"]:
         console.print(plain(f"out of reach: {row['message']}", "bold red"))
     for path in document["files"]:
@@ -82,7 +84,7 @@ def _line(document: dict[str, Any]) -> str:
 def _without_advance(document: dict[str, Any]) -> str:
     highest = document["rated_torque_without_advance_up_to_rpm"]
     base = document["rating"]["base_speed_rpm"]
-    where = "at no speed" if highest is None else f"up to {highest:g} rpm"
+    where = "at no speed" if highest is None else f"up to {highest:.0f} rpm"
     return f"rated torque without advance: {where}; base speed is {base:g} rpm"
 
 

@@ -25,6 +25,7 @@ def drive_document(
     points: Sequence[SpeedPoint],
     unreachable: Sequence[UnreachableRating],
     scales: TimeScales,
+    without_advance: float | None,
 ) -> dict[str, Any]:
     """Put together what a drive can do."""
     rating = drive.rating
@@ -40,13 +41,14 @@ def drive_document(
             "rated_power_w": rating.power,
             "current_limit_a": drive.constants.current_limit,
         },
+        "has_band": drive.has_band,
         "unreachable": [row.document() for row in unreachable],
         "line": {
             "start_deg": degrees(line.start),
             "slope_deg_per_rpm": degrees(line.slope) * RADIANS_PER_RPM,
             **_least_in_hand(loaded),
         },
-        "rated_torque_without_advance_up_to_rpm": _without_advance(points, rating),
+        "rated_torque_without_advance_up_to_rpm": None if without_advance is None else _rpm(without_advance),
         "greatest_ripple_percent": max(
             (100.0 * point.ripple for point in loaded if point.ripple == point.ripple), default=None
         ),
@@ -81,16 +83,6 @@ def _least_in_hand(loaded: Sequence[SpeedPoint]) -> dict[str, float | None]:
         "least_in_hand_percent": 100.0 * (worst.line_torque / worst.rated_torque - 1.0),
         "least_in_hand_at_rpm": _rpm(worst.speed),
     }
-
-
-def _without_advance(points: Sequence[SpeedPoint], rating: Rating) -> float | None:
-    """Give the highest speed below base speed, of those looked at, up to which no advance is needed."""
-    highest = None
-    for point in points:
-        if point.speed > rating.base_speed or point.torque_without_advance < point.rated_torque:
-            break
-        highest = _rpm(point.speed)
-    return highest
 
 
 def _point(point: SpeedPoint) -> dict[str, float]:

@@ -14,12 +14,13 @@ from drivegate.drives.rating import RatedDrive, Rating
 if TYPE_CHECKING:
     from drivegate.drives.drive_kind import AdvanceLine
 
-BELOW_BASE: Final = 10
+BELOW_BASE: Final = 5
 """Speeds up to base speed, evenly spaced; at standstill itself there is no steady state."""
 CONSTANT_POWER: Final = 20
 """Speeds from there to the highest."""
 BEYOND: Final = 10
 """Speeds from there to overspeed."""
+_BISECTIONS: Final = 12
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,31 @@ def recommended_line(drive: RatedDrive) -> AdvanceLine:
     return drive.oracle.recommended_line(
         drive.constants, rating.base_speed, rating.highest_speed, rating.power
     )
+
+
+def speed_without_advance(drive: RatedDrive) -> float | None:
+    """Find the speed up to base speed to which rated torque takes no advance (rad/s); none where it always does."""
+    low: float | None = None
+    for speed in speeds_of(drive.rating)[:BELOW_BASE]:
+        if not _needs_no_advance(drive, speed):
+            return None if low is None else _located(drive, low, speed)
+        low = speed
+    return low
+
+
+def _located(drive: RatedDrive, low: float, high: float) -> float:
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        if _needs_no_advance(drive, middle):
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def _needs_no_advance(drive: RatedDrive, speed: float) -> bool:
+    (torque,) = drive.oracle.torques_at_limit(drive.constants, speed, [0.0])
+    return bool(torque >= drive.demanded_torque(speed))
 
 
 def envelope(drive: RatedDrive, line: AdvanceLine) -> Iterator[SpeedPoint]:

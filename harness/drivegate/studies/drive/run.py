@@ -10,7 +10,12 @@ from drivegate.drives.rating import rated_drive
 from drivegate.drives.reach import unreachable_ratings
 from drivegate.output.progress import progress_on, with_rate
 from drivegate.studies.drive.document import drive_document
-from drivegate.studies.drive.envelope import envelope, recommended_line, speeds_of
+from drivegate.studies.drive.envelope import (
+    envelope,
+    recommended_line,
+    speed_without_advance,
+    speeds_of,
+)
 from drivegate.studies.drive.figure import write_figure
 from drivegate.studies.drive.time_scales import time_scales
 from drivegate_cases.motor.motor import Motor
@@ -28,7 +33,9 @@ def studied_drive(motor: Motor, *, plot: Path | None = None) -> dict[str, Any]:
         for point in envelope(drive, line):
             points.append(point)
             report_progress(len(points), 0)
-    document = drive_document(drive, line, points, unreachable, time_scales(drive, points))
+    document = drive_document(
+        drive, line, points, unreachable, time_scales(drive, points), speed_without_advance(drive)
+    )
     if plot is not None:
         write_figure(document, plot)
     return document | {"files": [] if plot is None else [str(plot)]}

@@ -15,6 +15,7 @@ from drivegate.studies.drive.envelope import (
     ideal_ripple,
     recommended_line,
     speed_point,
+    speed_without_advance,
     speeds_of,
 )
 from drivegate.studies.drive.time_scales import time_scales
@@ -43,7 +44,7 @@ def test_speeds_reach_from_near_standstill_to_overspeed_through_base_and_highest
     speeds = [round(speed / RPM, 6) for speed in speeds_of(drive.rating)]
     assert len(speeds) == BELOW_BASE + CONSTANT_POWER + BEYOND
     assert speeds == sorted(set(speeds))
-    assert (speeds[0], speeds[BELOW_BASE - 1], speeds[-1]) == (50.0, 500.0, 2000.0)
+    assert (speeds[0], speeds[BELOW_BASE - 1], speeds[-1]) == (100.0, 500.0, 2000.0)
     assert speeds[BELOW_BASE + CONSTANT_POWER - 1] == 1500.0
 
 
@@ -117,3 +118,27 @@ def test_a_search_takes_a_decision_for_each_degree(drive: RatedDrive, at_1500: S
 
 def test_without_resistance_a_winding_never_loses_its_current(at_1500: SpeedPoint) -> None:
     assert time_scales(drive_with(resistance_ohm=0.0), [at_1500]).electrical == inf
+
+
+def test_up_to_some_speed_rated_torque_takes_no_advance(drive: RatedDrive) -> None:
+    speed = speed_without_advance(drive)
+    assert speed is not None
+    needed = drive.demanded_torque(speed)
+    assert steady_state(drive.constants, speed, 26.0, 0.0).torque >= needed
+    assert steady_state(drive.constants, 1.01 * speed, 26.0, 0.0).torque < needed
+    assert speed_without_advance(drive_with(current_limit_a=10.0)) is None
+    strong = drive_with(supply_voltage_v=400.0)
+    assert speed_without_advance(strong) == pytest.approx(strong.rating.base_speed)
+
+
+def test_a_band_too_narrow_to_be_seen_is_taken_as_none(drive: RatedDrive, at_1500: SpeedPoint) -> None:
+    assert drive.has_band
+    assert drive.constants.hysteresis_band == 0.25
+    narrow = drive_with(hysteresis_band_a=0.01)
+    assert not narrow.has_band
+    assert narrow.constants.hysteresis_band == 0.0
+    assert drive_with(hysteresis_band_a=0.0).has_band, "a drive without a band is taken as it is"
+    exact = load_motor("paper-5-phase").replaced(hysteresis_band_a=0.01).drive()
+    at_limit = steady_state(exact, 1500.0 * RPM, 26.0, at_1500.line_advance).torque
+    (taken,) = narrow.oracle.torques_at_limit(narrow.constants, 1500.0 * RPM, [at_1500.line_advance])
+    assert taken == pytest.approx(at_limit, rel=1e-3)
