@@ -15,12 +15,12 @@ from math import degrees, radians
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from drivegate_models.errors import HarnessFault
 from drivegate_models.half_bridge.plant.drive import Drive, make_drive
 from drivegate_models.half_bridge.steady.angle_search import torque_at_limit, torque_demand
 from drivegate_models.half_bridge.steady.oracle import feasible_edge, greatest_torque_at_limit
+from drivegate_models.machine.constants_fit import ConstantsFit, fit_constants
 from drivegate_models.machine.emf import trapezoid_corners
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -236,11 +236,11 @@ def _guess() -> MotorConstants:
 
 
 def _residuals(
-    scaled: NDArray[np.float64], scale: NDArray[np.float64], resistance: float, figures: PublishedFigures
+    constants: NDArray[np.float64], resistance: float, figures: PublishedFigures
 ) -> NDArray[np.float64]:
     """Return the torques at the current limit less the published ones (N m), shape (3,)."""
-    emf_constant, inductance, flat = scaled * scale
-    drive = calibration_drive(MotorConstants(float(emf_constant), float(inductance), float(flat), resistance))
+    emf_constant, inductance, flat = (float(value) for value in constants)
+    drive = calibration_drive(MotorConstants(emf_constant, inductance, flat, resistance))
     # Torques at published angles, not angles at published torques: an angle can jump or vanish.
     worst = _torque_at_limit(drive, 1500.0, radians(figures.worst_ripple_angle))
     middle = _torque_at_limit(drive, 1200.0, radians(figures.middle_angle))
@@ -251,34 +251,24 @@ def _residuals(
 
 def _fitted(
     figures: PublishedFigures, resistance: float, start: MotorConstants
-) -> tuple[MotorConstants, NDArray[np.float64], NDArray[np.float64]]:
-    """Return constants, residuals (N m) and the derivatives by the constants' logarithms (N m)."""
-    # Henries and volt-seconds differ by orders of magnitude, which the trust region must not see.
-    scale = np.array([start.emf_constant, start.inductance, start.emf_flat])
-    lowest = np.array([0.1, 1e-4, radians(10.0)]) / scale
-    highest = np.array([1.0, 2e-2, radians(170.0)]) / scale
-    found = least_squares(
-        _residuals,
-        np.ones(3),
-        bounds=(lowest, highest),
-        args=(scale, resistance, figures),
-        diff_step=[1e-4] * 3,
-        xtol=1e-13,
-        ftol=1e-13,
-        gtol=1e-13,
+) -> tuple[MotorConstants, ConstantsFit]:
+    """Return the constants, and the fit with residuals and derivatives in newton metres."""
+    found = fit_constants(
+        lambda constants: _residuals(constants, resistance, figures),
+        [start.emf_constant, start.inductance, start.emf_flat],
+        [0.1, 1e-4, radians(10.0)],
+        [1.0, 2e-2, radians(170.0)],
     )
-    if not found.success:
+    if not found.converged:
         raise HarnessFault(f"the calibration did not converge: {found.message}")
-    emf_constant, inductance, flat = (float(value) for value in found.x * scale)
-    constants = MotorConstants(emf_constant, inductance, flat, resistance)
-    # Relative changes, so that the condition number does not depend on units.
-    return constants, np.asarray(found.fun), np.asarray(found.jac) * found.x
+    emf_constant, inductance, flat = (float(value) for value in found.values)
+    return MotorConstants(emf_constant, inductance, flat, resistance), found
 
 
 def _shifted(
     cause: str, change: float, figures: PublishedFigures, resistance: float, origin: MotorConstants
 ) -> Sensitivity:
-    moved, _, _ = _fitted(figures, resistance, origin)
+    moved, _ = _fitted(figures, resistance, origin)
     return Sensitivity(
         cause,
         change,
@@ -312,7 +302,8 @@ def calibrate(figures: PublishedFigures | None = None, resistance: float = ASSUM
         If the fit does not converge.
     """
     chosen = figures or PublishedFigures()
-    constants, residuals, derivatives = _fitted(chosen, resistance, _guess())
+    constants, found = _fitted(chosen, resistance, _guess())
+    worst, middle, rated = (float(residual) for residual in found.residuals)
     # One figure at a time; to first order the magnitudes add up to the worst of all roundings together.
     roundings = [
         _shifted(name, half, replace(chosen, **{name: getattr(chosen, name) + half}), resistance, constants)
@@ -324,8 +315,8 @@ def calibrate(figures: PublishedFigures | None = None, resistance: float = ASSUM
     return Calibration(
         constants=constants,
         facts=published_facts(calibration_drive(constants), chosen),
-        torque_residuals=(float(residuals[0]), float(residuals[1]), float(residuals[2])),
-        condition=float(np.linalg.cond(derivatives)),
+        torque_residuals=(worst, middle, rated),
+        condition=found.condition,
         sensitivities=(*roundings, from_resistance),
         spread=MotorConstants(
             sum(abs(row.emf_constant) for row in roundings),
