@@ -24,6 +24,7 @@ COMMANDS: Final = MappingProxyType(
         "replay": "Run a counterexample again: does its check still fail?",
         "report": "Make the reports of a kept result anew.",
         "verify": "Tell whether a kept result is unchanged, and who signed it.",
+        "drive": "Show what a drive can do, before anyone is judged on it.",
         "point": "Compute the steady state at one operating point.",
         "selftest": "Check the checks: faulty controllers must be caught, correct ones must pass.",
         "reproduce": "Compute every published figure and number beside what is published.",

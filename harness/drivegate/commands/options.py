@@ -54,18 +54,19 @@ drive_option = click.option(
     "--drive", metavar="NAME|FILE", help="A drive that comes along, or a TOML or JSON file of one."
 )
 """The option that names a drive."""
+settings_option = click.option(
+    "--set",
+    "settings",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Set one key of the drive; may be given again.",
+)
+"""The option that sets single values of a drive."""
 
 
 def drive_options(function: _Function) -> _Function:
     """Add the options that name a drive and set single values of it."""
-    function = click.option(
-        "--set",
-        "settings",
-        metavar="KEY=VALUE",
-        multiple=True,
-        help="Set one key of the drive; may be given again.",
-    )(function)
-    return drive_option(function)
+    return drive_option(settings_option(function))
 
 
 def chosen_drive(

@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 if TYPE_CHECKING:
     import numpy as np
     from hypothesis.strategies import SearchStrategy
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from drivegate.checks.check import Check
     from drivegate.runs.scenario import PrepareLoop
     from drivegate.scenarios.speed_range import SpeedRange
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
-    from drivegate_models.half_bridge.steady.oracle import Optimum, TorquePoint
+    from drivegate_models.half_bridge.steady.oracle import AdvanceLine as AdvanceLine
+    from drivegate_models.half_bridge.steady.oracle import GreatestTorque, Optimum, TorquePoint
 
 FloatArray: TypeAlias = "NDArray[np.float64]"
 Drive: TypeAlias = Any
@@ -45,6 +46,24 @@ class Oracle(Protocol):
         self, drive: Drive, speed: float, advance: float, torque: float, voltage: float | None = None
     ) -> TorquePoint:
         """Find the steady state that gives a torque at an advance angle."""
+
+    def greatest_torque_at_limit(
+        self, drive: Drive, speed: float, voltage: float | None = None
+    ) -> GreatestTorque:
+        """Find the advance angle of the greatest torque at the current limit."""
+
+    def torques_at_limit(
+        self, drive: Drive, speed: float, advances: ArrayLike, voltage: float | None = None
+    ) -> FloatArray:
+        """Find the torques at the current limit along the advance angle."""
+
+    def demanded_torque(self, drive: Drive, speed: float, base_speed: float, rated_power: float) -> float:
+        """Find the torque of rated power at a speed, constant below base speed."""
+
+    def recommended_line(
+        self, drive: Drive, base_speed: float, highest_speed: float, rated_power: float
+    ) -> AdvanceLine:
+        """Find the line of initial angles that keeps rated power at the least advance."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from itertools import pairwise
-from math import isfinite
 from pathlib import Path
 from typing import Final
 
 from pydantic import Field, field_validator
 
+from drivegate_cases.documents.csv_file import read_columns
 from drivegate_cases.documents.document import Document, parse_document
 from drivegate_cases.documents.packaged import load_named, packaged_names
-from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
+from drivegate_cases.documents.wording import one_line
 from drivegate_cases.scenario.piecewise import Profile
-from drivegate_models.errors import InputError
 
 CSV_COLUMNS: Final = ("time_s", "speed_km_h")
 """Columns that a user's file must have; others are left alone."""
@@ -25,7 +22,6 @@ MOST_POINTS: Final = 3601
 """Most points of a cycle, one a second."""
 HIGHEST_SPEED_KM_H: Final = 300.0
 """Highest speed of a cycle (km/h)."""
-_LARGEST_FILE_BYTES: Final = 4 * 1024 * 1024
 
 
 class DriveCycle(Document):
@@ -81,69 +77,10 @@ def load_drive_cycle(name_or_path: str | Path) -> DriveCycle:
 
 
 def _from_csv(path: Path) -> DriveCycle:
-    where = shown_path(path)
-    rows = csv.reader(io.StringIO(_text_of(path, where)))
-    try:
-        header = [name.strip().lower() for name in next(rows, [])]
-        columns = [_column(name, header, where) for name in CSV_COLUMNS]
-        points = [
-            [
-                _number(row, column, name, rows.line_num, where)
-                for name, column in zip(CSV_COLUMNS, columns, strict=True)
-            ]
-            for row in rows
-            if any(cell.strip() for cell in row)
-        ]
-    except csv.Error as error:
-        raise InputError(f"{where} is no CSV file at line {rows.line_num}: {one_line(str(error))}") from error
     content = {
         "schema": DriveCycle.schema_current,
         "name": one_line(path.stem)[:200] or "cycle",
         "source": f"the file {one_line(path.name)}"[:1000],
-        "speed_km_h": points,
+        "speed_km_h": read_columns(path, CSV_COLUMNS, what="a drive cycle"),
     }
     return parse_document(content, DriveCycle, str(path))
-
-
-def _text_of(path: Path, where: str) -> str:
-    try:
-        if path.is_dir():
-            raise InputError(f"{where} is a folder, but must be a CSV file with {' and '.join(CSV_COLUMNS)}")
-        with path.open("rb") as stream:
-            data = stream.read(_LARGEST_FILE_BYTES + 1)
-    except FileNotFoundError as error:
-        raise InputError(f"{where} does not exist; name an existing CSV file") from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{where} cannot be read: {one_line(reason)}; name a readable CSV file") from error
-    if len(data) > _LARGEST_FILE_BYTES:
-        raise InputError(
-            f"{where} is larger than {_LARGEST_FILE_BYTES // 1024**2} MB, the most for a drive cycle"
-        )
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{where} is not text in UTF-8 (byte {error.start}), but must be a CSV file"
-        ) from error
-
-
-def _column(name: str, header: list[str], where: str) -> int:
-    if name in header:
-        return header.index(name)
-    known = [column for column in header if column]
-    hint = f", the nearest there is '{one_line(str(nearest(name, known)))[:60]}'" if known else ""
-    raise InputError(
-        f"{where} has no column '{name}' in its first line{hint}; it must have {' and '.join(CSV_COLUMNS)}"
-    )
-
-
-def _number(row: list[str], column: int, name: str, line: int, where: str) -> float:
-    cell = row[column].strip() if column < len(row) else ""
-    try:
-        value = float(cell)
-    except ValueError:
-        value = float("nan")
-    if not isfinite(value):
-        raise InputError(f"{where}: '{name}' is {shown(cell)} in line {line}, but must be a number")
-    return value

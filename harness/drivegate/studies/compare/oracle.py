@@ -4,21 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import degrees, isfinite
-from typing import Any, Final
-
-import numpy as np
+from typing import Any
 
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.drives.drive_kind import Drive, Oracle
 from drivegate.drives.kinds import kind_of
 from drivegate.studies.compare.plan import PlannedRun
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.units import RADIANS_PER_RPM
-
-_WAYS: Final = 2
-_BISECTIONS: Final = 12
-_MOST_TORQUE: Final = 4.0
-"""Torque up to which the envelope is looked for, over that of rated power at base speed (1)."""
 
 
 @dataclass(frozen=True)
@@ -84,17 +76,4 @@ def least_at(oracle: dict[str, Any], key: str, torque_nm: float) -> float | None
 def greatest_torque(_loaded: JudgedCandidate, point: OraclePoint) -> float:
     """Find the greatest torque that some advance angle gives at a speed; this is what a worker process does."""
     oracle, drive = kind_of(point.drive).oracle(), point.drive.plant()
-    speed = point.speed_rpm * RADIANS_PER_RPM
-    base = point.drive.rating.base_speed_rpm * RADIANS_PER_RPM
-    return _bisected(oracle, drive, speed, _MOST_TORQUE * point.drive.rating.rated_power_w / base)
-
-
-def _bisected(oracle: Oracle, drive: Drive, speed: float, highest: float) -> float:
-    lowest = 0.0
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (lowest + highest)
-        if np.isfinite(oracle.feasible_edge(drive, speed, middle)):
-            lowest = middle
-        else:
-            highest = middle
-    return lowest
+    return oracle.greatest_torque_at_limit(drive, point.speed_rpm * RADIANS_PER_RPM).torque

@@ -15,13 +15,12 @@ from math import degrees, radians
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares, minimize_scalar
 
 from drivegate_models.errors import HarnessFault
 from drivegate_models.half_bridge.plant.drive import Drive, make_drive
-from drivegate_models.half_bridge.plant.phases import make_phases
-from drivegate_models.half_bridge.steady.current_search import mean_state
-from drivegate_models.half_bridge.steady.oracle import feasible_edge
+from drivegate_models.half_bridge.steady.angle_search import torque_at_limit, torque_demand
+from drivegate_models.half_bridge.steady.oracle import feasible_edge, greatest_torque_at_limit
+from drivegate_models.machine.constants_fit import ConstantsFit, fit_constants
 from drivegate_models.machine.emf import trapezoid_corners
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -189,40 +188,7 @@ def calibration_drive(constants: MotorConstants) -> Drive:
 
 
 def _torque_at_limit(drive: Drive, speed_rpm: float, advance: float) -> float:
-    work, slices = make_phases(drive), make_phases(drive)
-    voltage = drive.half_supply_voltage
-    return mean_state(
-        drive, work, slices, speed_rpm * RADIANS_PER_RPM, voltage, drive.current_limit, advance
-    ).torque
-
-
-def greatest_torque_at_limit(drive: Drive, speed_rpm: float) -> tuple[float, float]:
-    """Return the greatest torque at the current limit over all advance angles, and its angle.
-
-    Parameters
-    ----------
-    drive : Drive
-        The drive.
-    speed_rpm : float
-        Shaft speed (rpm).
-
-    Returns
-    -------
-    torque : float
-        Mean electromagnetic torque (N m).
-    advance : float
-        The angle (rad electrical), from a grid of 1 degree and Brent's method about the best.
-    """
-    torques = [_torque_at_limit(drive, speed_rpm, radians(degree)) for degree in range(91)]
-    # Brent's method finds one maximum of several; the grid chooses which.
-    best = int(np.argmax(torques))
-    found = minimize_scalar(
-        lambda advance: -_torque_at_limit(drive, speed_rpm, float(advance)),
-        bounds=(radians(max(best - 1, 0)), radians(min(best + 1, 90))),
-        method="bounded",
-        options={"xatol": 1e-8},
-    )
-    return -float(found.fun), float(found.x)
+    return torque_at_limit(torque_demand(drive, speed_rpm * RADIANS_PER_RPM), advance)
 
 
 def published_facts(drive: Drive, figures: PublishedFigures | None = None) -> tuple[ComparedFigure, ...]:
@@ -254,7 +220,8 @@ def published_facts(drive: Drive, figures: PublishedFigures | None = None) -> tu
     for name, speed_rpm, torque, angle in edges:
         ours = degrees(feasible_edge(drive, speed_rpm * RADIANS_PER_RPM, torque))
         facts.append(ComparedFigure(name, angle, ours, ours - angle, "deg"))
-    power = greatest_torque_at_limit(drive, _BASE_SPEED)[0] * _BASE_SPEED * RADIANS_PER_RPM
+    base_speed = _BASE_SPEED * RADIANS_PER_RPM
+    power = greatest_torque_at_limit(drive, base_speed).torque * base_speed
     excess = power - chosen.rated_power
     facts.append(
         ComparedFigure("power at 500 rpm and 26 A (Table 1)", chosen.rated_power, power, excess, "W")
@@ -269,49 +236,39 @@ def _guess() -> MotorConstants:
 
 
 def _residuals(
-    scaled: NDArray[np.float64], scale: NDArray[np.float64], resistance: float, figures: PublishedFigures
+    constants: NDArray[np.float64], resistance: float, figures: PublishedFigures
 ) -> NDArray[np.float64]:
     """Return the torques at the current limit less the published ones (N m), shape (3,)."""
-    emf_constant, inductance, flat = scaled * scale
-    drive = calibration_drive(MotorConstants(float(emf_constant), float(inductance), float(flat), resistance))
+    emf_constant, inductance, flat = (float(value) for value in constants)
+    drive = calibration_drive(MotorConstants(emf_constant, inductance, flat, resistance))
     # Torques at published angles, not angles at published torques: an angle can jump or vanish.
     worst = _torque_at_limit(drive, 1500.0, radians(figures.worst_ripple_angle))
     middle = _torque_at_limit(drive, 1200.0, radians(figures.middle_angle))
-    rated, _ = greatest_torque_at_limit(drive, _BASE_SPEED)
+    rated = greatest_torque_at_limit(drive, _BASE_SPEED * RADIANS_PER_RPM).torque
     required = figures.rated_power / (_BASE_SPEED * RADIANS_PER_RPM)
     return np.array([worst - figures.worst_ripple_torque, middle - figures.middle_torque, rated - required])
 
 
 def _fitted(
     figures: PublishedFigures, resistance: float, start: MotorConstants
-) -> tuple[MotorConstants, NDArray[np.float64], NDArray[np.float64]]:
-    """Return constants, residuals (N m) and the derivatives by the constants' logarithms (N m)."""
-    # Henries and volt-seconds differ by orders of magnitude, which the trust region must not see.
-    scale = np.array([start.emf_constant, start.inductance, start.emf_flat])
-    lowest = np.array([0.1, 1e-4, radians(10.0)]) / scale
-    highest = np.array([1.0, 2e-2, radians(170.0)]) / scale
-    found = least_squares(
-        _residuals,
-        np.ones(3),
-        bounds=(lowest, highest),
-        args=(scale, resistance, figures),
-        diff_step=[1e-4] * 3,
-        xtol=1e-13,
-        ftol=1e-13,
-        gtol=1e-13,
+) -> tuple[MotorConstants, ConstantsFit]:
+    """Return the constants, and the fit with residuals and derivatives in newton metres."""
+    found = fit_constants(
+        lambda constants: _residuals(constants, resistance, figures),
+        [start.emf_constant, start.inductance, start.emf_flat],
+        [0.1, 1e-4, radians(10.0)],
+        [1.0, 2e-2, radians(170.0)],
     )
-    if not found.success:
+    if not found.converged:
         raise HarnessFault(f"the calibration did not converge: {found.message}")
-    emf_constant, inductance, flat = (float(value) for value in found.x * scale)
-    constants = MotorConstants(emf_constant, inductance, flat, resistance)
-    # Relative changes, so that the condition number does not depend on units.
-    return constants, np.asarray(found.fun), np.asarray(found.jac) * found.x
+    emf_constant, inductance, flat = (float(value) for value in found.values)
+    return MotorConstants(emf_constant, inductance, flat, resistance), found
 
 
 def _shifted(
     cause: str, change: float, figures: PublishedFigures, resistance: float, origin: MotorConstants
 ) -> Sensitivity:
-    moved, _, _ = _fitted(figures, resistance, origin)
+    moved, _ = _fitted(figures, resistance, origin)
     return Sensitivity(
         cause,
         change,
@@ -345,7 +302,8 @@ def calibrate(figures: PublishedFigures | None = None, resistance: float = ASSUM
         If the fit does not converge.
     """
     chosen = figures or PublishedFigures()
-    constants, residuals, derivatives = _fitted(chosen, resistance, _guess())
+    constants, found = _fitted(chosen, resistance, _guess())
+    worst, middle, rated = (float(residual) for residual in found.residuals)
     # One figure at a time; to first order the magnitudes add up to the worst of all roundings together.
     roundings = [
         _shifted(name, half, replace(chosen, **{name: getattr(chosen, name) + half}), resistance, constants)
@@ -357,8 +315,8 @@ def calibrate(figures: PublishedFigures | None = None, resistance: float = ASSUM
     return Calibration(
         constants=constants,
         facts=published_facts(calibration_drive(constants), chosen),
-        torque_residuals=(float(residuals[0]), float(residuals[1]), float(residuals[2])),
-        condition=float(np.linalg.cond(derivatives)),
+        torque_residuals=(worst, middle, rated),
+        condition=found.condition,
         sensitivities=(*roundings, from_resistance),
         spread=MotorConstants(
             sum(abs(row.emf_constant) for row in roundings),

@@ -15,9 +15,9 @@ from drivegate_models.half_bridge.steady.calibration import (
     calibrate,
     calibration_drive,
     geometry_check,
-    greatest_torque_at_limit,
     published_facts,
 )
+from drivegate_models.half_bridge.steady.oracle import greatest_torque_at_limit
 from drivegate_models.half_bridge.steady.steady_state import steady_state
 
 
@@ -59,7 +59,7 @@ def test_a_known_motor_is_found_again(constants: tuple[float, float, float]) -> 
     figures = PublishedFigures(
         worst_ripple_torque=steady_state(drive, 1500 * speed_per_rpm, 26.0, radians(52.0)).torque,
         middle_torque=steady_state(drive, 1200 * speed_per_rpm, 26.0, radians(40.0)).torque,
-        rated_power=greatest_torque_at_limit(drive, 500.0)[0] * 500 * speed_per_rpm,
+        rated_power=greatest_torque_at_limit(drive, 500.0 * speed_per_rpm).torque * 500 * speed_per_rpm,
     )
     found = calibrate(figures).constants
     assert found.emf_constant == pytest.approx(emf_constant, rel=1e-5)

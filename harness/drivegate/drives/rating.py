@@ -1,0 +1,109 @@
+"""A drive with its rating, as studies of what it can do take both: the one place that reads them from a document."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import pi
+from typing import Final
+
+from drivegate.drives.drive_kind import Drive, Oracle
+from drivegate.drives.kinds import kind_of
+from drivegate.scenarios.speed_range import LOWEST_LOADED
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_models.units import RADIANS_PER_RPM
+
+MOST_CHOPS: Final = 500.0
+"""Chops in half an electrical cycle at base speed from which a band is taken as none, since each costs time."""
+
+
+@dataclass(frozen=True)
+class Rating:
+    """What a drive is rated for.
+
+    Attributes
+    ----------
+    base_speed : float
+        Speed up to which torque is constant, and above which power is (rad/s).
+    lowest_speed : float
+        Lowest speed at which rated power is required; right at base speed there is no advance yet (rad/s).
+    highest_speed : float
+        Highest speed at which rated power is required (rad/s).
+    overspeed : float
+        Greatest speed (rad/s).
+    power : float
+        Rated power at the shaft (W).
+    """
+
+    base_speed: float
+    lowest_speed: float
+    highest_speed: float
+    overspeed: float
+    power: float
+
+
+@dataclass(frozen=True)
+class RatedDrive:
+    """A drive with its rating.
+
+    Attributes
+    ----------
+    name : str
+        Name of the drive.
+    oracle : Oracle
+        What such a drive can do at best.
+    constants : Drive
+        The plant's constants, its band none where it is so narrow that it chops more than `MOST_CHOPS` times.
+    ideal : Drive
+        The same with the ideal current regulator.
+    rating : Rating
+        What it is rated for.
+    has_band : bool
+        Whether the document's band is in the constants, or none was given.
+    """
+
+    name: str
+    oracle: Oracle
+    constants: Drive
+    ideal: Drive
+    rating: Rating
+    has_band: bool = True
+
+    def demanded_torque(self, speed: float) -> float:
+        """Give the torque of rated power at a speed (rad/s), constant below base speed (N·m)."""
+        return self.oracle.demanded_torque(self.constants, speed, self.rating.base_speed, self.rating.power)
+
+    def limited_to(self, current: float) -> RatedDrive:
+        """Give the same drive with another current limit (A)."""
+        return replace(self, constants=self.constants._replace(current_limit=current))
+
+
+def rated_drive(document: DriveDocument) -> RatedDrive:
+    """Take drive and rating from a document."""
+    given = document.rating
+    base_speed = given.base_speed_rpm * RADIANS_PER_RPM
+    rating = Rating(
+        base_speed=base_speed,
+        lowest_speed=LOWEST_LOADED * base_speed,
+        highest_speed=given.highest_speed_rpm * RADIANS_PER_RPM,
+        overspeed=given.overspeed_rpm * RADIANS_PER_RPM,
+        power=given.rated_power_w,
+    )
+    ideal = document.replaced(hysteresis_band_a=0.0).plant()
+    own = document.plant()
+    has_band = _chops(own, base_speed) <= MOST_CHOPS
+    return RatedDrive(
+        name=document.name,
+        oracle=kind_of(document).oracle(),
+        constants=own if has_band else ideal,
+        ideal=ideal,
+        rating=rating,
+        has_band=has_band,
+    )
+
+
+def _chops(constants: Drive, speed: float) -> float:
+    """Count how often the current crosses its band, up and down, in half an electrical cycle without EMF."""
+    if constants.hysteresis_band == 0.0:
+        return 0.0
+    frequency = constants.half_supply_voltage / (2.0 * constants.inductance * constants.hysteresis_band)
+    return float(frequency * pi / (constants.pole_pairs * speed))

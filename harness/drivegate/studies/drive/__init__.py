@@ -1,0 +1,1 @@
+"""What a drive can do, before anyone is judged on it."""

@@ -1,0 +1,103 @@
+"""What a drive can do as a document, in people's units."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from math import degrees
+from typing import TYPE_CHECKING, Any, Final
+
+from drivegate.drives.rating import RatedDrive, Rating
+from drivegate.drives.reach import UnreachableRating
+from drivegate.studies.drive.envelope import SpeedPoint
+from drivegate.studies.drive.time_scales import TimeScales
+from drivegate_models.units import RADIANS_PER_RPM
+
+if TYPE_CHECKING:
+    from drivegate.drives.drive_kind import AdvanceLine
+
+SCHEMA: Final = 1
+
+
+def drive_document(
+    drive: RatedDrive,
+    line: AdvanceLine,
+    points: Sequence[SpeedPoint],
+    unreachable: Sequence[UnreachableRating],
+    scales: TimeScales,
+    without_advance: float | None,
+) -> dict[str, Any]:
+    """Put together what a drive can do."""
+    rating = drive.rating
+    loaded = [point for point in points if _is_loaded(point, rating)]
+    return {
+        "schema": SCHEMA,
+        "kind": "drive",
+        "drive": drive.name,
+        "rating": {
+            "base_speed_rpm": _rpm(rating.base_speed),
+            "highest_speed_rpm": _rpm(rating.highest_speed),
+            "overspeed_rpm": _rpm(rating.overspeed),
+            "rated_power_w": rating.power,
+            "current_limit_a": drive.constants.current_limit,
+        },
+        "has_band": drive.has_band,
+        "unreachable": [row.document() for row in unreachable],
+        "line": {
+            "start_deg": degrees(line.start),
+            "slope_deg_per_rpm": degrees(line.slope) * RADIANS_PER_RPM,
+            **_least_in_hand(loaded),
+        },
+        "rated_torque_without_advance_up_to_rpm": None if without_advance is None else _rpm(without_advance),
+        "greatest_ripple_percent": max(
+            (100.0 * point.ripple for point in loaded if point.ripple == point.ripple), default=None
+        ),
+        "time_scales": _time_scales(scales),
+        "points": [_point(point) for point in points],
+    }
+
+
+def _time_scales(scales: TimeScales) -> dict[str, float]:
+    units = {"electrical_frequency": "hz"}
+    named = {f"{name}_{units.get(name, 's')}": value for name, value in asdict(scales).items()}
+    return named | {"largest_control_period_s": scales.control_period}
+
+
+def _rpm(speed: float) -> float:
+    # The speeds have come from rpm, and the way back may cost the last digit.
+    return round(speed / RADIANS_PER_RPM, 9)
+
+
+def _is_loaded(point: SpeedPoint, rating: Rating) -> bool:
+    rounding = 1e-9 * rating.highest_speed
+    return rating.lowest_speed - rounding <= point.speed <= rating.highest_speed + rounding
+
+
+def _least_in_hand(loaded: Sequence[SpeedPoint]) -> dict[str, float | None]:
+    """Tell how much torque the line has in hand over rated torque where it is least."""
+    known = [point for point in loaded if point.line_torque == point.line_torque]
+    if not known:
+        return {"least_in_hand_percent": None, "least_in_hand_at_rpm": None}
+    worst = min(known, key=lambda point: point.line_torque / point.rated_torque)
+    return {
+        "least_in_hand_percent": 100.0 * (worst.line_torque / worst.rated_torque - 1.0),
+        "least_in_hand_at_rpm": _rpm(worst.speed),
+    }
+
+
+def _point(point: SpeedPoint) -> dict[str, float]:
+    return {
+        "speed_rpm": _rpm(point.speed),
+        "rated_torque_nm": point.rated_torque,
+        "greatest_torque_nm": point.greatest_torque,
+        "greatest_torque_deg": degrees(point.greatest_torque_advance),
+        "greatest_power_w": point.greatest_torque * point.speed,
+        "torque_without_advance_nm": point.torque_without_advance,
+        "edge_deg": degrees(point.edge),
+        "advance_deg": degrees(point.advance),
+        "current_sum_a": point.current_sum,
+        "input_power_w": point.input_power,
+        "ripple_percent": 100.0 * point.ripple,
+        "line_deg": degrees(point.line_advance),
+        "line_torque_nm": point.line_torque,
+    }

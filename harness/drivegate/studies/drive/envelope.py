@@ -1,0 +1,153 @@
+"""What a drive can do over speed: torque at the current limit, and rated power at the least cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import isfinite, nan
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from drivegate.drives.rating import RatedDrive, Rating
+
+if TYPE_CHECKING:
+    from drivegate.drives.drive_kind import AdvanceLine
+
+BELOW_BASE: Final = 5
+"""Speeds up to base speed, evenly spaced; at standstill itself there is no steady state."""
+CONSTANT_POWER: Final = 20
+"""Speeds from there to the highest."""
+BEYOND: Final = 10
+"""Speeds from there to overspeed."""
+_BISECTIONS: Final = 12
+
+
+@dataclass(frozen=True)
+class SpeedPoint:
+    """What a drive can do at one speed; NaN where rated power is out of reach.
+
+    Attributes
+    ----------
+    speed : float
+        Speed (rad/s).
+    rated_torque : float
+        Torque of rated power, constant below base speed (N·m).
+    greatest_torque, greatest_torque_advance : float
+        Greatest torque at the current limit (N·m), and the advance angle that gives it (rad).
+    torque_without_advance : float
+        Torque at the current limit and an angle of zero (N·m).
+    edge : float
+        Smallest angle that gives rated torque (rad).
+    advance : float
+        Angle that gives it with the least Σ|i| (rad).
+    current_sum : float
+        Σ|i| there (A).
+    input_power : float
+        Net input power there (W).
+    ripple : float
+        Torque ripple there, peak to peak over mean, of the ideal regulator (1).
+    line_advance : float
+        Angle of the recommended line (rad).
+    line_torque : float
+        Torque at the current limit along it (N·m).
+    """
+
+    speed: float
+    rated_torque: float
+    greatest_torque: float
+    greatest_torque_advance: float
+    torque_without_advance: float
+    edge: float
+    advance: float
+    current_sum: float
+    input_power: float
+    ripple: float
+    line_advance: float
+    line_torque: float
+
+
+def speeds_of(rating: Rating) -> tuple[float, ...]:
+    """Give the speeds at which a drive is looked at (rad/s)."""
+    parts = (
+        np.linspace(0.0, rating.base_speed, BELOW_BASE + 1)[1:],
+        np.linspace(rating.base_speed, rating.highest_speed, CONSTANT_POWER + 1)[1:],
+        np.linspace(rating.highest_speed, rating.overspeed, BEYOND + 1)[1:],
+    )
+    return tuple(float(speed) for part in parts for speed in part)
+
+
+def recommended_line(drive: RatedDrive) -> AdvanceLine:
+    """Find the line of initial angles over the range of constant power."""
+    rating = drive.rating
+    return drive.oracle.recommended_line(
+        drive.constants, rating.base_speed, rating.highest_speed, rating.power
+    )
+
+
+def speed_without_advance(drive: RatedDrive) -> float | None:
+    """Find the speed up to base speed to which rated torque takes no advance (rad/s); none where it always does."""
+    low: float | None = None
+    for speed in speeds_of(drive.rating)[:BELOW_BASE]:
+        if not _needs_no_advance(drive, speed):
+            return None if low is None else _located(drive, low, speed)
+        low = speed
+    return low
+
+
+def _located(drive: RatedDrive, low: float, high: float) -> float:
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        if _needs_no_advance(drive, middle):
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def _needs_no_advance(drive: RatedDrive, speed: float) -> bool:
+    (torque,) = drive.oracle.torques_at_limit(drive.constants, speed, [0.0])
+    return bool(torque >= drive.demanded_torque(speed))
+
+
+def envelope(drive: RatedDrive, line: AdvanceLine) -> Iterator[SpeedPoint]:
+    """Compute what a drive can do, one speed after the other."""
+    for speed in speeds_of(drive.rating):
+        yield speed_point(drive, line, speed)
+
+
+def speed_point(drive: RatedDrive, line: AdvanceLine, speed: float) -> SpeedPoint:
+    """Compute what a drive can do at one speed (rad/s)."""
+    oracle, constants = drive.oracle, drive.constants
+    torque = drive.demanded_torque(speed)
+    greatest = oracle.greatest_torque_at_limit(constants, speed)
+    advance = line.angle(speed)
+    at_zero, at_line = oracle.torques_at_limit(constants, speed, [0.0, advance if isfinite(advance) else 0.0])
+    edge = oracle.feasible_edge(constants, speed, torque)
+    best = oracle.least_current_sum(constants, speed, torque)
+    return SpeedPoint(
+        speed=speed,
+        rated_torque=torque,
+        greatest_torque=greatest.torque,
+        greatest_torque_advance=greatest.advance,
+        torque_without_advance=float(at_zero),
+        edge=edge,
+        advance=best.advance,
+        current_sum=best.current_sum,
+        input_power=best.input_power,
+        ripple=ideal_ripple(drive, speed, torque, best.advance),
+        line_advance=advance,
+        line_torque=float(at_line) if isfinite(advance) else nan,
+    )
+
+
+def ideal_ripple(drive: RatedDrive, speed: float, torque: float, advance: float) -> float:
+    """Compute the ripple with the ideal regulator at an angle, or at its own feasible edge where that is higher."""
+    if not isfinite(advance):
+        return nan
+    # An optimum on the edge may lie a little below that of the regulator without a band.
+    edge = drive.oracle.feasible_edge(drive.ideal, speed, torque)
+    if not isfinite(edge):
+        return nan
+    point = drive.oracle.point_at_torque(drive.ideal, speed, max(advance, edge), torque)
+    return (point.torque_highest - point.torque_lowest) / point.torque

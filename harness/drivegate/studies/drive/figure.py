@@ -1,0 +1,90 @@
+"""What a drive can do as a figure: torque, power, angle and ripple over speed."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from drivegate.output.legend import legend_beside
+from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate_cases.documents.wording import one_line
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_PANELS: Final = (
+    (
+        "torque (N·m)",
+        (
+            ("greatest_torque_nm", "at the current limit", "-", "tab:blue"),
+            ("torque_without_advance_nm", "without advance", ":", "tab:blue"),
+            ("rated_torque_nm", "of rated power", "--", "tab:gray"),
+        ),
+    ),
+    (
+        "power (W)",
+        (
+            ("greatest_power_w", "at the current limit", "-", "tab:blue"),
+            ("input_power_w", "input at rated power", "-", "tab:orange"),
+            ("rated_power_w", "rated", "--", "tab:gray"),
+        ),
+    ),
+    (
+        "angle (el. deg)",
+        (
+            ("line_deg", "recommended line", "-", "tab:green"),
+            ("advance_deg", "least Σ|i|", "-", "tab:orange"),
+            ("edge_deg", "feasible edge", "--", "tab:red"),
+            ("greatest_torque_deg", "greatest torque", ":", "tab:blue"),
+        ),
+    ),
+    ("torque ripple (%)", (("ripple_percent", "at least Σ|i|,\nideal regulator", "-", "tab:orange"),)),
+)
+
+
+def write_figure(document: dict[str, Any], plot: Path) -> None:
+    """Draw what a drive can do over speed; base and highest speed are marked."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    buffer = io.BytesIO()
+    with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
+        figure = Figure(figsize=(9.0, 9.0), layout="constrained")
+        FigureCanvasAgg(figure)
+        all_axes = figure.subplots(len(_PANELS), 1, sharex=True)
+        for axes, (label, curves) in zip(all_axes, _PANELS, strict=True):
+            _draw(axes, document, label, curves)
+        all_axes[-1].set_xlabel("speed (rpm)")
+        figure.suptitle(one_line(f"What {document['drive']} can do"))
+        kind = plot.suffix.lower().removeprefix(".")
+        figure.savefig(buffer, format=kind, dpi=120, metadata={"Date": None} if kind == "svg" else None)
+    write_atomically(plot, buffer.getvalue())
+
+
+def _draw(
+    axes: Axes, document: dict[str, Any], label: str, curves: tuple[tuple[str, str, str, str], ...]
+) -> None:
+    for key, name, style, colour in curves:
+        axes.plot(*_curve(document, key), style, label=name, color=colour, linewidth=1.3)
+    for key in ("base_speed_rpm", "highest_speed_rpm"):
+        axes.axvline(document["rating"][key], color="black", linewidth=0.6, alpha=0.4)
+    axes.set_ylabel(label)
+    axes.set_xlim(left=0.0)
+    axes.grid(visible=True, alpha=0.3)
+    legend_beside(axes)
+
+
+def _curve(document: dict[str, Any], key: str) -> tuple[list[float], list[float]]:
+    rating, points = document["rating"], document["points"]
+    base = rating["base_speed_rpm"]
+    speeds = [point["speed_rpm"] for point in points]
+    if key == "rated_power_w":
+        return speeds, [rating[key] * min(speed / base, 1.0) for speed in speeds]
+    values = [point[key] for point in points]
+    if key == "line_deg":
+        # It jumps at base speed, which two speeds of the grid would draw as a slope.
+        place = speeds.index(base)
+        return [*speeds[:place], base, *speeds[place:]], [*values[:place], 0.0, *values[place:]]
+    return speeds, values

@@ -1,0 +1,41 @@
+"""What a drive can do, from its document to the finished one, with progress."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+from drivegate.drives.rating import rated_drive
+from drivegate.drives.reach import unreachable_ratings
+from drivegate.output.progress import progress_on, with_rate
+from drivegate.studies.drive.document import drive_document
+from drivegate.studies.drive.envelope import (
+    envelope,
+    recommended_line,
+    speed_without_advance,
+    speeds_of,
+)
+from drivegate.studies.drive.figure import write_figure
+from drivegate.studies.drive.time_scales import time_scales
+from drivegate_cases.drive.drive_document import DriveDocument
+
+
+def studied_drive(chosen: DriveDocument, *, plot: Path | None = None) -> dict[str, Any]:
+    """Compute what a drive can do, and draw it."""
+    drive = rated_drive(chosen)
+    with progress_on(sys.stderr) as display:
+        report_progress = with_rate(display, drive.name, len(speeds_of(drive.rating)), unit="speeds")
+        unreachable = unreachable_ratings(drive)
+        line = recommended_line(drive)
+        report_progress(0, 0)
+        points = []
+        for point in envelope(drive, line):
+            points.append(point)
+            report_progress(len(points), 0)
+    document = drive_document(
+        drive, line, points, unreachable, time_scales(drive, points), speed_without_advance(drive)
+    )
+    if plot is not None:
+        write_figure(document, plot)
+    return document | {"files": [] if plot is None else [str(plot)]}

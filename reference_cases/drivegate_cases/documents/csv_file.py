@@ -1,0 +1,104 @@
+"""A user's CSV file with columns of numbers, each in a first line by its name; other columns are left alone."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from math import isfinite, nan
+from pathlib import Path
+from typing import Final
+
+from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
+from drivegate_models.errors import InputError
+
+_LARGEST_FILE_BYTES: Final = 4 * 1024 * 1024
+
+
+def read_columns(
+    path: Path, required: Sequence[str], optional: Sequence[str] = (), *, what: str
+) -> list[list[float]]:
+    """Read the rows of a CSV file as numbers.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    required : sequence of str
+        Columns that it must have, each with a number in every row.
+    optional : sequence of str
+        Columns that it may have, whose cells may be empty.
+    what : str
+        What such a file holds, in words.
+
+    Returns
+    -------
+    list of list of float
+        Each row that is not empty, the required columns first; NaN where an optional one has nothing.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, a column is missing, or a cell is no number.
+    """
+    where = shown_path(path)
+    rows = csv.reader(io.StringIO(_text_of(path, required, where, what)))
+    try:
+        header = [name.strip().lower() for name in next(rows, [])]
+        columns = [(name, _column(name, header, required, where), True) for name in required]
+        columns += [(name, header.index(name), False) for name in optional if name in header]
+        places = {name: place for place, name in enumerate((*required, *optional))}
+        numbers = []
+        for row in rows:
+            if any(cell.strip() for cell in row):
+                values = [nan] * len(places)
+                for name, column, needed in columns:
+                    values[places[name]] = _number(row, column, name, rows.line_num, where, needed)
+                numbers.append(values)
+    except csv.Error as error:
+        raise InputError(f"{where} is no CSV file at line {rows.line_num}: {one_line(str(error))}") from error
+    return numbers
+
+
+def _text_of(path: Path, required: Sequence[str], where: str, what: str) -> str:
+    try:
+        if path.is_dir():
+            raise InputError(f"{where} is a folder, but must be a CSV file with {' and '.join(required)}")
+        with path.open("rb") as stream:
+            data = stream.read(_LARGEST_FILE_BYTES + 1)
+    except FileNotFoundError as error:
+        raise InputError(f"{where} does not exist; name an existing CSV file") from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{where} cannot be read: {one_line(reason)}; name a readable CSV file") from error
+    if len(data) > _LARGEST_FILE_BYTES:
+        raise InputError(f"{where} is larger than {_LARGEST_FILE_BYTES // 1024**2} MB, the most for {what}")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{where} is not text in UTF-8 (byte {error.start}), but must be a CSV file"
+        ) from error
+
+
+def _column(name: str, header: list[str], required: Sequence[str], where: str) -> int:
+    if name in header:
+        return header.index(name)
+    known = [column for column in header if column]
+    hint = f", the nearest there is '{one_line(str(nearest(name, known)))[:60]}'" if known else ""
+    raise InputError(
+        f"{where} has no column '{name}' in its first line{hint}; it must have {' and '.join(required)}"
+    )
+
+
+def _number(row: list[str], column: int, name: str, line: int, where: str, needed: bool) -> float:
+    cell = row[column].strip() if column < len(row) else ""
+    if not cell and not needed:
+        return nan
+    try:
+        value = float(cell)
+    except ValueError:
+        value = nan
+    if not isfinite(value):
+        raise InputError(f"{where}: '{name}' is {shown(cell)} in line {line}, but must be a number")
+    return value

@@ -1,0 +1,149 @@
+"""`drivegate drive`: what a drive can do, in text, as JSON and as a figure."""
+
+import json
+from math import radians
+
+import pytest
+
+from drivegate.results.result import finite
+from drivegate.studies.drive.run import studied_drive
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.units import RADIANS_PER_RPM
+
+QUICK = ("--set", "hysteresis_band_a=0")
+"""Without a band the steady states take a fraction of the time."""
+
+
+@pytest.fixture(scope="module")
+def document():
+    return studied_drive(load_drive("paper-5-phase"))
+
+
+def row_at(document, speed_rpm):
+    return next(row for row in document["points"] if row["speed_rpm"] == speed_rpm)
+
+
+def test_the_papers_drive_can_do_what_is_published(document):
+    assert document["drive"] == "paper-5-phase"
+    assert document["unreachable"] == []
+    assert document["rating"] == {
+        "base_speed_rpm": 500.0,
+        "highest_speed_rpm": 1500.0,
+        "overspeed_rpm": 2000.0,
+        "rated_power_w": 1500.0,
+        "current_limit_a": 26.0,
+    }
+    assert row_at(document, 500.0)["greatest_power_w"] == pytest.approx(1504.0, abs=1.0)
+    # The table of docs/findings.md.
+    edges = {700.0: 32.6, 900.0: 33.1, 1000.0: 33.2, 1200.0: 40.1, 1350.0: 46.2, 1500.0: 50.8, 2000.0: 57.9}
+    found = {speed: row_at(document, speed)["edge_deg"] for speed in edges}
+    assert found == pytest.approx(edges, abs=0.06)
+    assert row_at(document, 1500.0)["ripple_percent"] == pytest.approx(13.9, abs=0.1)
+    assert document["greatest_ripple_percent"] == pytest.approx(13.9, abs=0.1)
+    assert document["rated_torque_without_advance_up_to_rpm"] == pytest.approx(340.0, abs=1.0)
+
+
+def test_its_line_holds_rated_power_on_the_plant(document):
+    line, drive = document["line"], load_drive("paper-5-phase").plant()
+    for row in document["points"]:
+        if not 550.0 <= row["speed_rpm"] <= 1500.0:
+            continue
+        angle = line["start_deg"] + line["slope_deg_per_rpm"] * (row["speed_rpm"] - 500.0)
+        assert row["line_deg"] == pytest.approx(angle)
+        given = steady_state(drive, row["speed_rpm"] * RADIANS_PER_RPM, 26.0, radians(angle)).torque
+        assert given > row["rated_torque_nm"], f"at {row['speed_rpm']} rpm the line loses rated power"
+        in_hand = 100.0 * (given / row["rated_torque_nm"] - 1.0)
+        assert in_hand >= line["least_in_hand_percent"] - 1e-6
+    assert line["least_in_hand_percent"] == pytest.approx(5.0, abs=0.3)
+    assert row_at(document, 400.0)["line_deg"] == 0.0
+
+
+def test_as_json_it_is_the_same_every_time(command, document):
+    assert command("drive", "paper-5-phase", "--json").document == finite(document)
+
+
+def test_people_get_a_table_the_line_the_times_and_what_to_do_next(command):
+    ended = command("drive")
+    assert ended.code == 0
+    told = (
+        "paper-5-phase: 1500 W from 500 to 1500 rpm, 26 A",
+        "line of initial angles: 0° below 500 rpm, then 32.9° + 0.02° per rpm above",
+        "rated torque without advance: up to 340 rpm",
+        "L/R 36 ms",
+        "275 Hz at highest speed, so at most 0.914 ms",
+        "next: the same with --plot drive.svg",
+    )
+    assert [words for words in told if words not in ended.out] == []
+    assert "35 of 35 speeds" in ended.err
+
+
+def test_a_rating_out_of_reach_is_named_and_shown_all_the_same(command):
+    limited = ("drive", "--set", "current_limit_a=20")
+    ended = command(*limited)
+    assert ended.code == 0
+    assert "out of reach: 1.5 kW needs 26.0 N·m at 550 rpm" in ended.out
+    assert "--set rated_power_w" in ended.out
+    document = command(*limited, "--json").document
+    assert document["unreachable"][0]["message"] in ended.out
+    assert row_at(document, 550.0)["edge_deg"] is None
+    assert row_at(document, 550.0)["greatest_torque_nm"] > 20.0
+    assert row_at(document, 1500.0)["edge_deg"] == pytest.approx(50.8, abs=0.1)
+
+
+def test_a_drive_that_can_do_nothing_of_its_rating_is_shown(command):
+    ended = command("drive", "--set", "current_limit_a=2")
+    assert ended.code == 0
+    assert "line of initial angles: none" in ended.out
+    document = command("drive", "--set", "current_limit_a=2", "--json").document
+    assert document["line"]["start_deg"] is None
+    assert document["time_scales"]["search_s"] is None
+
+
+def test_a_drive_from_a_file_and_settings_on_top(command, tmp_path):
+    own = load_drive("paper-5-phase").replaced(name="mine", base_speed_rpm=400.0)
+    (tmp_path / "mine.json").write_text(own.to_json(), encoding="utf-8")
+    ended = command("drive", "mine.json", "--set", "rated_power_w=1200", "--json")
+    assert ended.code == 0
+    assert ended.document["drive"] == "mine"
+    assert ended.document["rating"]["highest_speed_rpm"] == pytest.approx(1500.0)
+    assert ended.document["rating"]["rated_power_w"] == 1200.0
+
+
+def test_the_figure_is_drawn_and_the_same_every_time(command, tmp_path):
+    first = command("drive", *QUICK, "--plot", "drive.svg", "--json")
+    assert first.document["files"] == ["drive.svg"]
+    drawn = (tmp_path / "drive.svg").read_bytes()
+    assert all(words in drawn.decode() for words in ("recommended line", "feasible edge", "torque ripple"))
+    text = command("drive", *QUICK, "--plot", "drive.svg").out
+    assert "written: drive.svg" in text
+    assert "next: drivegate map reference --drive paper-5-phase" in text
+    assert (tmp_path / "drive.svg").read_bytes() == drawn
+    command("drive", "--set", "current_limit_a=2", "--plot", "drive.png")
+    assert (tmp_path / "drive.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_value_that_only_a_wrong_unit_explains_is_warned_of(command):
+    assert "is it in millihenry?" in command("drive", "--set", "inductance_h=2.88").err
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["paper-5-fase"], "'paper-5-phase'"),
+        (["missing.toml"], "does not exist"),
+        (["--set", "inductence_h=3e-3"], "'inductance_h'"),
+        (["--set", "rated_power_w=-1"], "rated_power_w"),
+        (["--plot", "drive.pdf"], "must end in .png or .svg"),
+        (["--plot", "missing/drive.svg"], "its folder does not exist"),
+        (["--drive", "paper-5-phase"], "--drive"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(refused, words, reason):
+    assert reason in refused("drive", *words)
+
+
+def test_the_document_is_strict_json(command):
+    text = command("drive", *QUICK, "--set", "resistance_ohm=0", "--json").out
+    assert "NaN" not in text
+    assert json.loads(text)["time_scales"]["electrical_s"] is None

@@ -1,0 +1,83 @@
+"""Ratings that no controller can meet are found, and what is offered instead can be met."""
+
+import math
+from typing import Any
+
+import pytest
+
+from drivegate.drives.rating import RatedDrive, rated_drive
+from drivegate.drives.reach import UnreachableRating, unreachable_ratings
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_models.units import RADIANS_PER_RPM
+
+
+def drive_with(**changes: Any) -> RatedDrive:
+    return rated_drive(load_drive("paper-5-phase").replaced(**changes))
+
+
+def unreachable(**changes: Any) -> UnreachableRating:
+    (found,) = unreachable_ratings(drive_with(**changes))
+    return found
+
+
+def test_the_papers_rating_is_the_papers() -> None:
+    rating = drive_with().rating
+    speeds = (rating.base_speed, rating.lowest_speed, rating.highest_speed, rating.overspeed)
+    assert [round(speed / RADIANS_PER_RPM, 6) for speed in speeds] == [500.0, 550.0, 1500.0, 2000.0]
+    assert rating.power == 1500.0
+    assert drive_with().ideal.hysteresis_band == 0.0
+
+
+def test_the_papers_rating_can_be_met() -> None:
+    assert unreachable_ratings(drive_with()) == ()
+
+
+def test_too_little_current_is_told_with_every_way_out() -> None:
+    found = unreachable(current_limit_a=20.0)
+    assert found.speed == pytest.approx(550.0 * RADIANS_PER_RPM)
+    assert found.sentence() == (
+        "1.5 kW needs 26.0 N·m at 550 rpm; at the current limit of 20 A this drive gives 23.1 N·m (1.33 kW) at best; "
+        "what can be met is 1.32 kW from 550 to 1500 rpm, or 1.5 kW from 692.5 to 1500 rpm, or all of it with a "
+        "current limit of 23.6 A"
+    )
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"current_limit_a": 20.0}, {"supply_voltage_v": 30.0}, {"inductance_h": 0.01}, {"friction_n_m": 4.0}],
+)
+def test_the_nearest_power_is_met_and_a_little_more_is_not(changes: dict[str, float]) -> None:
+    found = unreachable(**changes)
+    assert unreachable_ratings(drive_with(**changes, rated_power_w=found.nearest_power)) == ()
+    more = 1.011 * found.nearest_power
+    assert unreachable_ratings(drive_with(**changes, rated_power_w=more)), f"{more} W can be met, too"
+
+
+@pytest.mark.parametrize("limit", [2.0, 20.0])
+def test_the_nearest_limit_suffices_and_a_little_less_does_not(limit: float) -> None:
+    nearest = unreachable(current_limit_a=limit).nearest_limit
+    assert nearest is not None
+    assert unreachable_ratings(drive_with(current_limit_a=nearest)) == ()
+    assert unreachable_ratings(drive_with(current_limit_a=0.97 * nearest))
+
+
+def test_where_the_supply_is_what_lacks_more_current_is_said_not_to_help() -> None:
+    found = unreachable(supply_voltage_v=30.0)
+    assert found.nearest_limit is None
+    assert found.sentence().endswith("; more current alone would not help")
+
+
+def test_a_drive_that_cannot_even_turn_itself_is_told_so() -> None:
+    found = unreachable(friction_n_m=100.0)
+    assert found.nearest_power == 0.0
+    assert "no power can be met" in found.sentence()
+    assert found.document()["nearest_power_w"] == 0.0
+
+
+def test_its_plain_data_has_peoples_units_and_finite_numbers() -> None:
+    document = unreachable(current_limit_a=20.0).document()
+    assert document["key"] == "rated_power_w"
+    assert document["speed_rpm"] == pytest.approx(550.0)
+    assert document["nearest_range_rpm"] == pytest.approx([692.5, 1500.0])
+    numbers = [value for value in document.values() if isinstance(value, float)]
+    assert all(map(math.isfinite, numbers))
