@@ -10,7 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.drives.drive_kind import FloatArray
-from drivegate.drives.rating import RatedDrive
+from drivegate.drives.kinds import DEFAULT_DRIVE
+from drivegate.drives.rating import RatedDrive, rated_drive
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
 SPEEDS: Final = 21
@@ -139,6 +142,16 @@ def unreachable_ratings(drive: RatedDrive) -> tuple[UnreachableRating, ...]:
             nearest_limit=_sufficient_limit(drive),
         ),
     )
+
+
+def refuse_unreachable(document: DriveDocument) -> None:
+    """Refuse a drive whose rating no controller can meet: no candidate is to be failed for it."""
+    if document == load_drive(DEFAULT_DRIVE):
+        return
+    for rating in unreachable_ratings(rated_drive(document)):
+        raise InputError(
+            f"no controller can meet the rating of the drive '{document.name}': {rating.sentence()}"
+        )
 
 
 def _speeds(drive: RatedDrive) -> FloatArray:

@@ -17,6 +17,7 @@ from drivegate.checks.margin import Margin
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.pool import WorkerPool
 from drivegate.drives.choice import drive_for
+from drivegate.drives.reach import refuse_unreachable
 from drivegate.gate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
 from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
@@ -109,6 +110,8 @@ def check_candidate(
         raise InputError(f"the effort is '{effort}', but must be one of {', '.join(EXAMPLES)}")
     if seed < 0:
         raise InputError(f"the seed is {seed}, but must be 0 or more")
+    judged_on = drive_for(candidate, drive)
+    refuse_unreachable(judged_on)
     today = present_day() if waivers else None
     started = datetime.now(UTC)
     began = time.monotonic()
@@ -116,7 +119,7 @@ def check_candidate(
     work = planned_work(
         effort,
         seed,
-        drive=drive_for(candidate, drive),
+        drive=judged_on,
         declaration=candidate.declaration,
         search=search,
         corpus=corpus,

@@ -29,6 +29,15 @@ def test_a_drive_that_there_is_not_is_refused(refused, name, drive, reason):
     assert reason in refused(name, *COMMANDS[name], "--drive", drive)
 
 
+@pytest.mark.parametrize("name", ["check", "compare"])
+def test_a_rating_that_no_controller_can_meet_is_refused_before_any_run(refused, tmp_path, name):
+    weak = load_drive("paper-5-phase").replaced(name="weak", current_limit_a=20.0)
+    (tmp_path / "weak.json").write_text(weak.to_json(), encoding="utf-8")
+    told = refused(name, "initial", "--drive", "weak.json", "--effort", "quick")
+    assert "no controller can meet the rating of the drive 'weak': 1.5 kW needs 26.0 N·m at 550 rpm" in told
+    assert "what can be met is 1.32 kW from 550 to 1500 rpm" in told
+
+
 def test_a_drive_of_one_s_own_is_what_a_candidate_is_made_for(command, tmp_path):
     mine = load_drive("paper-5-phase").replaced(name="mine", resistance_ohm=0.1)
     (tmp_path / "my-drive.json").write_text(mine.to_json(), encoding="utf-8")

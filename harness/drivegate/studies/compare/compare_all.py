@@ -15,6 +15,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.choice import common_drive
+from drivegate.drives.reach import refuse_unreachable
 from drivegate.output.event_loop import followed
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
@@ -84,6 +85,7 @@ def compare_all(specifications: Sequence[str], output: Path, options: Comparison
     if not candidates:
         return ComparisonEnding(None, (), _errors(specifications, resolved))
     cycle, drive = load_drive_cycle(options.cycle), common_drive(candidates, options.drive)
+    refuse_unreachable(drive)
     with ReportFolder(output) as folder:
         document, refused = _compared(specifications, resolved, cycle, drive, options)
         if document is None:
