@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import pi
 from typing import Final
@@ -100,6 +101,20 @@ def rated_drive(motor: Motor) -> RatedDrive:
         rating=rating,
         has_band=has_band,
     )
+
+
+def machine_constants(motor: Motor) -> dict[str, float]:
+    """Take from a document the constants that a fit may change, by their keys."""
+    keys = ["emf_constant_v_s_per_rad", "inductance_h", "resistance_ohm"]
+    if motor.emf_shape == "trapezoid":
+        keys.append("emf_flat_deg")
+    return {key: float(getattr(motor, key)) for key in keys}
+
+
+def drive_with(motor: Motor, constants: Mapping[str, float]) -> Drive:
+    """Make the plant of other constants, without the band, across which torque jumps, and without core loss."""
+    changes: dict[str, float] = {**constants, "hysteresis_band_a": 0.0, "core_loss_conductance_s": 0.0}
+    return motor.replaced(**changes).drive()
 
 
 def _chops(constants: Drive, speed: float) -> float:
