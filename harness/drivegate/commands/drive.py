@@ -74,10 +74,9 @@ def command(
 
 
 def _fitted(motor: Motor, measured: Path, keep: tuple[str, ...], name: str) -> Outcome:
-    from drivegate.studies.drive.fit import fit_document
-    from drivegate.studies.drive.measured import read_measured
+    from drivegate.studies.drive.run import fitted_drive
 
-    document = fit_document(motor, read_measured(measured), keep)
+    document = fitted_drive(motor, measured, keep)
 
     def show(console: Console) -> None:
         from drivegate.studies.drive.fit_display import show_fit

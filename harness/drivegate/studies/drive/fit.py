@@ -83,37 +83,45 @@ def fitted_constants(motor: Motor, kept: Sequence[str]) -> dict[str, float]:
 def fit_document(motor: Motor, points: Sequence[MeasuredTorque], kept: Sequence[str] = ()) -> dict[str, Any]:
     """Fit a drive's constants to measured torques."""
     stored = fitted_constants(motor, kept)
-    keys = tuple(stored)
-    if len(points) < len(keys):
+    if len(points) < len(stored):
         raise InputError(
-            f"{counted(len(points), 'point')} cannot tell {counted(len(keys), 'constant')} ({', '.join(keys)}); "
+            f"{counted(len(points), 'point')} cannot tell {counted(len(stored), 'constant')} ({', '.join(stored)}); "
             "give more points, or keep a constant with --keep KEY"
         )
     weights = np.array([1.0 if isnan(point.uncertainty) else 1.0 / point.uncertainty for point in points])
+    found = _best_fit(motor, stored, points, weights)
+    return _document(motor, _constants(stored, found, points), points, found.residuals / weights, found)
+
+
+def _best_fit(
+    motor: Motor, stored: Mapping[str, float], points: Sequence[MeasuredTorque], weights: NDArray[np.float64]
+) -> ConstantsFit:
     measured = np.array([point.torque for point in points])
 
     def residuals(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        made = drive_with(motor, dict(zip(keys, map(float, values), strict=True)))
+        made = drive_with(motor, dict(zip(stored, map(float, values), strict=True)))
         return np.asarray((_torques(motor, made, points) - measured) * weights)
 
     lowest, highest = _bounds(stored)
-    found = min(
-        (fit_constants(residuals, start, lowest, highest) for start in _starts(stored)),
-        key=lambda fit: float(fit.residuals @ fit.residuals),
-    )
+    fits = (fit_constants(residuals, start, lowest, highest) for start in _starts(stored))
+    return min(fits, key=lambda fit: float(fit.residuals @ fit.residuals))
+
+
+def _constants(
+    stored: Mapping[str, float], found: ConstantsFit, points: Sequence[MeasuredTorque]
+) -> list[FittedConstant]:
     variance = _variance(found, points)
-    spread = found.relative_spread(variance) if isfinite(variance) else np.full(len(keys), nan)
-    constants = [
+    spread = found.relative_spread(variance) if isfinite(variance) else np.full(len(stored), nan)
+    return [
         FittedConstant(
             key=key,
             stored=stored[key],
-            fitted=float(found.values[place]),
-            uncertainty=float(spread[place] * found.values[place]),
-            at_bound=_is_near(float(found.values[place]), (lowest[place], highest[place])),
+            fitted=float(value),
+            uncertainty=float(share * value),
+            at_bound=any(abs(value / bound - 1.0) < _AT_BOUND for bound in bounds),
         )
-        for place, key in enumerate(keys)
+        for key, value, share, *bounds in zip(stored, found.values, spread, *_bounds(stored), strict=True)
     ]
-    return _document(motor, constants, points, found.residuals / weights, found)
 
 
 def _bounds(stored: Mapping[str, float]) -> tuple[list[float], list[float]]:
@@ -148,10 +156,6 @@ def _variance(found: ConstantsFit, points: Sequence[MeasuredTorque]) -> float:
         return scatter
     # Points that scatter by more than they are said to are no better than they scatter.
     return max(1.0, scatter) if spare else 1.0
-
-
-def _is_near(value: float, bounds: tuple[float, float]) -> bool:
-    return any(abs(value / bound - 1.0) < _AT_BOUND for bound in bounds)
 
 
 def _document(
