@@ -78,6 +78,16 @@ def test_people_get_a_table_the_line_the_times_and_what_to_do_next(command):
     assert "35 of 35 speeds" in ended.err
 
 
+def test_a_narrow_console_has_fewer_columns_and_no_broken_numbers(command, monkeypatch):
+    for columns, heads in (("80", "rated"), ("160", "rated N·m")):
+        monkeypatch.setenv("COLUMNS", columns)
+        listed = command("drive", *QUICK).out.splitlines()
+        assert len(listed[2].rstrip()) <= int(columns)
+        assert heads in listed[2]
+        assert listed[4].split()[0] == "100"
+        assert listed[5].split()[0] == "300", "each speed has a line of its own"
+
+
 def test_a_rating_out_of_reach_is_named_and_shown_all_the_same(command):
     limited = ("drive", "--set", "current_limit_a=20")
     ended = command(*limited)
