@@ -15,26 +15,51 @@ from drivegate.drives.kinds import DEFAULT_DRIVE
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from drivegate_cases.drive.drive_document import DriveDocument
+
 
 @click.command("drive")
 @click.argument("drive", metavar="[NAME|FILE]", default=DEFAULT_DRIVE)
 @click.option(
     "--plot", type=click.Path(path_type=Path), help="Write a figure; the name ends in .png or .svg."
 )
+@click.option(
+    "--fit",
+    "measured",
+    type=click.Path(path_type=Path),
+    metavar="FILE.csv",
+    help="Fit EMF constant, inductance, resistance and flat width to torques: speed_rpm, torque_nm, and advance_deg, "
+    "current_a, uncertainty_nm where known.",
+)
+@click.option(
+    "--keep", metavar="KEY", multiple=True, help="Leave one constant out of the fit; may be given again."
+)
 @settings_option
 @json_option
-def command(drive: str, plot: Path | None, settings: tuple[str, ...]) -> Outcome:
+def command(
+    drive: str, plot: Path | None, measured: Path | None, keep: tuple[str, ...], settings: tuple[str, ...]
+) -> Outcome:
     """Show what a drive can do: one that comes along, or a TOML or JSON file.
 
     Torque and power at the current limit over speed, the angles that give rated power and what they cost, the line of
     initial angles that follows, and what the drive's times mean for a controller. A rating that no controller can meet
     is named with the nearest that can be met.
+
+    With --fit it shows instead which constants explain measured or published torques, with the uncertainty of each.
     """
+    if keep and measured is None:
+        raise click.UsageError("--keep goes with --fit only")
+    if plot is not None and measured is not None:
+        raise click.UsageError(
+            "--plot and --fit do not go together; draw the drive with the fitted constants"
+        )
     from drivegate.output.trace_files import check_targets
     from drivegate_cases.drive.drive_document import load_drive
 
     check_targets(None, None, plot)
     chosen = chosen_drive(drive, settings, lambda: load_drive(DEFAULT_DRIVE))
+    if measured is not None:
+        return _fitted(chosen, measured, keep, quote(drive))
 
     from drivegate.studies.drive.run import studied_drive
 
@@ -44,5 +69,18 @@ def command(drive: str, plot: Path | None, settings: tuple[str, ...]) -> Outcome
         from drivegate.studies.drive.display import show_drive
 
         show_drive(console, document, quote(drive))
+
+    return Outcome(document, show)
+
+
+def _fitted(chosen: DriveDocument, measured: Path, keep: tuple[str, ...], name: str) -> Outcome:
+    from drivegate.studies.drive.run import fitted_drive
+
+    document = fitted_drive(chosen, measured, keep)
+
+    def show(console: Console) -> None:
+        from drivegate.studies.drive.fit_display import show_fit
+
+        show_fit(console, document, name)
 
     return Outcome(document, show)

@@ -1,1 +1,1 @@
-"""What the gate and the studies require of one kind of drive: its closed loop, oracle, scenarios and checks."""
+"""What is required of one kind of drive: its closed loop, oracle, scenarios and checks; and what its rating asks."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import pi
 from typing import Final
@@ -99,6 +100,20 @@ def rated_drive(document: DriveDocument) -> RatedDrive:
         rating=rating,
         has_band=has_band,
     )
+
+
+def machine_constants(document: DriveDocument) -> dict[str, float]:
+    """Take from a document the constants that a fit may change, by their keys."""
+    keys = ["emf_constant_v_s_per_rad", "inductance_h", "resistance_ohm"]
+    if document.machine.emf_shape == "trapezoid":
+        keys.append("emf_flat_deg")
+    return {key: float(document.value(key)) for key in keys}
+
+
+def drive_with(document: DriveDocument, constants: Mapping[str, float]) -> Drive:
+    """Make the plant of other constants, without the band, across which torque jumps, and without core loss."""
+    changes: dict[str, float] = {**constants, "hysteresis_band_a": 0.0, "core_loss_conductance_s": 0.0}
+    return document.replaced(**changes).plant()
 
 
 def _chops(constants: Drive, speed: float) -> float:

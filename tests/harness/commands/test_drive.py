@@ -78,6 +78,16 @@ def test_people_get_a_table_the_line_the_times_and_what_to_do_next(command):
     assert "35 of 35 speeds" in ended.err
 
 
+def test_a_narrow_console_has_fewer_columns_and_no_broken_numbers(command, monkeypatch):
+    for columns, heads in (("80", "rated"), ("160", "rated N·m")):
+        monkeypatch.setenv("COLUMNS", columns)
+        listed = command("drive", *QUICK).out.splitlines()
+        assert len(listed[2].rstrip()) <= int(columns)
+        assert heads in listed[2]
+        assert listed[4].split()[0] == "100"
+        assert listed[5].split()[0] == "300", "each speed has a line of its own"
+
+
 def test_a_rating_out_of_reach_is_named_and_shown_all_the_same(command):
     limited = ("drive", "--set", "current_limit_a=20")
     ended = command(*limited)
@@ -147,3 +157,40 @@ def test_the_document_is_strict_json(command):
     text = command("drive", *QUICK, "--set", "resistance_ohm=0", "--json").out
     assert "NaN" not in text
     assert json.loads(text)["time_scales"]["electrical_s"] is None
+
+
+PUBLISHED = "speed_rpm,advance_deg,torque_nm\n1500,52,9.8\n1200,40,11.88\n500,,28.648\n"
+
+
+def test_constants_are_fitted_to_published_points_and_can_be_set_as_printed(command, tmp_path):
+    (tmp_path / "published.csv").write_text(PUBLISHED, encoding="utf-8")
+    words = ("drive", "--fit", "published.csv", "--keep", "resistance_ohm")
+    ended = command(*words)
+    assert ended.code == 0
+    assert "nothing tells how sure they are" in ended.out
+    assert "--set emf_constant_v_s_per_rad=0.33813 --set inductance_h=0.0028879" in ended.out
+    printed = ended.out.split("next: drivegate ")[1].split()
+    again = command(*printed, "--fit", "published.csv", "--keep", "resistance_ohm", "--json").document
+    assert all(row["fitted"] == pytest.approx(row["stored"], rel=1e-4) for row in again["constants"])
+    assert again["points"][2]["advance_deg"] is None
+    assert again["points"][0]["fitted_torque_nm"] == pytest.approx(9.8)
+
+
+def test_what_a_fit_cannot_tell_is_said(command, tmp_path):
+    rows = "".join(f"5,0,{1.2 * current},{current}\n" for current in (1, 2, 3, 4, 5))
+    (tmp_path / "slow.csv").write_text(f"speed_rpm,advance_deg,torque_nm,current_a\n{rows}", encoding="utf-8")
+    told = command("drive", "--fit", "slow.csv").out
+    assert "the points do not tell resistance_ohm; keep it with --keep resistance_ohm" in told
+    assert "next: the same with more points" in told
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["--fit", "missing.csv"], "does not exist; name an existing CSV file"),
+        (["--keep", "resistance_ohm"], "--keep goes with --fit only"),
+        (["--fit", "any.csv", "--plot", "drive.svg"], "--plot and --fit do not go together"),
+    ],
+)
+def test_a_fit_that_cannot_be_is_refused_in_one_sentence(refused, words, reason):
+    assert reason in refused("drive", *words)

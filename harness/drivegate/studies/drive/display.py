@@ -10,35 +10,43 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 _COLUMNS: Final = (
-    ("speed_rpm", "rpm", 0),
-    ("rated_torque_nm", "rated N·m", 2),
-    ("greatest_torque_nm", "most N·m", 2),
-    ("greatest_torque_deg", "at °", 1),
-    ("greatest_power_w", "most W", 0),
-    ("torque_without_advance_nm", "N·m at 0°", 2),
-    ("edge_deg", "edge °", 1),
-    ("advance_deg", "best °", 1),
-    ("line_deg", "line °", 1),
-    ("current_sum_a", "Σ|i| A", 1),
-    ("input_power_w", "input W", 0),
-    ("ripple_percent", "ripple %", 1),
+    ("speed_rpm", "rpm", "rpm", 0),
+    ("rated_torque_nm", "rated N·m", "rated", 2),
+    ("greatest_torque_nm", "most N·m", "most", 2),
+    ("greatest_torque_deg", "at °", "", 1),
+    ("greatest_power_w", "most W", "", 0),
+    ("torque_without_advance_nm", "N·m at 0°", "at 0°", 2),
+    ("edge_deg", "edge °", "edge", 1),
+    ("advance_deg", "best °", "best", 1),
+    ("line_deg", "line °", "line", 1),
+    ("current_sum_a", "Σ|i| A", "Σ|i|", 1),
+    ("input_power_w", "input W", "", 0),
+    ("ripple_percent", "ripple %", "ripple", 1),
 )
+"""Keys of a point, with their heads, those for a narrow console, which has no room for all, and their digits."""
+_WIDTH: Final = 116
 _SHOWN: Final = (0, 2, 4, 5, 8, 12, 16, 20, 24, 29, 34)
 """Places of the points that the table has; all are in the document."""
 
 
 def show_drive(console: Console, document: dict[str, Any], name: str) -> None:
     """Print what a drive can do over speed, what it is too little for, and what it means for a controller."""
-    heads = [head for _, head, _ in _COLUMNS]
+    columns = [
+        (key, head if console.width >= _WIDTH else short, digits)
+        for key, head, short, digits in _COLUMNS
+        if short or console.width >= _WIDTH
+    ]
+    heads = [head for _, head, _ in columns]
     listed = table(*heads, right=tuple(heads), title=_title(document))
     for place in _SHOWN:
         point = document["points"][place]
-        listed.add_row(*(number(point[key], digits) for key, _, digits in _COLUMNS))
+        listed.add_row(*(number(point[key], digits) for key, _, digits in columns))
     console.print(listed)
     console.print(
         plain(
-            "most: at the current limit and its best angle; edge: smallest angle for rated torque; best: that of least "
-            "Σ|i|, where Σ|i|, input and ripple (ideal regulator) are; line: recommended initial angle",
+            "rated, most, at 0°: torques (N·m) of rated power, and at the current limit with the best angle and none; "
+            "edge: smallest angle for rated torque (°); best: that of least Σ|i|, where Σ|i| (A), input and ripple (%, "
+            "ideal regulator) are; line: recommended initial angle",
             "dim",
         )
     )

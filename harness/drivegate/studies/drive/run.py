@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,10 @@ from drivegate.studies.drive.envelope import (
     speeds_of,
 )
 from drivegate.studies.drive.figure import write_figure
+from drivegate.studies.drive.fit import fit_document
+from drivegate.studies.drive.measured import read_measured
 from drivegate.studies.drive.time_scales import time_scales
+from drivegate_cases.documents.wording import counted
 from drivegate_cases.drive.drive_document import DriveDocument
 
 
@@ -39,3 +43,11 @@ def studied_drive(chosen: DriveDocument, *, plot: Path | None = None) -> dict[st
     if plot is not None:
         write_figure(document, plot)
     return document | {"files": [] if plot is None else [str(plot)]}
+
+
+def fitted_drive(chosen: DriveDocument, measured: Path, kept: Sequence[str]) -> dict[str, Any]:
+    """Fit the constants of a drive to the torques in a file."""
+    points = read_measured(measured)
+    with progress_on(sys.stderr) as display:
+        display.begin(chosen.name, 1, f"fitting to {counted(len(points), 'point')}")
+        return fit_document(chosen, points, kept)
