@@ -22,6 +22,7 @@ from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
 from drivegate.gate.recording import recording_job, recording_plans, with_recordings
 from drivegate.gate.repetition import repeated_elsewhere
+from drivegate.gate.same_drive import require_same_drive
 from drivegate.gate.shrinking import Shrunk
 from drivegate.gate.simplest import simplest_failures, with_simplest
 from drivegate.gate.warm_up import compile_kernels, missing_marker
@@ -105,6 +106,13 @@ def check_candidate(
         raise InputError(f"the effort is '{effort}', but must be one of {', '.join(EXAMPLES)}")
     if seed < 0:
         raise InputError(f"the seed is {seed}, but must be 0 or more")
+    judged_on = drive_for(candidate, drive)
+    require_same_drive(
+        judged_on,
+        baseline=baseline,
+        counterexamples=(*focus.first, *corpus),
+        waivers=[waiver for waiver in waivers if waiver.candidate == candidate.name],
+    )
     today = present_day() if waivers else None
     started = datetime.now(UTC)
     began = time.monotonic()
@@ -112,7 +120,7 @@ def check_candidate(
     work = planned_work(
         effort,
         seed,
-        drive=drive_for(candidate, drive),
+        drive=judged_on,
         declaration=candidate.declaration,
         search=search,
         corpus=corpus,
@@ -155,7 +163,9 @@ def check_candidate(
         "machine": machine(),
         "checks": machine_dependent(runs),
     }
-    result = _result(candidate, effort, seed, outcomes, comparisons, traces, progress, timing, fail_on)
+    result = _result(
+        candidate, judged_on, effort, seed, outcomes, comparisons, traces, progress, timing, fail_on
+    )
     yield CheckFinished(result)
 
 
@@ -225,6 +235,7 @@ def _record(
 
 def _result(
     candidate: Candidate,
+    drive: DriveDocument,
     effort: str,
     seed: int,
     outcomes: tuple[CheckOutcome, ...],
@@ -237,6 +248,7 @@ def _result(
     verdict, exit_code = candidate_verdict(outcomes, progress.faults, comparisons or (), fail_on=fail_on)
     return CheckResult(
         candidate=candidate,
+        drive=drive,
         verdict=verdict,
         exit_code=exit_code,
         seed=seed,

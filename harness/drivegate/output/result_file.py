@@ -65,6 +65,7 @@ def counterexamples(result: dict[str, Any]) -> list[dict[str, Any]]:
                 "name": bounded_line(result["candidate"]["name"]),
                 "hash": result["candidate"]["hash"],
             },
+            "drive": result.get("drive"),
             "versions": versions,
             "scenario": check["counterexample"],
         }

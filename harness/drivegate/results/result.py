@@ -14,6 +14,7 @@ from drivegate.results.provenance import hash_of_content
 
 if TYPE_CHECKING:
     from drivegate.checks.judging import InfeasibleScenario
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 RESULT_SCHEMA: Final = 2
 """Version of the result document."""
@@ -171,6 +172,8 @@ class CheckResult:
     ----------
     candidate : Candidate
         The candidate.
+    drive : DriveDocument
+        The drive that it was checked on.
     verdict : str
         ``pass``, ``waived``, ``fail``, ``waiver expired``, ``unexpectedly passes``, ``inconclusive``,
         ``harness fault``, or the kind of the candidate's fault.
@@ -208,6 +211,7 @@ class CheckResult:
     """
 
     candidate: Candidate
+    drive: DriveDocument
     verdict: str
     exit_code: int
     seed: int
@@ -238,6 +242,7 @@ class CheckResult:
                 "hash": candidate.content_hash,
                 "declaration": asdict(candidate.declaration),
             },
+            "drive": self.drive.identity(),
             "verdict": self.verdict,
             "exit_code": self.exit_code,
             "seed": self.seed,

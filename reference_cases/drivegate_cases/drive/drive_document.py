@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -25,13 +27,14 @@ if TYPE_CHECKING:
 HIGHEST_CHOPPING_FREQUENCY_HZ = 10e6
 RPM = 2.0 * math.pi / 60.0
 
-_TABLES: Final[Mapping[str, type[Section]]] = {
+TABLES: Final[Mapping[str, type[Section]]] = {
     "machine": Machine,
     "inverter": Inverter,
     "rating": Rating,
     "advance": Advance,
 }
-_KEYS: Final = {name: tuple(table.model_fields) for name, table in _TABLES.items()}
+"""The tables of a drive, by name."""
+_KEYS: Final = {name: tuple(table.model_fields) for name, table in TABLES.items()}
 _TABLE_OF_KEY: Final = {key: table for table, keys in _KEYS.items() for key in keys}
 """The table of each key; a key stands in one table only, so that it may go without its table's name."""
 
@@ -110,6 +113,16 @@ class DriveDocument(Document):
     def __hash__(self) -> int:
         """Hash the values; the provenance, a table, is left out."""
         return hash((self.name, self.kind, self.machine, self.inverter, self.rating, self.advance))
+
+    @property
+    def values_hash(self) -> str:
+        """SHA-256 of all values, in hexadecimal: equal for two drives that differ in name and provenance alone."""
+        values = self.model_dump(mode="json", include={"kind", *_KEYS}, exclude_none=True)
+        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+
+    def identity(self) -> dict[str, str]:
+        """Give name, kind and hash, by which results tell what drive they are of."""
+        return {"name": self.name, "kind": self.kind, "hash": self.values_hash}
 
     def value(self, key: str) -> Any:
         """Give the value of a key of any table, by its bare name."""

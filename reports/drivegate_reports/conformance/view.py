@@ -39,6 +39,8 @@ class ResultView:
     ----------
     candidate, kind, specification, candidate_hash : str
         The candidate.
+    drive : str
+        The drive; empty in a result that does not tell it.
     verdict, tone, meaning : str
         The verdict, its colour, and what it means in one sentence.
     exit_code, seed, runs, set_aside : int
@@ -69,6 +71,7 @@ class ResultView:
     kind: str
     specification: str
     candidate_hash: str
+    drive: str
     verdict: str
     tone: str
     meaning: str
@@ -129,6 +132,7 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
         kind=clean(candidate["kind"]),
         specification=clean(candidate["specification"]),
         candidate_hash=clean(candidate["hash"]),
+        drive=clean((document.get("drive") or {}).get("name", "")),
         verdict=verdict,
         tone=TONES.get(verdict, "fail"),
         meaning=" ".join([_meaning(verdict, failing), *_causes(document)]).strip(),
@@ -246,6 +250,8 @@ def _provenance(document: Mapping[str, Any], times: Mapping[str, Any]) -> tuple[
             for key, value in candidate["declaration"].items()
         ),
     ]
+    drive = document.get("drive") or {}
+    entries += [(f"drive's {key}", value) for key, value in drive.items()]
     for section in (document.get("provenance", {}), {key: times[key] for key in times if key != "checks"}):
         for key, value in section.items():
             items = value.items() if isinstance(value, Mapping) else [("", value)]
