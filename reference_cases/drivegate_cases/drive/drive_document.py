@@ -27,14 +27,13 @@ if TYPE_CHECKING:
 HIGHEST_CHOPPING_FREQUENCY_HZ = 10e6
 RPM = 2.0 * math.pi / 60.0
 
-TABLES: Final[Mapping[str, type[Section]]] = {
+_TABLES: Final[Mapping[str, type[Section]]] = {
     "machine": Machine,
     "inverter": Inverter,
     "rating": Rating,
     "advance": Advance,
 }
-"""The tables of a drive, by name."""
-_KEYS: Final = {name: tuple(table.model_fields) for name, table in TABLES.items()}
+_KEYS: Final = {name: tuple(table.model_fields) for name, table in _TABLES.items()}
 _TABLE_OF_KEY: Final = {key: table for table, keys in _KEYS.items() for key in keys}
 """The table of each key; a key stands in one table only, so that it may go without its table's name."""
 

@@ -4,12 +4,24 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, get_args
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.drive.drive_document import TABLES, DriveDocument
+from drivegate_cases.drive.drive_document import DriveDocument
 
 _WIDTH = 40
+
+
+def _tables() -> Iterator[tuple[str, type[Section]]]:
+    """Find the tables of a drive, also those that may be left out."""
+    for name, field in DriveDocument.model_fields.items():
+        for kind in (field.annotation, *get_args(field.annotation)):
+            if isinstance(kind, type) and issubclass(kind, Section):
+                yield name, kind
+
+
+TABLES = dict(_tables())
+"""The tables of a drive, by name."""
 
 
 def drive_toml(drive: DriveDocument) -> str:
@@ -25,7 +37,7 @@ def drive_toml(drive: DriveDocument) -> str:
         lines += ["", *_table(name, model, table)]
     lines += ["", "[provenance]  # where each value comes from, in a sentence"]
     for name, sentences in drive.provenance.items():
-        lines += [f"{name}.{key} = {_value(sentence)}" for key, sentence in sentences.items()]
+        lines += [f"{name}.{key} = {toml_value(sentence)}" for key, sentence in sentences.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -48,17 +60,21 @@ def _table(name: str, model: type[Section], table: Section | None) -> Iterator[s
     else:
         yield f"[{name}]"
     for key in model.model_fields:
-        yield _line(model, key, None if table is None else getattr(table, key))
+        yield _line(model, key, None if table is None else table.model_dump(mode="json")[key])
 
 
 def _line(model: type[Section], key: str, value: Any) -> str:
     """Write a key with its comment; one without a value as a comment altogether."""
     description = model.model_fields[key].description
-    if value is None or value == ():
+    if value is None or value == []:
         return f"# {f'{key} =':<{_WIDTH}}# {description}"
-    return f"{f'{key} = {_value(value)}':<{_WIDTH}}  # {description}"
+    return f"{f'{key} = {toml_value(value)}':<{_WIDTH}}  # {description}"
 
 
-def _value(value: Any) -> str:
-    """Write a value as TOML, which is as JSON for all that there is in a drive."""
+def toml_value(value: Any) -> str:
+    """Write a value as TOML: as JSON, but for tables."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(toml_value, value))}]"
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {toml_value(item)}' for key, item in value.items())} }}"
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -9,8 +9,8 @@ import jsonschema
 import pytest
 
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.drive.drive_document import TABLES, DriveDocument, load_drive
-from drivegate_cases.drive.drive_file import drive_schema, drive_toml
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.drive_file import TABLES, drive_schema, drive_toml, toml_value
 
 PAPER = load_drive("paper-5-phase")
 SCHEMA_FILE = Path(__file__).parents[3] / "docs" / "schemas" / "drive.schema.json"
@@ -42,6 +42,13 @@ def test_every_key_has_its_comment_also_one_that_is_left_out() -> None:
             named = [line for line in lines if line.removeprefix("# ").startswith(f"{key} =")]
             assert len(named) == 1, f"{key} is written {len(named)} times"
             assert named[0].endswith(f"# {field.description}"), named[0]
+
+
+def test_a_list_of_tables_is_written_in_one_line() -> None:
+    points = [{"speed_rpm": 1500.0, "torque_n_m": 9.8}, {"speed_rpm": 900.0, "torque_n_m": 1e-7}]
+    line = f"point = {toml_value(points)}"
+    assert "\n" not in line
+    assert tomllib.loads(line) == {"point": points}
 
 
 def test_a_left_out_table_is_a_comment_as_a_whole() -> None:
