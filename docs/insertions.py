@@ -171,7 +171,7 @@ def drive_keys(_: str) -> str:
 def _left_out(required: bool, default: object) -> str:
     if required:
         return "refused"
-    return "0" if default == 0.0 else "none"
+    return f"{default:g}" if isinstance(default, float) else "none"
 
 
 def source(path: str) -> str:
