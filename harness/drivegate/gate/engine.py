@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
-from dataclasses import astuple, dataclass, field
+from dataclasses import astuple, dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any, Final
 
@@ -89,6 +89,7 @@ def check_candidate(
     candidate: Candidate,
     *,
     drive: DriveDocument | None = None,
+    drive_named: str | None = None,
     effort: str = "default",
     seed: int = 0,
     workers: int | None = None,
@@ -101,7 +102,10 @@ def check_candidate(
     focus: Focus = WHOLE,
     on_slow: Callable[[SlowRun], None] | None = None,
 ) -> Iterator[Event]:
-    """Check a candidate on a drive, and tell what is done as events; `on_slow` is told of a run that will take long."""
+    """Check a candidate on a drive, and tell what is done as events; `on_slow` is told of a run that will take long.
+
+    `drive_named` is the string that named the drive, which the result repeats.
+    """
     if effort not in EXAMPLES:
         raise InputError(f"the effort is '{effort}', but must be one of {', '.join(EXAMPLES)}")
     if seed < 0:
@@ -166,7 +170,7 @@ def check_candidate(
     result = _result(
         candidate, judged_on, effort, seed, outcomes, comparisons, traces, progress, timing, fail_on
     )
-    yield CheckFinished(result)
+    yield CheckFinished(replace(result, drive_named=drive_named))
 
 
 def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Iterator[Event]:

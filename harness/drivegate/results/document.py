@@ -30,6 +30,10 @@ class DriveSection(Section):
     name: Text = Field(description="name, by which waivers are matched")
     kind: Text = Field(description="kind of drive, such as half-bridge")
     hash: Text = Field(description="hash of its values; equal ones are the same drive, whatever it is called")
+    specification: Text | None = Field(
+        default=None,
+        description="the string that named it on the command line; null where a manifest or nothing did",
+    )
 
 
 class FoundSection(Section):

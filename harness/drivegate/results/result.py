@@ -208,6 +208,8 @@ class CheckResult:
     focus : dict or None
         Under ``only`` the checks that were judged (empty for all), under ``stopped_at_first`` whether the check
         ended with the first failure; None for a whole check.
+    drive_named : str or None
+        The string that named the drive; None where the candidate's manifest or nothing did.
     """
 
     candidate: Candidate
@@ -228,6 +230,7 @@ class CheckResult:
     fail_on: str = "required"
     traces: tuple[dict[str, list[float]], ...] = ()
     focus: dict[str, Any] | None = None
+    drive_named: str | None = None
 
     def document(self) -> dict[str, Any]:
         """Write the result as plain data."""
@@ -242,7 +245,7 @@ class CheckResult:
                 "hash": candidate.content_hash,
                 "declaration": asdict(candidate.declaration),
             },
-            "drive": self.drive.identity(),
+            "drive": {**self.drive.identity(), "specification": self.drive_named},
             "verdict": self.verdict,
             "exit_code": self.exit_code,
             "seed": self.seed,

@@ -15,6 +15,7 @@ from drivegate.output.result_file import counterexample_name
 from drivegate.results.result import RESULT_SCHEMA
 from drivegate.results.signature import fingerprint
 from drivegate.results.waivers import DAY_VARIABLE, present_day
+from drivegate.results.wording import drive_option
 from drivegate_models.errors import InputError
 from drivegate_reports.conformance.rows import (
     TONES,
@@ -228,14 +229,15 @@ def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[
 
 def _next_step(document: Mapping[str, Any], failing: Sequence[str]) -> str:
     specification = quote(str(document["candidate"]["specification"]))
+    checked_again = f"drivegate check {specification}{drive_option(document)}"
     if failing:
         begin = first_to_mend(document)
         first = failing[0] if begin is None else clean(begin["id"])
         file = counterexample_name(first)
         return f"drivegate replay {file} --candidate {specification} --plot {first}.svg"
     if document["verdict"] == "pass" and document["effort"] != "nightly":
-        return f"drivegate check {specification} --effort nightly"
-    return f"drivegate check {specification} --effort {document['effort']} --seed {document['seed']}"
+        return f"{checked_again} --effort nightly"
+    return f"{checked_again} --effort {document['effort']} --seed {document['seed']}"
 
 
 def _provenance(document: Mapping[str, Any], times: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
@@ -251,7 +253,7 @@ def _provenance(document: Mapping[str, Any], times: Mapping[str, Any]) -> tuple[
         ),
     ]
     drive = document.get("drive") or {}
-    entries += [(f"drive's {key}", value) for key, value in drive.items()]
+    entries += [(f"drive's {key}", value) for key, value in drive.items() if value]
     for section in (document.get("provenance", {}), {key: times[key] for key in times if key != "checks"}):
         for key, value in section.items():
             items = value.items() if isinstance(value, Mapping) else [("", value)]

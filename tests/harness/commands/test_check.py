@@ -30,7 +30,7 @@ def test_a_pass_is_reported_and_reported(command, engine, tmp_path):
     assert ended.code == 0
     requested = {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0}
     given = {key: value for key, value in engine.options.items() if key != "on_slow"}
-    assert given == {**requested, "search": True, "fail_on": "required", "drive": None}
+    assert given == {**requested, "search": True, "fail_on": "required", "drive": None, "drive_named": None}
     assert "reference: pass" in ended.out
     assert "report: drivegate-report/report.html" in ended.out
     assert "a report that prints" not in ended.out
@@ -46,7 +46,7 @@ def test_json_is_the_result_document(command, engine, tmp_path):
     assert set(document["checks"][0]) >= {
         "id", "level", "verdict", "margin", "runs", "message", "counterexample",
     }  # fmt: skip
-    assert document["drive"] == load_drive("paper-5-phase").identity()
+    assert document["drive"] == {**load_drive("paper-5-phase").identity(), "specification": None}
     stored = json.loads((tmp_path / "drivegate-report" / "result.json").read_text(encoding="utf-8"))
     assert stored == document
 
