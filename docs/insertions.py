@@ -21,7 +21,8 @@ from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.drive_file import TABLES
 
 DOCS: Final = Path(__file__).parent
 PLACE: Final = re.compile(r"<!-- inserted: ([\w-]+)(?: (\S+))? -->\n.*?<!-- end -->", re.DOTALL)
@@ -156,6 +157,23 @@ def _range(row: Varied) -> str:
     return lowest if lowest == highest else f"{lowest} to {highest}"
 
 
+def drive_keys(_: str) -> str:
+    """Every key of a drive, by its table."""
+    rows = [
+        (f"`{prefix}{key}`", _plain(field.description or ""), _left_out(field.is_required(), field.default))
+        for prefix, model in (("", DriveDocument), *((f"{name}.", table) for name, table in TABLES.items()))
+        for key, field in model.model_fields.items()
+        if key not in TABLES and field.alias is None
+    ]
+    return _table(("key", "is", "left out"), rows)
+
+
+def _left_out(required: bool, default: object) -> str:
+    if required:
+        return "refused"
+    return f"{default:g}" if isinstance(default, float) else "none"
+
+
 def source(path: str) -> str:
     """A file of the repository, in full."""
     text = (DOCS.parent / path).read_text(encoding="utf-8").rstrip("\n")
@@ -181,6 +199,7 @@ INSERTED: Final = MappingProxyType(
         "coverage-table": coverage_table,
         "signal-table": signal_table,
         "joint-table": joint_table,
+        "drive-keys": drive_keys,
         "source": source,
         "opening-comment": opening_comment,
     }

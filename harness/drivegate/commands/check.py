@@ -132,7 +132,15 @@ def command(
     records = Records(corpus, waivers, baseline)
     part = Part(only, stop_at_first, last_failed)
     all_checked = check_all(
-        candidates, output, how_much, records, sign, part, drive=named_drive(drive), quiet=quiet
+        candidates,
+        output,
+        how_much,
+        records,
+        sign,
+        part,
+        drive=named_drive(drive),
+        drive_named=drive,
+        quiet=quiet,
     )
     if len(all_checked) == 1 and all_checked[0].error is not None and all_checked[0].document is None:
         raise all_checked[0].error

@@ -15,10 +15,12 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 SCHEMA = 1
+DRIVE = "drive"
+"""The one kind that is no candidate."""
 
 
 @click.command("new")
-@click.argument("kind", type=click.Choice(["python", "numba", "c", "rust", "exec"]))
+@click.argument("kind", type=click.Choice(["python", "numba", "c", "rust", "exec", DRIVE]))
 @click.argument("name")
 @click.option(
     "--output",
@@ -31,10 +33,16 @@ SCHEMA = 1
 def command(kind: str, name: str, output: Path | None, drive: str | None) -> Outcome:
     """Write a small controller called NAME into a new folder, with manifest, test, waivers and a workflow for CI.
 
-    All kinds have the same algorithm: a speed regulator, and a line of angles. It meets the contract and most
+    The kind drive is no controller: NAME is then a new file such as my-drive.toml, with a comment for each key, and has
+    the values of the paper's drive, or of that of --drive, to be replaced by one's own.
+
+    All other kinds have the same algorithm: a speed regulator, and a line of angles. It meets the contract and most
     checks; what it fails is waived for 90 days and is the exercise. With --drive its manifest names that drive, whose
     file is copied into the folder.
     """
+    if kind == DRIVE:
+        return _new_drive(Path(name), output, drive)
+
     from drivegate.results.waivers import present_day
     from drivegate.studies.new.write import KINDS, write_candidate
 
@@ -55,10 +63,31 @@ def command(kind: str, name: str, output: Path | None, drive: str | None) -> Out
     return Outcome(document, lambda console: _show(console, document))
 
 
+def _new_drive(file: Path, output: Path | None, start: str | None) -> Outcome:
+    if output is not None:
+        raise click.UsageError("--output goes with a candidate only; NAME is the file of a drive")
+
+    from drivegate.drives.choice import drive_for
+    from drivegate.studies.new.drive import write_drive
+
+    written = write_drive(file, drive_for(None, named_drive(start)))
+    look = f"drivegate check reference --drive {quote(str(file))}"
+    document: dict[str, Any] = {
+        "schema": SCHEMA,
+        "kind": "new",
+        "drive": written.identity(),
+        "folder": str(file.parent),
+        "files": [file.name],
+        "next": [f"put your values into {file}", look],
+    }
+    return Outcome(document, lambda console: _show(console, document))
+
+
 def _show(console: Console, document: dict[str, Any]) -> None:
     from drivegate.output.console import plain
 
     console.print(plain(f"written into {document['folder']}:"))
     for file in document["files"]:
         console.print(plain(f"  {file}"))
-    console.print(plain(f"next: {' && '.join(document['next'])}", "dim"))
+    joint = ", then " if "drive" in document else " && "
+    console.print(plain(f"next: {joint.join(document['next'])}", "dim"))

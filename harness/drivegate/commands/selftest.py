@@ -68,10 +68,12 @@ def command(
 
     mutations = chosen_mutations(faults)
 
+    from drivegate.drives.choice import drive_for
     from drivegate.studies.selftest.display import show_matrix
     from drivegate.studies.selftest.run import SelftestEffort
 
     amount = SelftestEffort(effort, seeds, workers, search, drawn_only, named_drive(drive))
     matrix = selftested(mutations, amount, designs=not faults and not drawn_only)
     code = ExitCode.PASSED if matrix.passed else ExitCode.FAILED
-    return Outcome(matrix.document(), lambda console: show_matrix(console, matrix), code)
+    document = matrix.document() | {"drive": drive_for(None, amount.drive).identity()}
+    return Outcome(document, lambda console: show_matrix(console, matrix), code)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
-from dataclasses import astuple, dataclass, field
+from dataclasses import astuple, dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any, Final
 
@@ -23,6 +23,7 @@ from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
 from drivegate.gate.recording import recording_job, recording_plans, with_recordings
 from drivegate.gate.repetition import repeated_elsewhere
+from drivegate.gate.same_drive import require_same_drive
 from drivegate.gate.shrinking import Shrunk
 from drivegate.gate.simplest import simplest_failures, with_simplest
 from drivegate.gate.warm_up import compile_kernels, missing_marker
@@ -93,6 +94,7 @@ def check_candidate(
     candidate: Candidate,
     *,
     drive: DriveDocument | None = None,
+    drive_named: str | None = None,
     effort: str = "default",
     seed: int = 0,
     workers: int | None = None,
@@ -105,12 +107,21 @@ def check_candidate(
     focus: Focus = WHOLE,
     on_slow: Callable[[SlowRun], None] | None = None,
 ) -> Iterator[Event]:
-    """Check a candidate on a drive, and tell what is done as events; `on_slow` is told of a run that will take long."""
+    """Check a candidate on a drive, and tell what is done as events; `on_slow` is told of a run that will take long.
+
+    `drive_named` is the string that named the drive, which the result repeats.
+    """
     if effort not in EXAMPLES:
         raise InputError(f"the effort is '{effort}', but must be one of {', '.join(EXAMPLES)}")
     if seed < 0:
         raise InputError(f"the seed is {seed}, but must be 0 or more")
     judged_on = drive_for(candidate, drive)
+    require_same_drive(
+        judged_on,
+        baseline=baseline,
+        counterexamples=(*focus.first, *corpus),
+        waivers=[waiver for waiver in waivers if waiver.candidate == candidate.name],
+    )
     refuse_unreachable(judged_on)
     today = present_day() if waivers else None
     started = datetime.now(UTC)
@@ -162,8 +173,10 @@ def check_candidate(
         "machine": machine(),
         "checks": machine_dependent(runs),
     }
-    result = _result(candidate, effort, seed, outcomes, comparisons, traces, progress, timing, fail_on)
-    yield CheckFinished(result)
+    result = _result(
+        candidate, judged_on, effort, seed, outcomes, comparisons, traces, progress, timing, fail_on
+    )
+    yield CheckFinished(replace(result, drive_named=drive_named))
 
 
 def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Iterator[Event]:
@@ -232,6 +245,7 @@ def _record(
 
 def _result(
     candidate: Candidate,
+    drive: DriveDocument,
     effort: str,
     seed: int,
     outcomes: tuple[CheckOutcome, ...],
@@ -244,6 +258,7 @@ def _result(
     verdict, exit_code = candidate_verdict(outcomes, progress.faults, comparisons or (), fail_on=fail_on)
     return CheckResult(
         candidate=candidate,
+        drive=drive,
         verdict=verdict,
         exit_code=exit_code,
         seed=seed,

@@ -37,7 +37,7 @@ def markdown(result: dict[str, Any]) -> str:
     lines = [
         f"# {escaped(candidate['name'])}: {escaped(result['verdict'])}",
         "",
-        f"{runs_in_short(result)}, effort {escaped(result['effort'])}, "
+        f"{runs_in_short(result)}{_drive(result)}, effort {escaped(result['effort'])}, "
         f"seed {result['seed']}, drivegate {escaped(result['provenance']['drivegate'])}.",
         *_faults(result),
         *_causes(result),
@@ -52,6 +52,12 @@ def markdown(result: dict[str, Any]) -> str:
         lines.append(f"| {' | '.join(map(escaped, cells))} |")
     lines += _comparisons(result["baseline"] or [])
     return "\n".join(lines) + "\n"
+
+
+def _drive(result: dict[str, Any]) -> str:
+    """Name the drive; results of earlier versions do not tell it."""
+    drive = result.get("drive")
+    return "" if drive is None else f" on the drive {escaped(drive['name'])}"
 
 
 def _what_failed(result: dict[str, Any]) -> list[str]:

@@ -46,7 +46,7 @@ def counterexamples(result: dict[str, Any]) -> list[dict[str, Any]]:
     from drivegate_cases.documents.document import parse_document
 
     versions = {key: value for key, value in result["provenance"].items() if key != "content_hash"}
-    documents = []
+    documents, drive = [], result.get("drive")
     for check in result["checks"]:
         if check["counterexample"] is None:
             continue
@@ -65,6 +65,7 @@ def counterexamples(result: dict[str, Any]) -> list[dict[str, Any]]:
                 "name": bounded_line(result["candidate"]["name"]),
                 "hash": result["candidate"]["hash"],
             },
+            "drive": drive and {key: drive[key] for key in ("name", "kind", "hash")},
             "versions": versions,
             "scenario": check["counterexample"],
         }

@@ -51,6 +51,14 @@ class Provenance(Section):
     hash: Line = Field(default="", description="hash of the candidate's sources")
 
 
+class DriveIdentity(Section):
+    """The drive on which the check was broken; it stands in the scenario as a whole."""
+
+    name: Line = Field(min_length=1, description="name of the drive")
+    kind: Line = Field(default="", description="kind of drive")
+    hash: Line = Field(default="", description="hash of its values")
+
+
 class Counterexample(Document):
     """A scenario, fully resolved, with the check that it breaks and what was measured then."""
 
@@ -66,6 +74,9 @@ class Counterexample(Document):
     seed: int = Field(default=0, ge=0, lt=2**63, description="seed of the search that found it")
     size: int | None = Field(default=None, ge=0, description="number of things that differ from nominal")
     candidate: Provenance = Field(description="table with the candidate's name and hash")
+    drive: DriveIdentity | None = Field(
+        default=None, description="table with the drive's name, kind and hash"
+    )
     versions: dict[str, Any] = Field(default_factory=dict, description="versions that it was found with")
     scenario: Annotated[Scenario | Script, BeforeValidator(_resolved_script_or_scenario)] = Field(
         description="table with the whole scenario or script"

@@ -24,6 +24,18 @@ class CandidateSection(Section):
     declaration: Table = Field(description="what it declares of itself")
 
 
+class DriveSection(Section):
+    """The drive that a result is of."""
+
+    name: Text = Field(description="name, by which waivers are matched")
+    kind: Text = Field(description="kind of drive, such as half-bridge")
+    hash: Text = Field(description="hash of its values; equal ones are the same drive, whatever it is called")
+    specification: Text | None = Field(
+        default=None,
+        description="the string that named it on the command line; null where a manifest or nothing did",
+    )
+
+
 class FoundSection(Section):
     """What a counterexample gave."""
 
@@ -137,6 +149,9 @@ class ResultDocument(Document):
     schema_current: ClassVar[int] = RESULT_SCHEMA
     kind: Literal["check"] = Field(description="kind of document")
     candidate: CandidateSection = Field(description="who was checked")
+    drive: DriveSection | None = Field(
+        default=None, description="the drive that it was checked on; left out in results of earlier versions"
+    )
     verdict: Text = Field(description="verdict on the candidate")
     exit_code: int = Field(ge=0, le=3, description="exit code of the check")
     seed: int = Field(ge=0, description="seed of the search")

@@ -14,6 +14,7 @@ from drivegate.results.provenance import hash_of_content
 
 if TYPE_CHECKING:
     from drivegate.checks.judging import InfeasibleScenario
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 RESULT_SCHEMA: Final = 2
 """Version of the result document."""
@@ -176,6 +177,8 @@ class CheckResult:
     ----------
     candidate : Candidate
         The candidate.
+    drive : DriveDocument
+        The drive that it was checked on.
     verdict : str
         ``pass``, ``waived``, ``fail``, ``waiver expired``, ``unexpectedly passes``, ``inconclusive``,
         ``harness fault``, or the kind of the candidate's fault.
@@ -210,9 +213,12 @@ class CheckResult:
     focus : dict or None
         Under ``only`` the checks that were judged (empty for all), under ``stopped_at_first`` whether the check
         ended with the first failure; None for a whole check.
+    drive_named : str or None
+        The string that named the drive; None where the candidate's manifest or nothing did.
     """
 
     candidate: Candidate
+    drive: DriveDocument
     verdict: str
     exit_code: int
     seed: int
@@ -229,6 +235,7 @@ class CheckResult:
     fail_on: str = "required"
     traces: tuple[dict[str, list[float]], ...] = ()
     focus: dict[str, Any] | None = None
+    drive_named: str | None = None
 
     def document(self) -> dict[str, Any]:
         """Write the result as plain data."""
@@ -243,6 +250,7 @@ class CheckResult:
                 "hash": candidate.content_hash,
                 "declaration": asdict(candidate.declaration),
             },
+            "drive": {**self.drive.identity(), "specification": self.drive_named},
             "verdict": self.verdict,
             "exit_code": self.exit_code,
             "seed": self.seed,

@@ -43,6 +43,9 @@ class Waiver(Section):
 
     check: Text = Field(description="identifier of the check")
     candidate: Text = Field(description="name of the candidate")
+    drive: Text | None = Field(
+        default=None, description="name of the drive that it fails on, by default the paper's"
+    )
     reason: Text = Field(description="reason why the failure is accepted")
     owner: Text = Field(description="person or team that answers for it")
     expires: Annotated[date, BeforeValidator(_day)] = Field(description="last day on which it holds")
@@ -54,7 +57,8 @@ class Waiver(Section):
 
     def as_document(self) -> dict[str, Any]:
         """Write what a result tells of the waiver."""
-        return self.model_dump(mode="json", include={"reason", "owner", "expires", "margin"})
+        keys = {"drive", "reason", "owner", "expires", "margin"}
+        return self.model_dump(mode="json", include=keys, exclude_none=True)
 
 
 class WaiverFile(Document):

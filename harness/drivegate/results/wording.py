@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from shlex import quote
 from typing import Any
 
 from drivegate_cases.documents.wording import counted
@@ -12,6 +14,12 @@ def printed_margin(document: dict[str, Any], check: dict[str, Any]) -> str:
     timed = document["timing"].get("checks", {}).get(check["id"], {})
     margin = timed.get("margin") if check["margin"] is None else check["margin"]
     return "–" if margin is None else f"{margin:+.3g}"
+
+
+def drive_option(document: Mapping[str, Any]) -> str:
+    """Write the option that names the drive of a result again, with the space before it."""
+    named = (document.get("drive") or {}).get("specification")
+    return "" if named is None else f" --drive {quote(str(named))}"
 
 
 def runs_in_short(result: dict[str, Any]) -> str:

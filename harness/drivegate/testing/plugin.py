@@ -145,6 +145,7 @@ def _planned(requested: _Request) -> tuple[Candidate, Iterator[Event]]:
     events = check_candidate(
         candidate,
         drive=None if requested.drive is None else load_drive(requested.drive),
+        drive_named=requested.drive,
         effort=requested.effort,
         seed=requested.seed,
         corpus=() if requested.corpus is None else read_corpus(requested.corpus),

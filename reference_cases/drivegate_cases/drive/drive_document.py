@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -110,6 +112,16 @@ class DriveDocument(Document):
     def __hash__(self) -> int:
         """Hash the values; the provenance, a table, is left out."""
         return hash((self.name, self.kind, self.machine, self.inverter, self.rating, self.advance))
+
+    @property
+    def values_hash(self) -> str:
+        """SHA-256 of all values, in hexadecimal: equal for two drives that differ in name and provenance alone."""
+        values = self.model_dump(mode="json", include={"kind", *_KEYS}, exclude_none=True)
+        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+
+    def identity(self) -> dict[str, str]:
+        """Give name, kind and hash, by which results tell what drive they are of."""
+        return {"name": self.name, "kind": self.kind, "hash": self.values_hash}
 
     def value(self, key: str) -> Any:
         """Give the value of a key of any table, by its bare name."""

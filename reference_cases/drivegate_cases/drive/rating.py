@@ -17,7 +17,7 @@ class Rating(Section):
         gt=0.0, le=1e6, description="speed up to which constant power is required, in turns a minute"
     )
     overspeed_rpm: float = Field(
-        gt=0.0, le=1e6, description="speed that the drive must survive, in turns a minute"
+        gt=0.0, le=1e6, description="highest speed of all, beyond that of constant power, in turns a minute"
     )
     rated_power_w: float = Field(gt=0.0, le=1e9, description="rated power at the shaft, in watts")
     current_limit_a: float = Field(gt=0.0, le=1e5, description="greatest current reference, in ampere")

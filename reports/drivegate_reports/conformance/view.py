@@ -15,6 +15,7 @@ from drivegate.output.result_file import counterexample_name
 from drivegate.results.result import RESULT_SCHEMA, counted_levels
 from drivegate.results.signature import fingerprint
 from drivegate.results.waivers import DAY_VARIABLE, present_day
+from drivegate.results.wording import drive_option
 from drivegate_models.errors import InputError
 from drivegate_reports.conformance.rows import (
     TONES,
@@ -39,6 +40,8 @@ class ResultView:
     ----------
     candidate, kind, specification, candidate_hash : str
         The candidate.
+    drive : str
+        The drive; empty in a result that does not tell it.
     verdict, tone, meaning : str
         The verdict, its colour, and what it means in one sentence.
     exit_code, seed, runs, set_aside : int
@@ -69,6 +72,7 @@ class ResultView:
     kind: str
     specification: str
     candidate_hash: str
+    drive: str
     verdict: str
     tone: str
     meaning: str
@@ -129,6 +133,7 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
         kind=clean(candidate["kind"]),
         specification=clean(candidate["specification"]),
         candidate_hash=clean(candidate["hash"]),
+        drive=clean((document.get("drive") or {}).get("name", "")),
         verdict=verdict,
         tone=TONES.get(verdict, "fail"),
         meaning=" ".join([_meaning(verdict, failing), *_causes(document)]).strip(),
@@ -224,14 +229,15 @@ def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[
 
 def _next_step(document: Mapping[str, Any], failing: Sequence[str]) -> str:
     specification = quote(str(document["candidate"]["specification"]))
+    checked_again = f"drivegate check {specification}{drive_option(document)}"
     if failing:
         begin = first_to_mend(document)
         first = failing[0] if begin is None else clean(begin["id"])
         file = counterexample_name(first)
         return f"drivegate replay {file} --candidate {specification} --plot {first}.svg"
     if document["verdict"] == "pass" and document["effort"] != "nightly":
-        return f"drivegate check {specification} --effort nightly"
-    return f"drivegate check {specification} --effort {document['effort']} --seed {document['seed']}"
+        return f"{checked_again} --effort nightly"
+    return f"{checked_again} --effort {document['effort']} --seed {document['seed']}"
 
 
 def _provenance(document: Mapping[str, Any], times: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
@@ -246,6 +252,8 @@ def _provenance(document: Mapping[str, Any], times: Mapping[str, Any]) -> tuple[
             for key, value in candidate["declaration"].items()
         ),
     ]
+    drive = document.get("drive") or {}
+    entries += [(f"drive's {key}", value) for key, value in drive.items() if value]
     for section in (document.get("provenance", {}), {key: times[key] for key in times if key != "checks"}):
         for key, value in section.items():
             items = value.items() if isinstance(value, Mapping) else [("", value)]

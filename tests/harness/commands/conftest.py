@@ -13,6 +13,7 @@ from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.commands.command_line import main
 from drivegate.gate.events import CheckFinished, CheckStarted, RunDone
 from drivegate.results.result import BaselineComparison, CheckOutcome, CheckResult
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 
 
@@ -136,6 +137,7 @@ class FakeEngine:
             raise self.error
         result = CheckResult(
             candidate=candidate,
+            drive=load_drive("paper-5-phase"),
             verdict=self.verdict,
             exit_code=self.exit_code,
             seed=options["seed"],

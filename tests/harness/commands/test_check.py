@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from drivegate.candidates.fault import Fault, FaultKind
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import HarnessFault, InputError
 
 FILES = [
@@ -29,7 +30,7 @@ def test_a_pass_is_reported_and_reported(command, engine, tmp_path):
     assert ended.code == 0
     requested = {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0}
     given = {key: value for key, value in engine.options.items() if key != "on_slow"}
-    assert given == {**requested, "search": True, "fail_on": "required", "drive": None}
+    assert given == {**requested, "search": True, "fail_on": "required", "drive": None, "drive_named": None}
     assert "reference: pass" in ended.out
     assert "report: drivegate-report/report.html" in ended.out
     assert "a report that prints" not in ended.out
@@ -45,6 +46,7 @@ def test_json_is_the_result_document(command, engine, tmp_path):
     assert set(document["checks"][0]) >= {
         "id", "level", "verdict", "margin", "runs", "message", "counterexample",
     }  # fmt: skip
+    assert document["drive"] == {**load_drive("paper-5-phase").identity(), "specification": None}
     stored = json.loads((tmp_path / "drivegate-report" / "result.json").read_text(encoding="utf-8"))
     assert stored == document
 
@@ -64,6 +66,7 @@ def test_a_failure_names_the_counterexample_its_file_and_the_next_step(command, 
     assert (file["schema"], file["check"], file["margin"], file["seed"]) == (2, "CNV-1", -1.5, 0)
     assert set(file["candidate"]) == {"name", "hash"}
     assert file["versions"]["drivegate"]
+    assert file["drive"] == load_drive("paper-5-phase").identity()
     assert file["scenario"]["drive"]["machine"]["pole_pairs"] == 11, "the scenario must be fully resolved"
 
 

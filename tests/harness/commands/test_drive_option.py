@@ -57,5 +57,39 @@ def test_a_map_is_of_the_drive_that_the_candidate_s_manifest_names(command, tmp_
         encoding="utf-8",
     )
     words = ["map", "candidate.toml", "--speed-rpm", "700", "--torque-nm", "5"]
-    assert command(*words, "--json").document["drive"] == "mine"
-    assert command(*words, "--drive", "paper-5-phase", "--json").document["drive"] == "paper-5-phase"
+    assert command(*words, "--json").document["drive"]["name"] == "mine"
+    assert command(*words, "--drive", "paper-5-phase", "--json").document["drive"]["name"] == "paper-5-phase"
+
+
+def test_a_new_drive_is_written_with_a_comment_for_each_key_and_taken_as_it_is(command, tmp_path):
+    ended = command("new", "drive", "my-drive.toml")
+    assert ended.code == 0
+    assert (
+        "next: put your values into my-drive.toml, then drivegate check reference --drive my-drive.toml"
+        in ended.out
+    )
+    written = load_drive(tmp_path / "my-drive.toml")
+    assert written.name == "my-drive"
+    assert written.values_hash == load_drive("paper-5-phase").values_hash
+    assert set(written.provenance["machine"].values()) == {"as in paper-5-phase"}
+    again = command("new", "drive", "other.toml", "--drive", "my-drive.toml", "--json").document
+    assert again["drive"] == load_drive(tmp_path / "other.toml").identity()
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["my-drive"], "which ends in .toml"),
+        (["none/my-drive.toml"], "cannot be written"),
+        (["my-drive.toml", "--output", "x"], "--output goes with a candidate only"),
+        (["my-drive.toml", "--drive", "none.toml"], "none.toml does not exist"),
+    ],
+)
+def test_a_new_drive_that_cannot_be_written_is_refused(refused, words, reason):
+    assert reason in refused("new", "drive", *words)
+
+
+def test_a_file_that_there_is_is_never_overwritten(refused, tmp_path):
+    (tmp_path / "my-drive.toml").write_text("mine", encoding="utf-8")
+    assert "exists already" in refused("new", "drive", "my-drive.toml")
+    assert (tmp_path / "my-drive.toml").read_text(encoding="utf-8") == "mine"

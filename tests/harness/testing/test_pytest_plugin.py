@@ -84,6 +84,7 @@ class FakeEngine:
         verdict = "fail" if "fail" in self.verdicts.values() else "pass"
         result = CheckResult(
             candidate=candidate,
+            drive=load_drive("paper-5-phase"),
             verdict=verdict,
             exit_code=int(verdict != "pass"),
             seed=seed,

@@ -90,6 +90,7 @@ def hostile_document(make_document: Factory, make_check: Factory) -> dict[str, A
     }
     return make_document(
         candidate=candidate,
+        drive={"name": HOSTILE, "kind": HOSTILE, "hash": HOSTILE},
         verdict=HOSTILE,
         effort=HOSTILE,
         checks=[check],
@@ -127,6 +128,14 @@ def test_the_page_has_all_its_sections(passing_page: str) -> None:
     for finding in findings():
         assert f"{finding.id}: {finding.title}" in text, f"the finding {finding.id} is missing"
     assert passing_page.count("<figcaption>") == 0, "a result without recordings has no figures"
+
+
+def test_the_page_names_the_drive(make_document: Factory, make_check: Factory) -> None:
+    drive = {"name": "my own drive", "kind": "half-bridge", "hash": "5eed", "specification": "my drive.toml"}
+    text = Elements(page(make_document(checks=[make_check("CNV-1")], drive=drive))).text
+    assert text.count("my own drive") == 2, "it stands in the head and in the provenance"
+    assert "5eed" in text
+    assert any("--drive 'my drive.toml'" in part for part in text), "the next step would be on another drive"
 
 
 def test_a_failure_shows_its_fault_margin_and_counterexample(failing_page: str) -> None:

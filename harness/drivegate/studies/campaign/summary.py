@@ -30,6 +30,7 @@ def summarised(plan: CampaignPlan, folder: CampaignFolder, confidence: float) ->
         "kind": KIND,
         "campaign": plan.campaign.name,
         "seed": plan.campaign.seed,
+        "drives": {case.name: case.drive.identity() for case in plan.cases},
         "runs": plan.runs,
         "confidence": confidence,
         "quantiles": list(QUANTILES),

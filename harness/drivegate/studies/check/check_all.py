@@ -103,6 +103,7 @@ def check_all(
     part: Part = WHOLE_CHECK,
     *,
     drive: DriveDocument | None = None,
+    drive_named: str | None = None,
     quiet: bool = False,
 ) -> list[Checked]:
     """Check candidates and write their reports; nothing is written where there is no result.
@@ -114,7 +115,7 @@ def check_all(
     if all(checked.candidate is None for checked in all_checked):
         return all_checked
     options = _options(effort, records, [_name(checked) for checked in all_checked])
-    options["drive"] = drive
+    options |= {"drive": drive, "drive_named": drive_named}
     if part != WHOLE_CHECK:
         options["focus"] = focus_of(part, [checked.candidate for checked in all_checked], output)
     taken: set[str] = set()

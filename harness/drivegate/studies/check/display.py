@@ -13,7 +13,7 @@ from drivegate.output.result_file import counterexample_name
 from drivegate.output.scenario_words import scenario_in_short
 from drivegate.results.result import counted_levels
 from drivegate.results.signature import fingerprint
-from drivegate.results.wording import printed_margin
+from drivegate.results.wording import drive_option, printed_margin
 from drivegate.scenarios.facts import facts_in_short
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ def show_checked(console: Console, checked: Checked) -> None:
     if left := unjudged_in_words(document):
         console.print(plain(f"  {left}", "bold"))
     _show_causes(console, document)
+    console.print(plain(f"on the drive {document['drive']['name']}", "dim"))
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
     counted = counted_levels(document.get("fail_on"))
     for check in by_urgency(document["checks"]):
@@ -102,7 +103,9 @@ def _next_step(checked: Checked, folder: Path) -> str:
         return f"drivegate replay {quote(file)} --candidate {specification} --plot {first['id']}.svg"
     if document["faults"]:
         kind = document["faults"][0]["kind"]
-        return f"mend what is named first ({kind}), then drivegate check {specification}"
+        return (
+            f"mend what is named first ({kind}), then drivegate check {specification}{drive_option(document)}"
+        )
     if document.get("focus") is not None:
-        return f"the whole check: drivegate check {specification}"
+        return f"the whole check: drivegate check {specification}{drive_option(document)}"
     return "open the report; drivegate checks lists what was required"

@@ -65,7 +65,7 @@ def comparison_document(
         "method": METHOD,
         "checks_effort": CHECKS_EFFORT if checks else None,
         "drive": {
-            "name": drive.name,
+            **drive.identity(),
             "base_speed_rpm": drive.rating.base_speed_rpm,
             "rated_power_w": drive.rating.rated_power_w,
         },

@@ -48,7 +48,7 @@ def document_of(
             for candidate in candidates
         ],
         "scenario": scenario.name,
-        "drive": scenario.drive.name,
+        "drive": scenario.drive.identity(),
         "control_period_s": scenario.control_period_s,
         "tolerance": None if rule.tolerance == BITWISE else rule.tolerance,
         "compared": list(rule.judged),

@@ -33,7 +33,7 @@ def document_of(made: OperatingMap, seconds: float, files: Sequence[str]) -> dic
         "schema": SCHEMA,
         "kind": "operating map",
         "of": plan.kind,
-        "drive": plan.drive.name,
+        "drive": plan.drive.identity(),
         "candidate": None if plan.candidate is None else plan.candidate.name,
         "axes": {name: list(values) for name, values in zip(plan.axes.names, plan.axes.values, strict=True)},
         "points": plan.axes.points,

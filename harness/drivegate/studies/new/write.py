@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import tempfile
 from dataclasses import dataclass
@@ -109,14 +110,16 @@ def write_candidate(
 
 
 def _name_drive(contents: dict[str, bytes], drive: str) -> None:
-    """Let the manifest name a drive, with a copy of its file beside it."""
-    from drivegate_cases.drive.drive_document import drive_names
+    """Let manifest and waivers name a drive, with a copy of its file beside them."""
+    from drivegate_cases.drive.drive_document import drive_names, load_drive
 
+    name = load_drive(drive).name
     if drive not in drive_names():
         place = f"drive{Path(drive).suffix.lower()}"
         contents[place], drive = Path(drive).read_bytes(), place
-    line = f'drive = "{drive}"\n'.encode()
-    contents["candidate.toml"] = contents["candidate.toml"].replace(b"\nkind", b"\n" + line + b"kind", 1)
+    for file, before, value in (("candidate.toml", "\nkind", drive), ("waivers.toml", "\nreason", name)):
+        line = f"\ndrive = {json.dumps(value, ensure_ascii=False)}{before}"
+        contents[file] = contents[file].replace(before.encode(), line.encode())
 
 
 def _refuse_occupied(folder: Path) -> None:

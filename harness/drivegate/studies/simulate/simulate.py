@@ -55,7 +55,7 @@ def document_of(candidate: Candidate, scenario: Scenario, ended: ClosedLoopRun |
         "kind": "simulation",
         "candidate": {"name": candidate.name, "kind": candidate.kind, "hash": candidate.content_hash},
         "scenario": scenario.name,
-        "drive": scenario.drive.name,
+        "drive": scenario.drive.identity(),
         "duration_s": scenario.duration_s,
         "control_period_s": scenario.control_period_s,
         "fault": None,

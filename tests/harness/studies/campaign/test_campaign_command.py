@@ -15,6 +15,7 @@ import pytest
 from drivegate.commands.command_line import main
 from drivegate.studies.campaign.folder import LOCK
 from drivegate.studies.campaign.manifest import MANIFEST
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_reports.campaign.report import REPORT_FILE
 
 
@@ -205,3 +206,15 @@ def test_a_damaged_file_is_named(write, refused, finish, folder):
 )
 def test_options_that_do_not_go_together_are_refused(write, refused, words, reason):
     assert reason in refused(write(), *words)
+
+
+def test_a_drive_takes_the_place_of_every_case_s_and_is_not_mixed_with_another(write, run, folder):
+    mine = load_drive("paper-5-phase").replaced(name="mine", resistance_ohm=0.1)
+    (folder / "mine.json").write_text(mine.to_json(), encoding="utf-8")
+    file = write(draws=1)
+    ended = run("campaign", file, "--workers", 1, "--drive", folder / "mine.json", "--json")
+    assert ended.code == 0, ended.err
+    assert set(map(json.dumps, json.loads(ended.out)["drives"].values())) == {json.dumps(mine.identity())}
+    again = run("campaign", file, "--workers", 1)
+    assert again.code == 2
+    assert "'cases' differs" in again.err

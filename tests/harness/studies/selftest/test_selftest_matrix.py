@@ -14,6 +14,7 @@ from drivegate.studies.selftest.display import show_matrix
 from drivegate.studies.selftest.matrix import DesignRow, LeastMargin, Matrix
 from drivegate.studies.selftest.run import judged_design
 from drivegate.studies.selftest.trial import Catch
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import HarnessFault
 
 CAUGHT = FaultRow(
@@ -125,7 +126,20 @@ def outcome(check: str, verdict: str, level: str = "required") -> CheckOutcome:
 
 
 def result(verdict: str, code: int, *checks: CheckOutcome) -> CheckResult:
-    return CheckResult(resolve_candidate("reference"), verdict, code, 4, "quick", checks, (), 1, 0, {}, {})
+    return CheckResult(
+        resolve_candidate("reference"),
+        load_drive("paper-5-phase"),
+        verdict,
+        code,
+        4,
+        "quick",
+        checks,
+        (),
+        1,
+        0,
+        {},
+        {},
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,80 @@
+"""The file of a drive: TOML with a comment for each key, and the JSON Schema that editors hold it to."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any, get_args
+
+from drivegate_cases.documents.document import Section
+from drivegate_cases.drive.drive_document import DriveDocument
+
+_WIDTH = 40
+
+
+def _tables() -> Iterator[tuple[str, type[Section]]]:
+    """Find the tables of a drive, also those that may be left out."""
+    for name, field in DriveDocument.model_fields.items():
+        for kind in (field.annotation, *get_args(field.annotation)):
+            if isinstance(kind, type) and issubclass(kind, Section):
+                yield name, kind
+
+
+TABLES = dict(_tables())
+"""The tables of a drive, by name."""
+
+
+def drive_toml(drive: DriveDocument) -> str:
+    """Write a drive as TOML: every key that there is, each with what it means; what is left out as a comment."""
+    head = ("name", "kind")
+    lines = [
+        "# A drive for drivegate. Every value is nominal; change what is not yours, and say where yours is from.",
+        "schema = 1",
+        *(_line(DriveDocument, key, getattr(drive, key)) for key in head),
+    ]
+    for name, model in TABLES.items():
+        table = getattr(drive, name)
+        lines += ["", *_table(name, model, table)]
+    lines += ["", "[provenance]  # where each value comes from, in a sentence"]
+    for name, sentences in drive.provenance.items():
+        lines += [f"{name}.{key} = {toml_value(sentence)}" for key, sentence in sentences.items()]
+    return "\n".join(lines) + "\n"
+
+
+def drive_schema() -> dict[str, Any]:
+    """Make the JSON Schema of the document."""
+    schema = DriveDocument.model_json_schema(by_alias=True)
+    schema["properties"]["schema"] = {"const": 1, "description": "number of the document's schema"}
+    schema["required"] = ["schema", *schema["required"]]
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "drivegate drive, schema 1",
+        **{key: value for key, value in schema.items() if key != "title"},
+    }
+
+
+def _table(name: str, model: type[Section], table: Section | None) -> Iterator[str]:
+    description = DriveDocument.model_fields[name].description
+    if table is None:
+        yield f"# {f'[{name}]':<{_WIDTH}}# {description}; may be left out"
+    else:
+        yield f"[{name}]"
+    for key in model.model_fields:
+        yield _line(model, key, None if table is None else table.model_dump(mode="json")[key])
+
+
+def _line(model: type[Section], key: str, value: Any) -> str:
+    """Write a key with its comment; one without a value as a comment altogether."""
+    description = model.model_fields[key].description
+    if value is None or value == []:
+        return f"# {f'{key} =':<{_WIDTH}}# {description}"
+    return f"{f'{key} = {toml_value(value)}':<{_WIDTH}}  # {description}"
+
+
+def toml_value(value: Any) -> str:
+    """Write a value as TOML: as JSON, but for tables."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(toml_value, value))}]"
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {toml_value(item)}' for key, item in value.items())} }}"
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
