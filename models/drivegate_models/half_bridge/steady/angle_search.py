@@ -7,11 +7,12 @@ compiled kernels, which each call runs many times; only the choice of the next a
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import inf, nan, pi, radians
+from math import inf, isfinite, nan, pi, radians
 from typing import NamedTuple
 
+from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.plant.phases import Phases
+from drivegate_models.half_bridge.plant.phases import Phases, make_phases
 from drivegate_models.half_bridge.steady.current_search import (
     CURRENT_TOLERANCE,
     ROBUST,
@@ -68,6 +69,44 @@ class Evaluation(NamedTuple):
     """Current reference on the side of less torque (A); NaN where not feasible."""
 
 
+def torque_demand(
+    drive: Drive, speed: float, torque: float = 0.0, voltage: float | None = None
+) -> TorqueDemand:
+    """Return a demand with room for its computation, after a look at the operating point.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive.
+    speed : float
+        Shaft speed (rad/s), above 0.
+    torque : float
+        Demanded mean electromagnetic torque (N m).
+    voltage : float, optional
+        Voltage of each half-source (V); the drive's nominal one by default.
+
+    Returns
+    -------
+    TorqueDemand
+        The demand.
+
+    Raises
+    ------
+    InputError
+        If speed, torque or voltage is not a usable number.
+    """
+    if not (isfinite(speed) and speed > 0.0):
+        raise InputError(f"the speed is {speed:g} rad/s; a steady state needs a finite speed above 0")
+    if not isfinite(torque):
+        raise InputError(f"the demanded torque is {torque:g} N m; it must be finite")
+    supply = drive.half_supply_voltage if voltage is None else voltage
+    if not (isfinite(supply) and supply > 0.0):
+        raise InputError(f"the half-supply voltage is {supply:g} V; it must be finite and above 0")
+    return TorqueDemand(
+        drive, make_phases(drive), make_phases(drive), float(speed), float(supply), float(torque)
+    )
+
+
 def search_reference(
     demand: TorqueDemand, advance: float, tolerance: float = CURRENT_TOLERANCE, floor: float = 0.0
 ) -> ReferenceSearch:
@@ -94,6 +133,25 @@ def search_reference(
     )
 
 
+def torque_at_limit(demand: TorqueDemand, advance: float) -> float:
+    """Return the mean torque at the current limit, whatever the demanded one.
+
+    Parameters
+    ----------
+    demand : TorqueDemand
+        Drive, speed and supply.
+    advance : float
+        Advance angle (rad electrical).
+
+    Returns
+    -------
+    float
+        Mean electromagnetic torque (N m).
+    """
+    drive, work, slices, speed, voltage, _ = demand
+    return mean_state(drive, work, slices, speed, voltage, drive.current_limit, advance).torque
+
+
 def reaches(demand: TorqueDemand, advance: float, static: bool = False) -> bool:
     """Return whether an advance angle can give a torque.
 
@@ -112,12 +170,12 @@ def reaches(demand: TorqueDemand, advance: float, static: bool = False) -> bool:
         Whether it reaches the torque.
     """
     drive, work, slices, speed, voltage, torque = demand
-    limit = drive.current_limit
-    if mean_state(drive, work, slices, speed, voltage, limit, advance).torque >= torque:
+    if torque_at_limit(demand, advance) >= torque:
         return True
     # One steady state decides on robust feasibility; static feasibility is a search over the references.
     if not static:
         return False
+    limit = drive.current_limit
     least = least_conceivable(drive, torque)
     most, _ = greatest_torque(drive, work, slices, speed, voltage, advance, limit, least)
     return most >= torque

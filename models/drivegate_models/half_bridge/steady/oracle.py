@@ -6,20 +6,24 @@ electromagnetic torque; the core loss's drag on the shaft is not taken off it.
 
 from __future__ import annotations
 
-from math import isfinite, isnan, nan
+from math import isnan, nan
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phases import make_phases
+from drivegate_models.half_bridge.steady.advance_line import (
+    AdvanceLine,
+    demanded_torque,
+    recommended_line,
+)
 from drivegate_models.half_bridge.steady.angle_search import (
-    TorqueDemand,
     least_cost,
     search_reference,
     smallest_feasible,
+    torque_demand,
 )
 from drivegate_models.half_bridge.steady.current_search import (
     CURRENT_TOLERANCE,
@@ -30,21 +34,32 @@ from drivegate_models.half_bridge.steady.current_search import (
     reference_for_torque,
 )
 from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME, SteadyState, solve_steady_state
+from drivegate_models.half_bridge.steady.torque_limit import (
+    GreatestTorque,
+    greatest_torque_at_limit,
+    torques_at_limit,
+)
 
 __all__ = [
     "CURRENT_TOLERANCE",
     "OUT_OF_REACH",
     "ROBUST",
     "STATIC",
+    "AdvanceLine",
     "CurrentSumCurve",
+    "GreatestTorque",
     "Optimum",
     "TorquePoint",
     "current_sum_curve",
+    "demanded_torque",
     "feasible_edge",
+    "greatest_torque_at_limit",
     "least_current_sum",
     "least_input_power",
     "point_at_torque",
+    "recommended_line",
     "reference_for_torque",
+    "torques_at_limit",
 ]
 
 
@@ -116,20 +131,6 @@ class CurrentSumCurve(NamedTuple):
     """Whether the angle is robustly feasible, shape (n,)."""
 
 
-def _demand(drive: Drive, speed: float, torque: float, voltage: float | None) -> TorqueDemand:
-    """Return the demand with room for its computation, after a look at the operating point."""
-    if not (isfinite(speed) and speed > 0.0):
-        raise InputError(f"the speed is {speed:g} rad/s; a steady state needs a finite speed above 0")
-    if not isfinite(torque):
-        raise InputError(f"the demanded torque is {torque:g} N m; it must be finite")
-    supply = drive.half_supply_voltage if voltage is None else voltage
-    if not (isfinite(supply) and supply > 0.0):
-        raise InputError(f"the half-supply voltage is {supply:g} V; it must be finite and above 0")
-    return TorqueDemand(
-        drive, make_phases(drive), make_phases(drive), float(speed), float(supply), float(torque)
-    )
-
-
 def _mean_reference(found: ReferenceSearch) -> float:
     return found.low + found.share * (found.high - found.low)
 
@@ -167,7 +168,7 @@ def point_at_torque(
     InputError
         If speed, torque or voltage is not a usable number.
     """
-    demand = _demand(drive, speed, torque, voltage)
+    demand = torque_demand(drive, speed, torque, voltage)
     _, work, slices, speed, supply, torque = demand
     found = reference_for_torque(
         drive,
@@ -249,11 +250,11 @@ def feasible_edge(
     InputError
         If speed, torque or voltage is not a usable number.
     """
-    return smallest_feasible(_demand(drive, speed, torque, voltage), static)
+    return smallest_feasible(torque_demand(drive, speed, torque, voltage), static)
 
 
 def _least(drive: Drive, speed: float, torque: float, voltage: float | None, by_power: bool) -> Optimum:
-    demand = _demand(drive, speed, torque, voltage)
+    demand = torque_demand(drive, speed, torque, voltage)
     advance = least_cost(demand, by_power)
     if isnan(advance):
         return Optimum(nan, nan, nan, nan)
@@ -333,7 +334,7 @@ def current_sum_curve(
     InputError
         If speed, torque or voltage is not a usable number.
     """
-    demand = _demand(drive, speed, torque, voltage)
+    demand = torque_demand(drive, speed, torque, voltage)
     angles = np.asarray(advances, dtype=np.float64).ravel()
     found = [search_reference(demand, float(advance)) for advance in angles]
     return CurrentSumCurve(

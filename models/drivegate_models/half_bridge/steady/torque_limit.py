@@ -1,0 +1,92 @@
+"""The torque at the current limit: along the advance angle, and the greatest of it."""
+
+from __future__ import annotations
+
+from math import radians
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.half_bridge.steady.angle_search import torque_at_limit, torque_demand
+
+HIGHEST_DEGREES: int = 90
+"""Greatest advance angle that is looked at (deg), as everywhere in the oracle."""
+_ANGLE_TOLERANCE = 1e-8
+
+
+class GreatestTorque(NamedTuple):
+    """The greatest torque at the current limit."""
+
+    torque: float
+    """Mean electromagnetic torque (N m)."""
+    advance: float
+    """The advance angle that gives it (rad electrical)."""
+
+
+def torques_at_limit(
+    drive: Drive, speed: float, advances: ArrayLike, voltage: float | None = None
+) -> NDArray[np.float64]:
+    """Return the torque at the current limit along the advance angle.
+
+    Parameters
+    ----------
+    drive : Drive
+        The drive, taken with its band as it is.
+    speed : float
+        Shaft speed (rad/s), above 0.
+    advances : array_like, shape (n,)
+        Advance angles (rad electrical).
+    voltage : float, optional
+        Voltage of each half-source (V); the drive's nominal one by default.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Mean electromagnetic torques (N m).
+
+    Raises
+    ------
+    InputError
+        If speed or voltage is not a usable number.
+    """
+    demand = torque_demand(drive, speed, voltage=voltage)
+    angles = np.asarray(advances, dtype=np.float64).ravel()
+    return np.array([torque_at_limit(demand, float(advance)) for advance in angles])
+
+
+def greatest_torque_at_limit(drive: Drive, speed: float, voltage: float | None = None) -> GreatestTorque:
+    """Return the greatest torque at the current limit over all advance angles.
+
+    Parameters
+    ----------
+    drive, speed, voltage
+        As in `torques_at_limit`.
+
+    Returns
+    -------
+    GreatestTorque
+        The best of a grid of 1 degree, and of Brent's method within 1 degree of it.
+
+    Raises
+    ------
+    InputError
+        If speed or voltage is not a usable number.
+    """
+    from scipy.optimize import minimize_scalar
+
+    demand = torque_demand(drive, speed, voltage=voltage)
+    torques = [torque_at_limit(demand, radians(degree)) for degree in range(HIGHEST_DEGREES + 1)]
+    # Brent's method finds one maximum of several; the grid chooses which.
+    best = int(np.argmax(torques))
+    found = minimize_scalar(
+        lambda advance: -torque_at_limit(demand, float(advance)),
+        bounds=(radians(max(best - 1, 0)), radians(min(best + 1, HIGHEST_DEGREES))),
+        method="bounded",
+        options={"xatol": _ANGLE_TOLERANCE},
+    )
+    # With a band the summit is jagged, and what is found on its way up may be lower than the grid's best.
+    return max(
+        GreatestTorque(-float(found.fun), float(found.x)), GreatestTorque(torques[best], radians(best))
+    )
