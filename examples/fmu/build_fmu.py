@@ -46,6 +46,7 @@ INPUT_POWER = Variable("input_power", 13, "output")
 PARAMETERS = (
     Variable("phases", 21, "parameter", "integer"),
     Variable("pole_pairs", 22, "parameter", "integer"),
+    Variable("kind", 23, "parameter", "integer"),
     Variable("nominal_half_supply_voltage", 31, "parameter"),
     Variable("base_speed", 32, "parameter"),
     Variable("rated_power", 33, "parameter"),
@@ -56,6 +57,11 @@ PARAMETERS = (
     Variable("inductance", 38, "parameter"),
     Variable("emf_constant", 39, "parameter"),
     Variable("inertia", 40, "parameter"),
+    Variable("window", 41, "parameter"),
+    Variable("conducting_phases", 42, "parameter"),
+    Variable("advance_start", 43, "parameter"),
+    Variable("advance_slope", 44, "parameter"),
+    Variable("highest_speed", 45, "parameter"),
 )
 
 

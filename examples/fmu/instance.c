@@ -85,6 +85,11 @@ double *instance_real(instance *self, unsigned reference) {
     case INDUCTANCE: return &nameplate->inductance;
     case EMF_CONSTANT: return &nameplate->emf_constant;
     case INERTIA: return &nameplate->inertia;
+    case WINDOW: return &nameplate->window;
+    case CONDUCTING_PHASES: return &nameplate->conducting_phases;
+    case ADVANCE_START: return &nameplate->advance_start;
+    case ADVANCE_SLOPE: return &nameplate->advance_slope;
+    case HIGHEST_SPEED: return &nameplate->highest_speed;
     default: return NULL;
     }
 }
@@ -93,6 +98,7 @@ int64_t *instance_integer(instance *self, unsigned reference) {
     switch (reference) {
     case PHASES: return &self->nameplate.phases;
     case POLE_PAIRS: return &self->nameplate.pole_pairs;
+    case KIND: return &self->nameplate.kind;
     default: return NULL;
     }
 }

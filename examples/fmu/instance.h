@@ -22,6 +22,7 @@ enum {
     INPUT_POWER,
     PHASES = 21,
     POLE_PAIRS,
+    KIND,
     NOMINAL_HALF_SUPPLY_VOLTAGE = 31,
     BASE_SPEED,
     RATED_POWER,
@@ -32,6 +33,11 @@ enum {
     INDUCTANCE,
     EMF_CONSTANT,
     INERTIA,
+    WINDOW,
+    CONDUCTING_PHASES,
+    ADVANCE_START,
+    ADVANCE_SLOPE,
+    HIGHEST_SPEED,
     PHASE_CURRENTS = 101 /* the first one; the others follow */
 };
 

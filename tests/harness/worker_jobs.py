@@ -10,7 +10,10 @@ from drivegate.runs.scripted import GivenSteps
 from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import InputError
 
-NAMEPLATE = Nameplate(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05)
+NAMEPLATE = Nameplate(
+    *(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05),
+    *(1, 2.513, 4.0, 0.576, 0.00417, 157.08),
+)
 
 
 def drive(loaded: JudgedCandidate, steps: int) -> float:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
+from drivegate_cases.drive.advance import Advance
 from drivegate_cases.drive.drive_document import TABLE_KEYS
-from drivegate_cases.drive.rating import Advance
 from drivegate_cases.drive.scales import Scales
 
 SCALES: Final = tuple(Scales.model_fields)

@@ -14,10 +14,11 @@ from pydantic import Field, field_validator, model_validator
 from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.documents.overrides import parse_overrides
 from drivegate_cases.documents.packaged import load_named, packaged_names
+from drivegate_cases.drive.advance import Advance, advance_line
 from drivegate_cases.drive.inverter import Inverter
 from drivegate_cases.drive.machine import Machine
 from drivegate_cases.drive.provenance import Provenance, check_provenance
-from drivegate_cases.drive.rating import Advance, Rating
+from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.scales import NOMINAL, Scales
 
 if TYPE_CHECKING:
@@ -37,6 +38,9 @@ _KEYS: Final = {name: tuple(table.model_fields) for name, table in _TABLES.items
 _TABLE_OF_KEY: Final = {key: table for table, keys in _KEYS.items() for key in keys}
 """The table of each key; a key stands in one table only, so that it may go without its table's name."""
 
+_KIND_NUMBERS: Final = {"half-bridge": 1}
+"""The contract's number of each kind of drive."""
+
 TABLE_KEYS = tuple(_TABLE_OF_KEY)
 """Keys of all tables, by their bare names."""
 SETTABLE_KEYS = ("name", *TABLE_KEYS, *(f"{table}.{key}" for key, table in _TABLE_OF_KEY.items()))
@@ -54,7 +58,8 @@ class DriveDocument(Document):
     inverter: Inverter = Field(description="table of the supply, the current regulators and the devices")
     rating: Rating = Field(description="table of power, current and speeds that the drive is made for")
     advance: Advance | None = Field(
-        default=None, description="table of the line of initial advance angles over speed"
+        default=None,
+        description="table of the line of initial advance angles over speed; computed where it is left out",
     )
     provenance: Provenance = Field(
         default_factory=dict,
@@ -196,6 +201,8 @@ class DriveDocument(Document):
         """Make what a controller is given before a run, in SI units."""
         from drivegate_models.contract.outer_loop.signals import Nameplate
 
+        window = math.radians(self.inverter.window_deg)
+        start, slope = advance_line(self)
         return Nameplate(
             phases=self.machine.phases,
             pole_pairs=self.machine.pole_pairs,
@@ -209,6 +216,12 @@ class DriveDocument(Document):
             inductance=self.machine.inductance_h,
             emf_constant=self.machine.emf_constant_v_s_per_rad,
             inertia=self.machine.inertia_kg_m2,
+            kind=_KIND_NUMBERS[self.kind],
+            window=window,
+            conducting_phases=self.machine.phases * window / math.pi,
+            advance_start=start,
+            advance_slope=slope,
+            highest_speed=self.rating.highest_speed_rpm * RPM,
         )
 
 

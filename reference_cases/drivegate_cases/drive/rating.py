@@ -1,4 +1,4 @@
-"""The tables `[rating]` and `[advance]` of a drive: what it is made for."""
+"""The table `[rating]` of a drive: what it is made for."""
 
 from typing import Self
 
@@ -35,12 +35,3 @@ class Rating(Section):
                 f"highest speed of {self.highest_speed_rpm:g} rpm"
             )
         return self
-
-
-class Advance(Section):
-    """A line of initial advance angles over speed."""
-
-    start_deg: float = Field(ge=0.0, le=90.0, description="angle at base speed, in electrical degrees")
-    slope_deg_per_rpm: float = Field(
-        ge=0.0, le=90.0, description="rise above base speed, in electrical degrees for each turn a minute"
-    )

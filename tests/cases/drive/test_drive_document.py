@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import TABLE_KEYS, DriveDocument, drive_names, load_drive
-from drivegate_cases.drive.rating import Advance
 from drivegate_cases.drive.scales import Scales
+from drivegate_models.half_bridge.steady.torque_limit import torques_at_limit
 
 PAPER = load_drive("paper-5-phase")
 
@@ -22,9 +22,7 @@ def test_every_drive_of_the_package_loads_and_says_where_its_values_come_from(na
     drive = load_drive(name)
     assert drive.name == name
     explained = {key: sentence for table in drive.provenance.values() for key, sentence in table.items()}
-    unexplained = {
-        key for key in TABLE_KEYS if key not in ("emf_table", *Advance.model_fields) and key not in explained
-    }
+    unexplained = {key for key in TABLE_KEYS if key != "emf_table" and key not in explained}
     assert not unexplained, f"{name} has values without provenance: {sorted(unexplained)}"
     for key, sentence in explained.items():
         assert sentence.startswith(("stated:", "calibrated:", "assumed:")), f"{key}: {sentence}"
@@ -100,8 +98,7 @@ def test_an_unknown_name_is_reported_with_what_there_is(refusal: Callable[..., s
         ),
         (["overspeed_rpm=1400"], "is 1400, but must be at least the highest speed of 1500 rpm"),
         (["hysteresis_band_a=27"], "is 27, but must be at most the current limit of 26 A"),
-        (["start_deg=10"], "the key 'advance.slope_deg_per_rpm' is missing"),
-        (["start_deg=91", "slope_deg_per_rpm=0"], "the key 'advance.start_deg' is 91"),
+        (["start_deg=91"], "the key 'advance.start_deg' is 91"),
         (["resistance_ohm=1e300"], "the key 'machine.resistance_ohm' is 1e+300, but must be"),
         (["schema=2"], "the key 'schema' is unknown"),
         (["provenance=x"], "the key 'provenance' is unknown"),
@@ -267,3 +264,37 @@ def test_the_nameplate_is_nominal_and_in_si_units() -> None:
     assert nameplate.control_period == 0.0005
     assert nameplate.resistance == PAPER.machine.resistance_ohm
     assert (nameplate.phases, nameplate.pole_pairs, nameplate.current_limit) == (5, 11, 26.0)
+
+
+def test_the_nameplate_of_the_paper_drive_has_the_numbers_of_the_first_controllers_bit_for_bit() -> None:
+    nameplate = PAPER.nameplate(0.0005)
+    assert (nameplate.kind, nameplate.conducting_phases) == (1, 0.8 * nameplate.phases)
+    assert nameplate.window == math.radians(144.0)
+    assert nameplate.advance_start == math.radians(33.0)
+    assert nameplate.advance_slope == math.radians(0.025) * 30.0 / math.pi
+    assert nameplate.highest_speed == pytest.approx(1500.0 * math.pi / 30.0, rel=1e-15)
+
+
+def test_half_a_line_of_angles_is_refused(refusal: Callable[..., str]) -> None:
+    message = refusal(PAPER.replaced(advance=None).with_overrides, ["start_deg=10"])
+    assert "the key 'advance.slope_deg_per_rpm' is missing" in message
+
+
+def test_a_line_that_is_left_out_is_computed_and_keeps_rated_power() -> None:
+    drive = PAPER.replaced(advance=None)
+    nameplate = drive.nameplate(0.0005)
+    plant = drive.plant()
+    for speed in np.linspace(nameplate.base_speed, nameplate.highest_speed, 7):
+        angle = nameplate.advance_start + nameplate.advance_slope * (speed - nameplate.base_speed)
+        torque = torques_at_limit(plant, float(speed), [angle])[0]
+        assert torque * speed >= 0.999 * nameplate.rated_power, (
+            f"at {speed:.1f} rad/s and {math.degrees(angle):.1f} deg the drive gives {torque * speed:.0f} W"
+        )
+
+
+def test_a_drive_out_of_reach_of_its_rated_power_has_no_line(refusal: Callable[..., str]) -> None:
+    drive = PAPER.replaced(advance=None, rated_power_w=15e3)
+    assert "no line of angles can be computed" in refusal(drive.nameplate, 0.0005)
+    assert PAPER.replaced(rated_power_w=15e3).nameplate(0.0005).rated_power == 15e3, (
+        "a stated line is not computed"
+    )

@@ -87,7 +87,9 @@ def test_a_sense_record_points_to_its_phase_currents():
 
 
 def test_a_nameplate_record_holds_the_nameplate():
-    nameplate = Nameplate(5, 11, *(float(number) for number in range(10)))
+    nameplate = Nameplate(
+        5, 11, *(float(number) for number in range(10)), 1, *(float(number) for number in range(5))
+    )
     record = contract.nameplate_record(nameplate)[0]
     assert record["struct_size"] == contract.NAMEPLATE.itemsize
     assert tuple(record[name] for name in Nameplate._fields) == nameplate

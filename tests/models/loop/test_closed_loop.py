@@ -64,6 +64,12 @@ def simulate(
         drive.inductance,
         drive.emf_constant,
         drive.inertia,
+        1,
+        drive.window,
+        drive.phases * drive.window / np.pi,
+        np.radians(33.0),
+        np.radians(0.025) / RPM,
+        1500.0 * RPM,
     )
     reset_function()(state, nameplate_record(nameplate), SEARCHES[name])
     return prepared_loop(

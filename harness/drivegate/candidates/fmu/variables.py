@@ -21,7 +21,7 @@ PARAMETERS: Final = {_RENAMED.get(field, field): field for field in Nameplate._f
 REAL: Final = {2: "Real", 3: "Float64"}
 """Type of a real number, by version of FMI."""
 _INTEGERS: Final = {2: ("Integer",), 3: ("Int32", "Int64")}
-_WHOLE: Final = ("phases", "pole_pairs")
+_WHOLE: Final = ("phases", "pole_pairs", "kind")
 _ELEMENT: Final = re.compile(rf"{PHASE_CURRENTS}\[([1-9][0-9]*)\]")
 
 

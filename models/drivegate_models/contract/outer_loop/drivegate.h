@@ -36,7 +36,7 @@
 /* A controller that was built for another major version is refused. Within a major version, fields are only ever
  * appended to the records below, so an older controller goes on working. */
 #define DRIVEGATE_ABI_MAJOR 1
-#define DRIVEGATE_ABI_MINOR 0
+#define DRIVEGATE_ABI_MINOR 1
 #define DRIVEGATE_ABI_VERSION (1000 * DRIVEGATE_ABI_MAJOR + DRIVEGATE_ABI_MINOR)
 
 #if defined(__GNUC__) || defined(__clang__)
@@ -51,6 +51,11 @@ extern "C" {
 #else
 #define DRIVEGATE_ASSERT(condition, message) _Static_assert(condition, message)
 #endif
+
+/* Kinds of drive. */
+#define DRIVEGATE_HALF_BRIDGE 1 /* decoupled phases, each on a half-bridge leg at a split supply */
+#define DRIVEGATE_STAR 2        /* star connection with an isolated neutral, trapezoidal EMF */
+#define DRIVEGATE_PM_AC 3       /* star connection, sinusoidal EMF */
 
 /* What the controller may know of its drive before a run. The machine's parameters are the nominal ones: the
  * drive that the controller is then run against may have others. */
@@ -68,6 +73,13 @@ typedef struct drivegate_nameplate {
     double inductance;          /* nominal phase inductance, H */
     double emf_constant;        /* nominal amplitude of the phase EMF over the shaft speed, V s/rad */
     double inertia;             /* nominal moment of inertia at the shaft, kg m^2 */
+    /* since 1.1 */
+    int64_t kind;               /* kind of drive: one of DRIVEGATE_HALF_BRIDGE and so on */
+    double window;              /* conduction of a phase in each half cycle, rad electrical */
+    double conducting_phases;   /* how many phases conduct at a time, on average: phases * window / pi */
+    double advance_start;       /* recommended line of advance angles: angle at base speed, rad electrical */
+    double advance_slope;       /* its rise over the speed of the shaft, rad electrical per rad/s */
+    double highest_speed;       /* shaft speed up to which rated power is required, rad/s */
 } drivegate_nameplate;
 
 /* What the controller senses at the start of a control period. */
@@ -92,7 +104,7 @@ typedef struct drivegate_command {
 } drivegate_command;
 
 DRIVEGATE_ASSERT(sizeof(double) == 8 && sizeof(void *) == 8, "drivegate needs 64-bit numbers and pointers");
-DRIVEGATE_ASSERT(sizeof(drivegate_nameplate) == 104, "drivegate_nameplate must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_nameplate) == 152, "drivegate_nameplate must not be padded");
 DRIVEGATE_ASSERT(sizeof(drivegate_sense) == 64, "drivegate_sense must not be padded");
 DRIVEGATE_ASSERT(sizeof(drivegate_command) == 32, "drivegate_command must not be padded");
 

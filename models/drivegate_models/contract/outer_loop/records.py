@@ -33,7 +33,7 @@ __all__ = [
 ABI_MAJOR: Final = 1
 """Version of the layout; a controller that was built for another one is refused."""
 
-ABI_MINOR: Final = 0
+ABI_MINOR: Final = 1
 """Counts the fields appended within a major version; any is accepted."""
 
 ABI_VERSION: Final = 1000 * ABI_MAJOR + ABI_MINOR
@@ -86,6 +86,12 @@ NAMEPLATE: Final = np.dtype(
         ("inductance", np.float64),
         ("emf_constant", np.float64),
         ("inertia", np.float64),
+        ("kind", np.int64),
+        ("window", np.float64),
+        ("conducting_phases", np.float64),
+        ("advance_start", np.float64),
+        ("advance_slope", np.float64),
+        ("highest_speed", np.float64),
     ],
     align=True,
 )

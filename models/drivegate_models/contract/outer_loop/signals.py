@@ -4,7 +4,14 @@ Plain named tuples of floats, so that a controller needs no library to read them
 records for compiled controllers are in `drivegate_models.contract.outer_loop.records`.
 """
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
+
+HALF_BRIDGE: Final = 1
+"""Kind of drive: decoupled phases, each on a half-bridge leg at a split supply."""
+STAR: Final = 2
+"""Kind of drive: star connection with an isolated neutral, trapezoidal EMF."""
+PM_AC: Final = 3
+"""Kind of drive: star connection, sinusoidal EMF."""
 
 
 class Sense(NamedTuple):
@@ -83,6 +90,18 @@ class Nameplate(NamedTuple):
         Nominal amplitude of the phase EMF over the shaft speed (V·s/rad).
     inertia : float
         Nominal moment of inertia at the shaft (kg·m²).
+    kind : int
+        Kind of drive: `HALF_BRIDGE`, `STAR` or `PM_AC`.
+    window : float
+        Conduction of a phase in each half cycle (electrical rad).
+    conducting_phases : float
+        How many phases conduct at a time, on average: phases · window / π.
+    advance_start : float
+        Angle at base speed of the drive's recommended line of advance angles (electrical rad).
+    advance_slope : float
+        Rise of that line over the speed of the shaft (electrical rad per rad/s).
+    highest_speed : float
+        Shaft speed up to which rated power is required (rad/s).
     """
 
     phases: int
@@ -97,3 +116,9 @@ class Nameplate(NamedTuple):
     inductance: float
     emf_constant: float
     inertia: float
+    kind: int
+    window: float
+    conducting_phases: float
+    advance_start: float
+    advance_slope: float
+    highest_speed: float

@@ -38,7 +38,10 @@ HERE = Path(__file__).parents[2]
 EXAMPLES = HERE.parents[1] / "examples"
 BUILDER = EXAMPLES / "fmu" / "build_fmu.py"
 QUICK = WorkerLimits(step_processor_seconds=0.3, start_processor_seconds=30.0, idle_seconds=30.0)
-NAMEPLATE = Nameplate(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05)
+NAMEPLATE = Nameplate(
+    *(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05),
+    *(1, 2.513, 4.0, 0.576, 0.00417, 157.08),
+)
 SENSE = Sense(0.0, 157.0, 156.5, (1.0, 2.0, -3.0, 0.5, 0.0), 6.5, 47.9)
 VERSIONS = (2, 3)
 DESCRIPTION = "modelDescription.xml"
@@ -75,7 +78,8 @@ SENSED = """
         (double)self->plate.phases, (double)self->plate.pole_pairs, self->plate.half_supply_voltage,
         self->plate.base_speed, self->plate.rated_power, self->plate.current_limit, self->plate.control_period,
         self->plate.hysteresis_band, self->plate.resistance, self->plate.inductance, self->plate.emf_constant,
-        self->plate.inertia};
+        self->plate.inertia, (double)self->plate.kind, self->plate.window, self->plate.conducting_phases,
+        self->plate.advance_start, self->plate.advance_slope, self->plate.highest_speed};
     command->current_reference = sensed[(int)self->count - 1];
 """
 

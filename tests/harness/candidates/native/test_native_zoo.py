@@ -2,6 +2,8 @@
 
 import ctypes
 import math
+import shutil
+from pathlib import Path
 
 import pytest
 
@@ -20,7 +22,10 @@ from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import InputError
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 
-NAMEPLATE = Nameplate(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05)
+NAMEPLATE = Nameplate(
+    *(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05),
+    *(1, 2.513, 4.0, 0.576, 0.00417, 157.08),
+)
 LIMITS = WorkerLimits(step_processor_seconds=0.5, memory_bytes=2**30)
 IMPATIENT = WorkerLimits(step_processor_seconds=0.5, start_processor_seconds=3.0, memory_bytes=2**30)
 SPIN = "for (volatile int spin = 1; spin;) {}"
@@ -147,7 +152,7 @@ def test_a_fault_while_loading_is_reported(ended, parts, message):
     [
         (
             {"version": "int64_t drivegate_abi_version(void) { return 2000; }\n"},
-            r"mine\.c was built for version 2\.0 of the contract, but this drivegate has version 1\.0; compile it",
+            r"mine\.c was built for version 2\.0 of the contract, but this drivegate has version 1\.1; compile it",
         ),
         ({"version": "int64_t drivegate_abi_version(void) { return 999; }\n"}, r"for version 0\.999 of"),
         ({"version": "int64_t drivegate_abi_version(void) { return -1; }\n"}, r"for version -1\.999 of"),
@@ -191,6 +196,34 @@ def test_a_command_out_of_range_fails_its_check_and_is_clamped(
     margins = {m.check: m.value for m in judged(RunRecord(scenario, run, candidate.declaration)).margins}
     assert margins[check] < 0.0
     assert run.trace[4][column] == pytest.approx(clamped)
+
+
+OF_VERSION_1_0 = """
+#include "drivegate.h"
+typedef struct { drivegate_nameplate plate; } controller;
+int64_t drivegate_abi_version(void) { return DRIVEGATE_ABI_VERSION; }
+int64_t drivegate_state_size(void) { return sizeof(controller); }
+int drivegate_reset(void *state, const drivegate_nameplate *plate) {
+    controller *self = state;
+    self->plate = *plate;
+    if (sizeof(drivegate_nameplate) != 104 || plate->struct_size <= 104) return 2;
+    return plate->inertia == 0.05 && plate->phases == 5 ? 0 : 3;
+}
+void drivegate_step(void *state, const drivegate_sense *sense, drivegate_command *command) {
+    controller *self = state;
+    command->current_reference = sense->speed < sense->speed_reference ? self->plate.current_limit : 0.0;
+    command->advance_angle = 0.0;
+}
+"""
+
+
+def test_a_controller_of_the_first_version_goes_on_working(tmp_path, written, scenario):
+    # A header beside the source comes before drivegate's own.
+    shutil.copy(Path(__file__).with_name("drivegate_1_0.h"), tmp_path / "drivegate.h")
+    controller = load_controller(resolve_candidate(str(written(tmp_path, OF_VERSION_1_0))))
+    controller.reset(NAMEPLATE)
+    assert controller.fault is None
+    assert run_scenario(scenario, controller).steps == 500
 
 
 def test_the_state_is_zeroed_once_and_aligned(loaded):

@@ -32,7 +32,10 @@ from drivegate_models.errors import InputError
 
 ROOT = Path(__file__).parents[4]
 EXAMPLE = ROOT / "examples" / "exec"
-NAMEPLATE = Nameplate(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05)
+NAMEPLATE = Nameplate(
+    *(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05),
+    *(1, 2.513, 4.0, 0.576, 0.00417, 157.08),
+)
 SENSE = Sense(0.1 + 0.2, 100.0, math.nextafter(99.0, 0.0), (1e-300, -0.0, 2 / 3, 1e22, 5e-324), 1 / 3, 48.0)
 SHELL = """
 read hello; echo '{"drivegate": 1}'

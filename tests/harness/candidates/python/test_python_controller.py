@@ -16,7 +16,10 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate_models.contract.outer_loop.records import COMMAND, STOP, command_record, sense_record
 from drivegate_models.errors import InputError
 
-NAMEPLATE = Nameplate(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05)
+NAMEPLATE = Nameplate(
+    *(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05),
+    *(1, 2.513, 4.0, 0.576, 0.00417, 157.08),
+)
 SENSE = Sense(0.25, 157.0, 156.5, (1.0, 2.0, -3.0, 0.5, 0.0), 6.5, 47.9)
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 
