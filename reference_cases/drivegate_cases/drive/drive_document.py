@@ -16,6 +16,7 @@ from drivegate_cases.drive.inverter import Inverter
 from drivegate_cases.drive.machine import Machine
 from drivegate_cases.drive.provenance import Provenance, check_provenance
 from drivegate_cases.drive.rating import Advance, Rating
+from drivegate_cases.drive.requirements import NO_REQUIREMENTS, Requirements, check_points
 from drivegate_cases.drive.scales import NOMINAL, Scales
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ _TABLES: Final[Mapping[str, type[Section]]] = {
     "inverter": Inverter,
     "rating": Rating,
     "advance": Advance,
+    "requirements": Requirements,
 }
 _KEYS: Final = {name: tuple(table.model_fields) for name, table in _TABLES.items()}
 _TABLE_OF_KEY: Final = {key: table for table, keys in _KEYS.items() for key in keys}
@@ -53,6 +55,9 @@ class DriveDocument(Document):
     rating: Rating = Field(description="table of power, current and speeds that the drive is made for")
     advance: Advance | None = Field(
         default=None, description="table of the line of initial advance angles over speed"
+    )
+    requirements: Requirements = Field(
+        default=NO_REQUIREMENTS, description="table of the limits that controllers are judged by"
     )
     provenance: Provenance = Field(
         default_factory=dict,
@@ -87,6 +92,7 @@ class DriveDocument(Document):
                 f"the key 'inverter.hysteresis_band_a' is {band:g}, but must be at most the current limit of "
                 f"{limit:g} A"
             )
+        check_points(self.requirements, self.rating)
         self._check_chopping()
         return self
 
@@ -109,7 +115,17 @@ class DriveDocument(Document):
 
     def __hash__(self) -> int:
         """Hash the values; the provenance, a table, is left out."""
-        return hash((self.name, self.kind, self.machine, self.inverter, self.rating, self.advance))
+        return hash(
+            (
+                self.name,
+                self.kind,
+                self.machine,
+                self.inverter,
+                self.rating,
+                self.advance,
+                self.requirements,
+            )
+        )
 
     def value(self, key: str) -> Any:
         """Give the value of a key of any table, by its bare name."""
