@@ -113,10 +113,11 @@ def check_candidate(
     started = datetime.now(UTC)
     began = time.monotonic()
     count = workers or os.cpu_count() or 1
+    judged_drive = drive_for(candidate, drive)
     work = planned_work(
         effort,
         seed,
-        drive=drive_for(candidate, drive),
+        drive=judged_drive,
         declaration=candidate.declaration,
         search=search,
         corpus=corpus,
@@ -138,7 +139,7 @@ def check_candidate(
             _repeat(pool, progress)
         runs = progress.all_runs
         judged = check_outcomes(
-            runs, candidate.declaration, complete=progress.complete and not progress.faults
+            runs, candidate.declaration, judged_drive, complete=progress.complete and not progress.faults
         )
         outcomes = focus.outcomes(judged)
         outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)

@@ -19,6 +19,7 @@ from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 _LONGEST_NAME = 200
 _LONGEST_DESCRIPTION = 2000
 _LISTED_TURNS = 2
+_LARGE = 10000.0
 
 
 class _Trait(NamedTuple):
@@ -58,14 +59,19 @@ def _levels(profile: Profile) -> list[float]:
 def _sequence(values: list[float], scale: float = 1.0) -> str:
     """Join values; what goes to and fro again and again is said once."""
     turns = len(values) // 2
-    words = [f"{scale * value:.4g}" for value in values]
+    words = [_figure(scale * value) for value in values]
     if turns > _LISTED_TURNS and values == (values[:2] * (turns + 1))[: len(values)]:
         return "-".join([f"{words[0]}-{words[1]}×{turns}", *words[2 * turns :]])
     return "-".join(words)
 
 
 def _in_words(values: list[float], unit: str, scale: float = 1.0) -> str:
-    return f"{', then '.join(f'{scale * value:.4g}' for value in values)} {unit}"
+    return f"{', then '.join(_figure(scale * value) for value in values)} {unit}"
+
+
+def _figure(value: float) -> str:
+    """Write four digits, or all of those before the point."""
+    return f"{value:.4g}" if abs(value) < _LARGE else f"{value:.0f}"
 
 
 def _changing(profile: Profile, unit: str, scale: float = 1.0) -> str:
