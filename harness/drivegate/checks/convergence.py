@@ -11,6 +11,7 @@ from drivegate.checks.declared_speeds import above_base, unless_speeds
 from drivegate.checks.feasible_angles import given_below_limit
 from drivegate.checks.margin import Margin, at_most, worst_required
 from drivegate.runs.record import RunRecord, SteadyWindow, rated_torque
+from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_cases.scenario.load import LockedLoad
@@ -34,9 +35,9 @@ ABOVE_BASE_SPEED = unless_speeds(above_base)
 def described(window: SteadyWindow) -> str:
     """Tell where a window was observed; the torque of a shaft that stands means nothing."""
     if is_stalled(window):
-        return f" where {window.dwell.speed_rpm:.4g} rpm are demanded"
+        return f" where {figure(window.dwell.speed_rpm)} rpm are demanded"
     torque = window.values.torque
-    return f" at {window.dwell.speed_rpm:.4g} rpm, {torque:.3g} N·m"
+    return f" at {figure(window.dwell.speed_rpm)} rpm, {torque:.3g} N·m"
 
 
 def speed_tolerance(window: SteadyWindow) -> float:
@@ -54,7 +55,7 @@ def speed_in_words(window: SteadyWindow) -> str:
     return (
         "stalled"
         if is_stalled(window)
-        else f"speed error {window.values.speed_error / RADIANS_PER_RPM:.4g} rpm"
+        else f"speed error {figure(window.values.speed_error / RADIANS_PER_RPM)} rpm"
     )
 
 

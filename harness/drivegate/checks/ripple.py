@@ -10,6 +10,7 @@ from drivegate.checks.convergence import ABOVE_BASE_SPEED, described
 from drivegate.checks.declared_speeds import constant_power, required_points, unless_speeds
 from drivegate.checks.margin import Margin, below, worst_required
 from drivegate.runs.record import RunRecord, SteadyWindow, rated_torque
+from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_models.half_bridge.steady.oracle import point_at_torque
@@ -37,7 +38,7 @@ def _ideal_ripple(check: str, record: RunRecord, windows: list[SteadyWindow]) ->
     for window in windows:
         angle = window.values.angle
         torque = window.values.torque
-        where = f"at {math.degrees(angle):.2f}°, {window.dwell.speed_rpm:.4g} rpm and {torque:.3g} N·m"
+        where = f"at {math.degrees(angle):.2f}°, {figure(window.dwell.speed_rpm)} rpm and {torque:.3g} N·m"
         point = point_at_torque(ideal, window.speed, min(max(angle, 0.0), math.pi / 2.0), torque)
         if not point.static or torque <= 0.0:
             margins.append(Margin(check, -1.0, f"the torque is out of reach {where}"))

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from drivegate.scenarios.building import TORQUE_DIGITS, steady_scenario
 from drivegate.scenarios.drive_scale import scale_of_mapping
+from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
@@ -160,7 +161,7 @@ def _course(profile: Sequence[Sequence[float]], unit: str, scale: float = 1.0) -
     values = [value for _, value in profile]
     levels = [value for place, value in enumerate(values) if place == 0 or value != values[place - 1]]
     times = dict.fromkeys(f"{before[0]:g}" for before, after in pairwise(profile) if before[1] != after[1])
-    words = f"{' → '.join(f'{scale * value:.4g}' for value in levels)} {unit}"
+    words = f"{' → '.join(figure(scale * value) for value in levels)} {unit}"
     return f"{words} at {', '.join(times)} s" if times else words
 
 
