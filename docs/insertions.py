@@ -44,14 +44,14 @@ def check_table(_: str) -> str:
             f"[`{row['id']}`](checks/{row['id']}.md)",
             *map(_plain, (row["requirement"], row["limit"], row["level"], row["source"])),
         )
-        for row in traced_checks()
+        for row in traced_checks(load_drive(DEFAULT_DRIVE))
     )
     return _table(("check", "requirement", "limit", "level", "source"), rows)
 
 
 def check(name: str) -> str:
     """One check: requirement, limit, margin, source and what exercises it."""
-    row = next(row for row in traced_checks() if row["id"] == name)
+    row = next(row for row in traced_checks(load_drive(DEFAULT_DRIVE)) if row["id"] == name)
     sources = "; ".join(f"{fact['id']}, {fact['title']} ({fact['where']})" for fact in row["facts"])
     told = {
         "Requirement": row["requirement"],

@@ -9,14 +9,15 @@ from typing import Literal, TypeAlias
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.margin import Margin
 from drivegate.runs.record import RunRecord
+from drivegate_cases.drive.drive_document import DriveDocument
 
 Evaluate: TypeAlias = Callable[[RunRecord], Margin | None]
 """From a finished run to the check's margin; None where the check does not apply to the run."""
-ReasonNotApplicable: TypeAlias = Callable[[Declaration], str | None]
-"""From a declaration to the reason why the check does not apply to that candidate; None where it does."""
+ReasonNotApplicable: TypeAlias = Callable[[Declaration, DriveDocument], str | None]
+"""From a declaration and a drive to the reason why the check does not apply to that candidate; None where it does."""
 
 
-def always_applicable(_declaration: Declaration) -> str | None:
+def always_applicable(_declaration: Declaration, _drive: DriveDocument) -> str | None:
     """Let a check apply to every candidate."""
     return None
 
@@ -29,6 +30,8 @@ def judged_elsewhere(_record: RunRecord) -> Margin | None:
 @dataclass(frozen=True, kw_only=True)
 class Check:
     """A requirement and how it is judged.
+
+    Its texts have a drive's numbers by name, such as ``{k1}``; `drivegate.checks.drive_numbers.on_drive` writes them.
 
     Attributes
     ----------
@@ -53,7 +56,7 @@ class Check:
     evaluate : callable
         The margin of a run.
     reason_not_applicable : callable
-        Why the check does not apply to a candidate that declares what it does.
+        Why the check does not apply, on a drive, to a candidate that declares what it does.
     volatile : bool
         Whether the measured numbers depend on the machine, so that they belong beside a result's times.
     """

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from drivegate.checks.check import Check
-from drivegate.checks.declared_speeds import unless_speeds_from
+from drivegate.checks.declared_speeds import below_base, unless_speeds
 from drivegate.checks.margin import Margin, normalised
 from drivegate.runs.record import RunRecord
 
@@ -54,12 +54,12 @@ ADV_1 = Check(
     source="P5",
     subject="candidate",
     level="required",
-    limit="exactly 0° below 500 rpm",
+    limit="exactly 0° below {base}",
     scenarios="runs that come below base speed",
     formula="1 when every such angle is exactly 0, else minus the largest of them in degrees",
     why="Below base speed the supply exceeds the EMF, and an advanced current only costs torque.",
     evaluate=angle_below_base,
-    reason_not_applicable=unless_speeds_from(0.0, math.nextafter(500.0, 0.0)),
+    reason_not_applicable=unless_speeds(below_base),
 )
 ADV_2 = Check(
     id="ADV-2",
@@ -79,9 +79,9 @@ CMD_1 = Check(
     source="P3",
     subject="candidate",
     level="required",
-    limit="0 to 26 A",
+    limit="0 to {current}",
     scenarios="every run",
-    formula="distance from the nearer end / 26 A, before the plant clamps the reference",
+    formula="distance from the nearer end / {current}, before the plant clamps the reference",
     why="The phase current is limited by its reference alone, and there is no braking with a negative one.",
     evaluate=reference_range,
 )

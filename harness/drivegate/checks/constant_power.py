@@ -2,37 +2,35 @@
 
 from __future__ import annotations
 
-import math
-
 from drivegate.checks.check import Check
-from drivegate.checks.convergence import SPEED_TOLERANCE, described, speed_in_words
-from drivegate.checks.declared_speeds import unless_speeds_from
+from drivegate.checks.convergence import described, speed_in_words, speed_tolerance
+from drivegate.checks.declared_speeds import (
+    JudgedSpeeds,
+    beyond_constant_power,
+    constant_power,
+    unless_speeds,
+)
 from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.record import RunRecord, SteadyWindow
 from drivegate_cases.scenario.circumstance import Circumstance
 
-LOWEST_RPM = 550.0
-"""Speed from which constant power is required (rpm)."""
-HIGHEST_RPM = 1500.0
-"""Speed up to which constant power is required, three times base speed (rpm)."""
-HIGHEST_ADVISED_RPM = 2000.0
-"""Speed up to which constant power is advised (rpm)."""
-
 
 def holds_constant_power(record: RunRecord) -> Margin | None:
     """Judge whether rated power is held within k1 (paper, "Constant Power Operation", Fig. 3)."""
-    return _held(
-        "CPW-1", record, [w for w in record.windows() if LOWEST_RPM <= w.dwell.speed_rpm <= HIGHEST_RPM]
-    )
+    return _held("CPW-1", record, [window for window in record.windows() if is_in(constant_power, window)])
 
 
 def holds_constant_power_beyond(record: RunRecord) -> Margin | None:
-    """Judge whether rated power is held within k1 beyond three times base speed (paper, Fig. 10)."""
+    """Judge whether rated power is held within k1 beyond the range of constant power (paper, Fig. 10)."""
     return _held(
-        "CPW-2",
-        record,
-        [w for w in record.windows() if HIGHEST_RPM < w.dwell.speed_rpm <= HIGHEST_ADVISED_RPM],
+        "CPW-2", record, [window for window in record.windows() if is_in(beyond_constant_power, window)]
     )
+
+
+def is_in(judged: JudgedSpeeds, window: SteadyWindow) -> bool:
+    """Tell whether a window is at one of the speeds that a check judges."""
+    lowest, highest = judged(window.scenario.drive)
+    return lowest <= window.dwell.speed_rpm <= highest
 
 
 def _held(check: str, record: RunRecord, windows: list[SteadyWindow]) -> Margin | None:
@@ -44,7 +42,7 @@ def _held(check: str, record: RunRecord, windows: list[SteadyWindow]) -> Margin 
     worst = max(loaded, key=_speed_error)
     error = _speed_error(worst)
     measured = f"{speed_in_words(worst)}{described(worst)}"
-    return Margin(check, at_most(error, SPEED_TOLERANCE), measured)
+    return Margin(check, at_most(error, speed_tolerance(worst)), measured)
 
 
 def _speed_error(window: SteadyWindow) -> float:
@@ -53,29 +51,27 @@ def _speed_error(window: SteadyWindow) -> float:
 
 CPW_1 = Check(
     id="CPW-1",
-    requirement="Constant power: 1.5 kW is held within k1 at every speed from 550 to 1500 rpm.",
+    requirement="Constant power: {power} is held within k1 at every speed from {lowest} to {highest}.",
     source="P5, P10",
     subject="candidate",
     level="required",
-    limit="k1 = 5 rpm",
-    scenarios="every steady stretch of 9 s or more that requires 1.5 kW, on the nominal drive",
+    limit="k1 = {k1}",
+    scenarios="every steady stretch of {stretch} or more that requires {power}, on the nominal drive",
     formula="1 - |speed error| / k1",
     why="Constant power over the whole high-speed range is what the advance angle is for.",
     evaluate=holds_constant_power,
-    reason_not_applicable=unless_speeds_from(LOWEST_RPM, HIGHEST_RPM),
+    reason_not_applicable=unless_speeds(constant_power),
 )
 CPW_2 = Check(
     id="CPW-2",
-    requirement="Constant power beyond three times base speed: 1.5 kW is held within k1 at speeds up to 2000 rpm.",
+    requirement="Constant power beyond {highest}: {power} is held within k1 at speeds up to {overspeed}.",
     source="P10",
     subject="candidate",
     level="advisory",
-    limit="k1 = 5 rpm",
-    scenarios="every steady stretch of 9 s or more that requires 1.5 kW above 1500 rpm, on the nominal drive",
+    limit="k1 = {k1}",
+    scenarios="every steady stretch of {stretch} or more that requires {power} above {highest}, on the nominal drive",
     formula="1 - |speed error| / k1",
     why="The paper puts the limit of its drive beyond three times base speed, without a number.",
     evaluate=holds_constant_power_beyond,
-    reason_not_applicable=unless_speeds_from(
-        math.nextafter(HIGHEST_RPM, HIGHEST_ADVISED_RPM), HIGHEST_ADVISED_RPM
-    ),
+    reason_not_applicable=unless_speeds(beyond_constant_power),
 )

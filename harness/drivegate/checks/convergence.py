@@ -7,11 +7,12 @@ from collections.abc import Iterable
 from typing import Final
 
 from drivegate.checks.check import Check
-from drivegate.checks.declared_speeds import unless_speeds_from
+from drivegate.checks.declared_speeds import above_base, unless_speeds
 from drivegate.checks.feasible_angles import given_below_limit
 from drivegate.checks.margin import Margin, at_most, worst_required
 from drivegate.runs.record import RunRecord, SteadyWindow, rated_torque
-from drivegate.scenarios.speed_range import HIGHEST_LOADED
+from drivegate_cases.documents.wording import figure
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.sensors import IdealSensors
@@ -22,29 +23,26 @@ from drivegate_models.units import RADIANS_PER_RPM
 _STALLED_SHARE: Final = 0.999
 """From this share of the reference on, a speed error is that of a shaft that stands (1)."""
 
-SPEED_TOLERANCE = 5.0 * RADIANS_PER_RPM
-"""k1 (rad/s)."""
-POWER_TOLERANCE = 0.005
-"""k2, as a share of the current sum (1)."""
 LIGHTEST_SHARE = 0.2
 """Share of the rated power's torque below which k2 is a share of no less current (1)."""
-ANGLE_TOLERANCE = math.radians(1.0)
-"""Greatest movement of the advance angle of a search that has converged (rad)."""
-OPTIMUM_TOLERANCE = 0.02
-"""Greatest excess of the current sum over the least one (1)."""
 REQUIRED_SHARE = 0.5
 """Share of the rated power's torque from which the optimum is required (1)."""
 
-ABOVE_BASE_SPEED = unless_speeds_from(500.0, math.inf)
+ABOVE_BASE_SPEED = unless_speeds(above_base)
 """Reason why a check of the search does not apply to a candidate for speeds up to base speed."""
 
 
 def described(window: SteadyWindow) -> str:
     """Tell where a window was observed; the torque of a shaft that stands means nothing."""
     if is_stalled(window):
-        return f" where {window.dwell.speed_rpm:.4g} rpm are demanded"
+        return f" where {figure(window.dwell.speed_rpm)} rpm are demanded"
     torque = window.values.torque
-    return f" at {window.dwell.speed_rpm:.4g} rpm, {torque:.3g} N·m"
+    return f" at {figure(window.dwell.speed_rpm)} rpm, {torque:.3g} N·m"
+
+
+def speed_tolerance(window: SteadyWindow) -> float:
+    """Give k1 (rad/s)."""
+    return limits_of(window.scenario.drive).speed_tolerance_rpm * RADIANS_PER_RPM
 
 
 def is_stalled(window: SteadyWindow) -> bool:
@@ -57,7 +55,7 @@ def speed_in_words(window: SteadyWindow) -> str:
     return (
         "stalled"
         if is_stalled(window)
-        else f"speed error {window.values.speed_error / RADIANS_PER_RPM:.4g} rpm"
+        else f"speed error {figure(window.values.speed_error / RADIANS_PER_RPM)} rpm"
     )
 
 
@@ -92,19 +90,23 @@ def judged_current_sum(window: SteadyWindow) -> float:
 
 def window_convergence(window: SteadyWindow) -> tuple[float, str]:
     """Judge whether the search has converged in a window (paper, Fig. 4)."""
-    values = window.values
+    values, limits = window.values, limits_of(window.scenario.drive)
     mean = values.current_sum
     spread = values.mean_highest - values.mean_lowest
     moved = values.angle_highest - values.angle_lowest
     error = values.speed_error
     judged = [
-        (at_most(error, SPEED_TOLERANCE), speed_in_words(window)),
-        (at_most(moved, ANGLE_TOLERANCE), f"angle moves by {math.degrees(moved):.3g}°"),
+        (at_most(error, speed_tolerance(window)), speed_in_words(window)),
+        (
+            at_most(moved, math.radians(limits.angle_tolerance_deg)),
+            f"angle moves by {math.degrees(moved):.3g}°",
+        ),
     ]
     if mean > 0.0:
         share = f"Σ|i| varies by {100.0 * spread / mean:.3g} %"
         lacking = judged_current_sum(window) - mean
-        allowed = (POWER_TOLERANCE + unseen_share(window)) * mean + POWER_TOLERANCE * lacking
+        k2 = limits.power_tolerance
+        allowed = (k2 + unseen_share(window)) * mean + k2 * lacking
         judged.append((at_most(spread, allowed), share))
     return min(judged)
 
@@ -135,7 +137,7 @@ def worst_convergence(check: str, windows: Iterable[SteadyWindow]) -> Margin | N
 
 def is_beyond_range(window: SteadyWindow) -> bool:
     """Tell whether a window lies above the range of constant power, where the paper requires no convergence."""
-    return window.dwell.speed_rpm > HIGHEST_LOADED * window.scenario.drive.rating.base_speed_rpm
+    return window.dwell.speed_rpm > window.scenario.drive.rating.highest_speed_rpm
 
 
 def converges(record: RunRecord) -> Margin | None:
@@ -177,7 +179,7 @@ def _excess(record: RunRecord, window: SteadyWindow) -> Margin:
         return Margin("CNV-2", -1.0, f"Σ|i| {mean:.4g} A gives no torque{described(window)}", advisory)
     lost = _lost_at_limit(record, window, speed) if mean < least else ""
     measured = f"Σ|i| {mean:.4g} A, {_excess_in_words(mean, least, lost)}{described(window)}{lost}"
-    allowed = OPTIMUM_TOLERANCE * least
+    allowed = limits_of(record.scenario.drive).optimum_tolerance * least
     return Margin("CNV-2", at_most(mean - least, allowed), measured, advisory)
 
 
@@ -210,18 +212,18 @@ def _lost_at_limit(record: RunRecord, window: SteadyWindow, speed: float) -> str
 CNV_1 = Check(
     id="CNV-1",
     requirement=(
-        "Within 6 s of a steady reference the search has converged: from then on the true speed error stays within "
-        "k1, the 100 ms means of Σ|i| within k2 (of no less than Σ|i| at a fifth of the rated torque), and the advance "
-        "angle within 1°; required up to three times base speed, the range of constant power, advisory beyond."
+        "Within {settling} of a steady reference the search has converged: from then on the true speed error stays "
+        "within k1, the 100 ms means of Σ|i| within k2 (of no less than Σ|i| at a fifth of the rated torque), and the "
+        "advance angle within {angle}; required up to {highest}, the range of constant power, advisory beyond."
     ),
     source="P6",
     subject="candidate",
     level="required",
-    limit="k1 = 5 rpm, k2 = 0.5 % of Σ|i|, 1°",
-    scenarios="every first loaded steady stretch of 9 s or more above base speed, on the nominal drive",
+    limit="k1 = {k1}, k2 = {k2} of Σ|i|, {angle}",
+    scenarios="every first loaded steady stretch of {stretch} or more above base speed, on the nominal drive",
     formula=(
         "least of 1 - |speed error| / k1, 1 - (max - min of the 100 ms means of Σ|i|) / k2, "
-        "1 - (max - min of the angle) / 1°"
+        "1 - (max - min of the angle) / {angle}"
     ),
     why="A search that goes on for ever shakes torque and speed, and one that loses the speed does not drive.",
     evaluate=converges,
@@ -230,16 +232,16 @@ CNV_1 = Check(
 CNV_2 = Check(
     id="CNV-2",
     requirement=(
-        "The search converges to the optimum: Σ|i| lies within 2 % of the least at that speed and mean torque, of all "
-        "angles that give this torque with the current at its limit too (at others a regulator at its limit may lose "
-        "it); required from half the torque of rated power upward and up to three times base speed, else advisory."
+        "The search converges to the optimum: Σ|i| lies within {optimum} of the least at that speed and mean torque, "
+        "of all angles that give this torque with the current at its limit too (at others a regulator at its limit "
+        "may lose it); required from half the torque of rated power upward and up to {highest}, else advisory."
     ),
     source="P6, P11, P12",
     subject="candidate",
     level="required",
-    limit="2 % above the least Σ|i|",
-    scenarios="every loaded steady stretch of 9 s or more above base speed, on the nominal drive",
-    formula="1 - (Σ|i| - least Σ|i|) / (2 % of the least Σ|i|)",
+    limit="{optimum} above the least Σ|i|",
+    scenarios="every loaded steady stretch of {stretch} or more above base speed, on the nominal drive",
+    formula="1 - (Σ|i| - least Σ|i|) / ({optimum} of the least Σ|i|)",
     why="The least Σ|i| is what the search is for; the exhaustive search of the same plant knows it.",
     evaluate=reaches_optimum,
     reason_not_applicable=ABOVE_BASE_SPEED,
@@ -253,8 +255,8 @@ CNV_3 = Check(
     source="P6",
     subject="candidate",
     level="required",
-    limit="k1 = 5 rpm, k2 = 0.5 % of Σ|i|, 1°",
-    scenarios="every loaded steady stretch of 9 s or more above base speed after a change, on the nominal drive",
+    limit="k1 = {k1}, k2 = {k2} of Σ|i|, {angle}",
+    scenarios="every loaded steady stretch of {stretch} or more above base speed after a change, on the nominal drive",
     formula="as CNV-1",
     why="Fig. 4 taken literally stops for good once it has lost the speed, since its gate stays closed.",
     evaluate=converges_again,

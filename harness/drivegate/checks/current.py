@@ -26,9 +26,9 @@ CUR_1 = Check(
     source="P3",
     subject="candidate",
     level="advisory",
-    limit="26 A + band",
+    limit="{current} + band",
     scenarios="every run",
-    formula="1 - greatest phase current / (26 A + band)",
+    formula="1 - greatest phase current / ({current} + band)",
     why="Devices and magnets are chosen for that current; where EMF exceeds the supply, the diodes can drive more.",
     evaluate=peak_current,
 )

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check, judged_elsewhere
+from drivegate_cases.drive.drive_document import DriveDocument
 
 
-def _declares_no_flowchart(declaration: Declaration) -> str | None:
+def _declares_no_flowchart(declaration: Declaration, _drive: DriveDocument) -> str | None:
     return (
         None
         if declaration.flowchart is not None

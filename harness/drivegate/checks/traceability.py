@@ -7,6 +7,8 @@ from typing import Any, Final
 
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
+from drivegate.checks.drive_numbers import on_drive
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.publication.facts import Fact, facts
 
 EVERY_RUN: Final = ("PWR-1", "PWR-2", "ADV-2", "CMD-1", "CUR-1")
@@ -58,8 +60,8 @@ def facts_of(check: Check) -> tuple[Fact, ...]:
     return tuple(fact for fact in facts() if fact.id in named)
 
 
-def traced_checks() -> list[dict[str, Any]]:
-    """Write down every check with what it rests on and what exercises it."""
+def traced_checks(drive: DriveDocument) -> list[dict[str, Any]]:
+    """Write down every check, with the numbers of a drive, what it rests on and what exercises it."""
     keys = ("id", "requirement", "source", "subject", "level", "limit", "formula", "why", "scenarios")
     return [
         {key: getattr(check, key) for key in keys}
@@ -67,7 +69,7 @@ def traced_checks() -> list[dict[str, Any]]:
             "families": list(families_of(check.id)),
             "facts": [{"id": fact.id, "title": fact.title, "where": fact.source} for fact in facts_of(check)],
         }
-        for check in CHECKS
+        for check in (on_drive(listed, drive) for listed in CHECKS)
     ]
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import json_option
+from drivegate.commands.options import drive_option, json_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -18,12 +18,19 @@ _COLUMNS = ("id", "level", "subject", "source", "requirement", "limit")
 
 
 @click.command("checks")
+@drive_option
 @json_option
-def command() -> Outcome:
-    """List the checks with their requirements, sources and limits, and what covers each fact of the paper."""
-    from drivegate.checks.traceability import traced_checks, traced_facts
+def command(drive: str | None) -> Outcome:
+    """List the checks with their requirements, sources and limits, and what covers each fact of the paper.
 
-    document = {"schema": SCHEMA, "checks": traced_checks(), "facts": traced_facts()}
+    The numbers are those of the drive; without --drive, of the paper's.
+    """
+    from drivegate.checks.traceability import traced_checks, traced_facts
+    from drivegate.drives.kinds import DEFAULT_DRIVE
+    from drivegate_cases.drive.drive_document import load_drive
+
+    checks = traced_checks(load_drive(DEFAULT_DRIVE if drive is None else drive))
+    document = {"schema": SCHEMA, "checks": checks, "facts": traced_facts()}
     return Outcome(document, lambda console: _show(console, document))
 
 

@@ -9,7 +9,7 @@ from typing import Final
 
 from drivegate.drives.drive_kind import Drive, Oracle
 from drivegate.drives.kinds import kind_of
-from drivegate.scenarios.speed_range import LOWEST_LOADED
+from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -84,7 +84,7 @@ def rated_drive(document: DriveDocument) -> RatedDrive:
     base_speed = given.base_speed_rpm * RADIANS_PER_RPM
     rating = Rating(
         base_speed=base_speed,
-        lowest_speed=LOWEST_LOADED * base_speed,
+        lowest_speed=scale_of(document).lowest_loaded_rpm * RADIANS_PER_RPM,
         highest_speed=given.highest_speed_rpm * RADIANS_PER_RPM,
         overspeed=given.overspeed_rpm * RADIANS_PER_RPM,
         power=given.rated_power_w,

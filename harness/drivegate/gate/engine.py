@@ -152,7 +152,7 @@ def check_candidate(
             _repeat(pool, progress)
         runs = progress.all_runs
         judged = check_outcomes(
-            runs, candidate.declaration, complete=progress.complete and not progress.faults
+            runs, candidate.declaration, judged_on, complete=progress.complete and not progress.faults
         )
         outcomes = focus.outcomes(judged)
         outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)

@@ -159,7 +159,8 @@ def _joint(drive: DriveDocument, seed: int, times: int) -> list[Work]:
 
 
 def _as_they_are(scenarios: tuple[Scenario, ...], origin: Origin, *, repeat: bool = False) -> Work:
-    job = Job(run_fixed, FixedRuns(scenarios, repeat=repeat))
+    # What is kept was found on a run that was made; of a drive of one's own, nobody knows yet what it can do.
+    job = Job(run_fixed, FixedRuns(scenarios, repeat=repeat, only_fair=origin is Origin.FIXED))
     return Work(job, len(scenarios), scenarios[-1].name, origin)
 
 

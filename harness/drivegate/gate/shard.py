@@ -44,10 +44,13 @@ class FixedRuns:
         The scenarios.
     repeat : bool
         Whether the first of them is run again afterwards, on the same instance and on a new one.
+    only_fair : bool
+        Whether those that no controller could do on their drive are set aside.
     """
 
     scenarios: tuple[Scenario, ...]
     repeat: bool = False
+    only_fair: bool = False
 
 
 @dataclass(frozen=True)
@@ -83,13 +86,30 @@ def content_key(scenario: Mapping[str, Any]) -> str:
 
 def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
     """Run scenarios as they are."""
+    scenarios, infeasible = _fair(plan.scenarios) if plan.only_fair else (plan.scenarios, ())
+    if not scenarios:
+        return ShardOutcome((), infeasible)
     controller = loaded.controller()
-    kept = room_for_commands(plan.scenarios[0]) if plan.repeat else None
-    first = recorded(loaded, plan.scenarios[0], controller, kept=kept)
-    records = [first, *(recorded(loaded, scenario, controller) for scenario in plan.scenarios[1:])]
+    kept = room_for_commands(scenarios[0]) if plan.repeat else None
+    first = recorded(loaded, scenarios[0], controller, kept=kept)
+    records = [first, *(recorded(loaded, scenario, controller) for scenario in scenarios[1:])]
     if kept is not None:
         records[0] = with_repetitions(loaded, first, kept, controller)
-    return ShardOutcome(tuple(judged(record, kind_of(record.scenario.drive).checks()) for record in records))
+    runs = tuple(judged(record, kind_of(record.scenario.drive).checks()) for record in records)
+    return ShardOutcome(runs, infeasible)
+
+
+def _fair(
+    scenarios: tuple[Scenario, ...],
+) -> tuple[tuple[Scenario, ...], tuple[InfeasibleScenario, ...]]:
+    """Part scenarios that a candidate may be judged on from those that no controller could do."""
+    reasons = [(scenario, kind_of(scenario.drive).unfair_because(scenario)) for scenario in scenarios]
+    return (
+        tuple(scenario for scenario, reason in reasons if reason is None),
+        tuple(
+            InfeasibleScenario(scenario.name, reason) for scenario, reason in reasons if reason is not None
+        ),
+    )
 
 
 class _Collector:

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from drivegate.output.judged_point import JudgedPoint, judged_point
 from drivegate.output.run_signals import RunSignals, signals_of
 from drivegate.scenarios.title import titled
+from drivegate_cases.drive.limits import limits_of
 
-BAND_RPM: Final = 5.0
-"""k1: the speed error that the checks of convergence allow (rpm)."""
 LASTING_S: Final = 0.2
 """Time from which on something is reported (s)."""
 _SHORTFALL: Final = 0.98
@@ -41,13 +40,18 @@ def account(signals: RunSignals) -> tuple[str, ...]:
 def lost_at(signals: RunSignals) -> float | None:
     """Find when the speed left its band for long; None where it was held (s)."""
     begin = _loaded_from(signals, judged_point(signals))
-    return _lasting(signals, np.abs(signals.speed_error_rpm) > BAND_RPM, begin)
+    return _lasting(signals, np.abs(signals.speed_error_rpm) > _band_rpm(signals), begin)
 
 
 def passes_edge(signals: RunSignals) -> bool:
     """Tell whether the angle passed the smallest one that gives the judged load."""
     point = judged_point(signals)
     return point is not None and bool(_edge_passed(signals, point))
+
+
+def _band_rpm(signals: RunSignals) -> float:
+    """k1: the speed error that the checks of convergence allow (rpm)."""
+    return limits_of(signals.scenario.drive).speed_tolerance_rpm
 
 
 def _what_was_run(signals: RunSignals) -> str:
@@ -71,10 +75,13 @@ def _lost(signals: RunSignals, point: JudgedPoint | None) -> list[str]:
     limit = signals.scenario.drive.rating.current_limit_a
     if (when := _lasting(signals, signals.current_reference_a > 0.999 * limit, begin)) is not None:
         events.append((when, f"at {when:.2f} s the current reference reached its limit of {limit:g} A"))
-    if (when := _lasting(signals, np.abs(signals.speed_error_rpm) > BAND_RPM, begin)) is not None:
+    if (when := _lasting(signals, np.abs(signals.speed_error_rpm) > _band_rpm(signals), begin)) is not None:
         way = "below" if _value_at(signals, signals.speed_error_rpm, when + LASTING_S) < 0.0 else "above"
         events.append(
-            (when, f"at {when:.2f} s the speed left its band of ±{BAND_RPM:g} rpm, {way} the reference")
+            (
+                when,
+                f"at {when:.2f} s the speed left its band of ±{_band_rpm(signals):g} rpm, {way} the reference",
+            )
         )
     events += _rest(signals)
     sentences = [_sentence(text) for _, text in sorted(events, key=lambda event: event[0])]
@@ -127,7 +134,7 @@ def _rest(signals: RunSignals) -> list[tuple[float, str]]:
 
 def _end(signals: RunSignals) -> str:
     error = signals.speed_error_rpm[-1]
-    if abs(error) <= BAND_RPM:
+    if abs(error) <= _band_rpm(signals):
         where = "within the band again"
     else:
         where = f"{abs(error):.0f} rpm {'below' if error < 0.0 else 'above'} the reference"

@@ -10,6 +10,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
+from drivegate.checks.drive_numbers import on_drive
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.results.result import (
@@ -20,6 +21,7 @@ from drivegate.results.result import (
     counted_levels,
 )
 from drivegate_cases.documents.wording import counted
+from drivegate_cases.drive.drive_document import DriveDocument
 
 _NAMED: Final = 4
 _DIGITS: Final = 6
@@ -32,10 +34,10 @@ def considered(check: str, runs: Iterable[JudgedRun]) -> list[tuple[Margin, Judg
 
 
 def check_outcomes(
-    runs: Sequence[JudgedRun], declaration: Declaration, *, complete: bool
+    runs: Sequence[JudgedRun], declaration: Declaration, drive: DriveDocument, *, complete: bool
 ) -> tuple[CheckOutcome, ...]:
-    """Judge every check over all runs."""
-    return tuple(_outcome(check, runs, declaration, complete) for check in CHECKS)
+    """Judge every check over all runs on a drive."""
+    return tuple(_outcome(on_drive(check, drive), runs, declaration, drive, complete) for check in CHECKS)
 
 
 def machine_dependent(runs: Sequence[JudgedRun]) -> dict[str, dict[str, Any]]:
@@ -50,9 +52,13 @@ def machine_dependent(runs: Sequence[JudgedRun]) -> dict[str, dict[str, Any]]:
 
 
 def _outcome(
-    check: Check, runs: Sequence[JudgedRun], declaration: Declaration, complete: bool
+    check: Check,
+    runs: Sequence[JudgedRun],
+    declaration: Declaration,
+    drive: DriveDocument,
+    complete: bool,
 ) -> CheckOutcome:
-    reason = check.reason_not_applicable(declaration)
+    reason = check.reason_not_applicable(declaration, drive)
     items = considered(check.id, runs) if reason is None else []
     if not items:
         verdict = "not applicable" if complete or reason is not None else "inconclusive"

@@ -4,36 +4,41 @@ from __future__ import annotations
 
 import math
 
+from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import rounded
 from drivegate_cases.scenario.load import ConstantPowerLoad, ConstantTorqueLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
-LOAD_RAMP_S = 0.2
-"""Time in which a load comes on, so that a run starts in a true steady state, unloaded at speed (s)."""
-DWELL_S = 10.0
-"""Length of a steady stretch: 6 s to converge and 4 s to be judged (s)."""
+TORQUE_DIGITS = 3
+"""Digits that the torque of a load is rounded to."""
+
+
+def coming_on(drive: DriveDocument) -> Profile:
+    """Give the shares of a load that comes on at the beginning, and stays."""
+    return ((0.0, 0.0), (scale_of(drive).load_ramp_s, 1.0))
 
 
 def steady_scenario(
     drive: DriveDocument, speed_rpm: float, *, power_share: float, constant_power: bool
 ) -> Scenario:
     """Make a run at one speed under one load."""
+    scale = scale_of(drive)
     power = tidy(drive.rating.rated_power_w * power_share)
-    factor = ((0.0, 0.0), (LOAD_RAMP_S, 1.0))
     load: ConstantPowerLoad | ConstantTorqueLoad
     if constant_power:
-        load = ConstantPowerLoad(kind="constant_power", power_w=power, factor=factor)
+        load = ConstantPowerLoad(kind="constant_power", power_w=power, factor=coming_on(drive))
     else:
-        torque = round(power / (speed_rpm * RADIANS_PER_RPM), 3)
-        load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque, factor=factor)
+        torque = rounded(power / (speed_rpm * RADIANS_PER_RPM), TORQUE_DIGITS)
+        load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque, factor=coming_on(drive))
     return titled(
         Scenario(
             name="steady",
             drive=drive,
-            duration_s=LOAD_RAMP_S + DWELL_S,
+            duration_s=tidy(scale.load_ramp_s + scale.dwell_s),
             initial_speed_rpm=speed_rpm,
             speed_rpm=((0.0, speed_rpm),),
             load=load,
@@ -45,18 +50,19 @@ def base_speed_scenario(
     drive: DriveDocument, start_rpm: float, top_rpm: float, fall_rpm_per_s: float
 ) -> Scenario:
     """Make an unloaded run from below base speed to above it, and back no faster than the shaft coasts."""
-    end_rpm = drive.rating.base_speed_rpm - 10.0
-    rise_until = tidy(math.ceil(2.0 + (top_rpm - start_rpm) / 100.0) * 0.1)
-    fall_from = tidy(rise_until + 0.5)
+    scale = scale_of(drive)
+    end_rpm = drive.rating.base_speed_rpm - scale.speed_step_rpm
+    rise_until = tidy(math.ceil(2.0 + (top_rpm - start_rpm) / (20.0 * scale.speed_grain_rpm)) * scale.tenth_s)
+    fall_from = tidy(rise_until + 0.5 * scale.time_unit_s)
     fall_until = fall_from + (top_rpm - end_rpm) / fall_rpm_per_s
     scenario = Scenario(
         name="base-speed",
         drive=drive,
-        duration_s=round(fall_until + 1.0, 1),
+        duration_s=round(fall_until + scale.time_unit_s, 1),
         initial_speed_rpm=start_rpm,
         speed_rpm=(
             (0.0, start_rpm),
-            (0.2, start_rpm),
+            (scale.load_ramp_s, start_rpm),
             (rise_until, top_rpm),
             (fall_from, top_rpm),
             (round(fall_until, 3), end_rpm),
@@ -67,30 +73,26 @@ def base_speed_scenario(
 
 
 def vehicle_scenario(
-    drive: DriveDocument, speed_rpm: float, *, mass_kg: float, gear_ratio: float, grade_percent: Profile
+    drive: DriveDocument, speed_rpm: float, *, mass_units: int, gear_units: int, grade_percent: Profile
 ) -> Scenario:
-    """Make a run of a light vehicle at a steady speed."""
+    """Make a run of a light vehicle at a steady speed; its mass and gear are in units of what the drive can move."""
+    scale = scale_of(drive)
     load = VehicleLoad(
         kind="vehicle",
-        mass_kg=mass_kg,
+        mass_kg=tidy(mass_units * scale.mass_unit_kg),
         wheel_radius_m=0.25,
-        gear_ratio=gear_ratio,
+        gear_ratio=tidy(gear_units * scale.gear_unit),
         rolling_resistance=0.012,
-        drag_area_m2=0.6,
+        drag_area_m2=scale.drag_area_m2,
         grade_percent=grade_percent,
     )
     return titled(
         Scenario(
             name="vehicle",
             drive=drive,
-            duration_s=tidy(grade_percent[-1][0] + DWELL_S),
+            duration_s=tidy(grade_percent[-1][0] + scale.dwell_s),
             initial_speed_rpm=speed_rpm,
             speed_rpm=((0.0, speed_rpm),),
             load=load,
         )
     )
-
-
-def tidy(value: float) -> float:
-    """Take off what binary fractions add to sums of decimal ones."""
-    return round(value, 9)

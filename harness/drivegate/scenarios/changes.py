@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S, tidy
+from drivegate.scenarios.drive_scale import scale_of, tidy, whole_tenths
 from drivegate.scenarios.title import titled
 from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
 from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
-
-CHANGE_S = 10.0
-"""Time of a change after a candidate's search that has converged (s)."""
-
 
 TWENTY = 20
 """Number of times that something happens that is repeated (1)."""
@@ -31,9 +26,7 @@ def pulsed(before: float, during: float, at_s: float, lasts_s: float) -> Profile
     return ((0.0, before), (at_s, before), (at_s, during), (back, during), (back, before))
 
 
-def repeated(
-    before: float, during: float, at_s: float, *, times: int = TWENTY, every_s: float = 0.4
-) -> Profile:
+def repeated(before: float, during: float, at_s: float, *, every_s: float, times: int = TWENTY) -> Profile:
     """Make a profile that changes and comes back again and again, half of the time each."""
     points = [(0.0, before)]
     for number in range(times):
@@ -43,7 +36,7 @@ def repeated(
     return tuple(points)
 
 
-def moments(at_s: float, *, times: int = TWENTY, every_s: float = 0.4) -> tuple[float, ...]:
+def moments(at_s: float, *, every_s: float, times: int = TWENTY) -> tuple[float, ...]:
     """List the times of something that happens again and again."""
     return tuple(tidy(at_s + number * every_s) for number in range(times))
 
@@ -53,7 +46,7 @@ def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scena
     load = scenario.load
     assert not isinstance(load, (LockedLoad, VehicleLoad)), "only a switched load has shares"
     (_, share), *later = changes
-    factor: list[tuple[float, float]] = [(0.0, 0.0), (LOAD_RAMP_S, share)]
+    factor: list[tuple[float, float]] = [(0.0, 0.0), (scale_of(scenario.drive).load_ramp_s, share)]
     for time, following in later:
         factor += [(time, factor[-1][1]), (time, following)]
     stepped_load = load.model_copy(update={"factor": tuple(factor)})
@@ -136,6 +129,5 @@ def with_drift(
 
 def _with_change(scenario: Scenario, over_at_s: float, **changes: Any) -> Scenario:
     """Apply a change that is over at a time, and leave a whole steady stretch behind it."""
-    # A whole tenth of a second is a whole number of control periods.
-    long_enough = math.ceil(round((over_at_s + DWELL_S) * 10.0, 6)) / 10.0
+    long_enough = whole_tenths(over_at_s + scale_of(scenario.drive).dwell_s)
     return titled(scenario.replaced(duration_s=max(scenario.duration_s, long_enough), **changes))

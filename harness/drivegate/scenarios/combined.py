@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from random import Random
 from typing import Final, TypeAlias
 
-from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S, steady_scenario, tidy, vehicle_scenario
+from drivegate.scenarios.building import TORQUE_DIGITS, coming_on, steady_scenario, vehicle_scenario
 from drivegate.scenarios.changes import (
     moments,
     pulsed,
@@ -30,11 +30,14 @@ from drivegate.scenarios.changes import (
 from drivegate.scenarios.covering import Row, covering_rows
 from drivegate.scenarios.drawn.changes import COASTING_SHARE
 from drivegate.scenarios.drawn.courses import load_course, standstill_scenario
+from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.feasibility import unfair_because
-from drivegate.scenarios.speed_range import HIGHEST_LOADED, SpeedRange, loaded_range
+from drivegate.scenarios.speed_range import SpeedRange, loaded_range
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import rounded
 from drivegate_cases.scenario.load import FanLoad
+from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -45,11 +48,6 @@ ATTEMPTS: Final = 60
 """Draws for one row, ever lighter ones, before it is left out."""
 LIGHTEST: Final = 0.1
 """Lightest load that is drawn, as a share of rated power (1)."""
-LONG_S: Final = 150.0
-"""Length of a long run, beside which the time of every search is short (s)."""
-_REST_S: Final = 6.0
-_HIGHEST_ADVISED: Final = 4.0
-_SETTLED_S: Final = 7.0
 _PERIODS: Final = {"500 µs": 5e-4, "400 µs": 4e-4, "250 µs": 2.5e-4, "100 µs": 1e-4}
 _CLOCKS: Final = {"0": 0.0, "2³¹ µs": 2147.483648 - 5.0, "2³² µs": 4294.967296 - 5.0}
 
@@ -74,41 +72,38 @@ def long_scenarios(drive: DriveDocument, speed_range: SpeedRange | None, seed: i
     for the search to come to rest in between.
     """
     random = Random(f"{seed}/long")
-    lowest, highest = loaded_range(drive, speed_range)
+    scale = scale_of(drive)
+    speeds = _whole_speeds(*loaded_range(drive, speed_range), scale.speed_step_rpm)
     plain, late, busy = (
-        steady_scenario(drive, _whole(random, lowest, highest), power_share=1.0, constant_power=False)
-        for _ in range(3)
+        steady_scenario(drive, random.choice(speeds), power_share=1.0, constant_power=False) for _ in range(3)
     )
-    changed = with_load_shares(late, (0.0, 1.0), (LONG_S - DWELL_S, 0.5))
-    to_and_fro = repeated(1.0, 0.5, _REST_S, times=12, every_s=2.0 * _REST_S)
+    rest = scale.settling_s
+    changed = with_load_shares(late, (0.0, 1.0), (scale.long_s - scale.dwell_s, 0.5))
+    to_and_fro = repeated(1.0, 0.5, rest, times=12, every_s=2.0 * rest)
     return (
-        titled(plain.replaced(duration_s=LONG_S)),
+        titled(plain.replaced(duration_s=scale.long_s)),
         with_mcs96(changed, random.randrange(1000)),
-        with_load_factor(busy, ((0.0, 0.0), (LOAD_RAMP_S, 1.0), *to_and_fro[1:])),
+        with_load_factor(busy, (*coming_on(drive), *to_and_fro[1:])),
     )
 
 
-def _whole_speeds(lowest: float, highest: float) -> list[float]:
-    """List the speeds of whole steps of 10 rpm, or the highest where there is none."""
-    bottom, top = math.ceil(lowest / 10.0), math.floor(highest / 10.0)
-    return [10.0 * steps for steps in range(bottom, top + 1)] or [highest]
-
-
-def _whole(random: Random, lowest: float, highest: float) -> float:
-    return random.choice(_whole_speeds(lowest, highest))
+def _whole_speeds(lowest: float, highest: float, step: float) -> list[float]:
+    """List the speeds of whole steps, or the highest where there is none."""
+    bottom, top = math.ceil(lowest / step - 1e-9), math.floor(highest / step + 1e-9)
+    return [tidy(step * steps) for steps in range(bottom, top + 1)] or [highest]
 
 
 def _speeds_of_row(drive: DriveDocument, speed_range: SpeedRange | None, row: Row) -> tuple[float, float]:
     if row["speed course"] == "overspeed":
-        return HIGHEST_LOADED * drive.rating.base_speed_rpm, _HIGHEST_ADVISED * drive.rating.base_speed_rpm
+        return drive.rating.highest_speed_rpm, drive.rating.overspeed_rpm
     return loaded_range(drive, speed_range)
 
 
-def _speed_in_turn(lowest: float, highest: float, seed: int, number: int) -> float:
-    """Take a speed of a range in an order of chance: no two rows have the same one before all were had."""
-    speeds = _whole_speeds(lowest, highest)
-    Random(f"{seed}/speeds").shuffle(speeds)
-    return speeds[number % len(speeds)]
+def _speed_in_turn(speeds: Sequence[float], seed: int, number: int) -> float:
+    """Take a speed in an order of chance: no two rows have the same one before all were had."""
+    shuffled = list(speeds)
+    Random(f"{seed}/speeds").shuffle(shuffled)
+    return shuffled[number % len(shuffled)]
 
 
 def _drawn(
@@ -117,11 +112,11 @@ def _drawn(
     if speed_range is not None and row["speed course"] in ("standstill", "overspeed"):
         return None
     random = Random(f"{seed}/{number}")
-    lowest, highest = _speeds_of_row(drive, speed_range, row)
-    speed = _speed_in_turn(lowest, highest, seed, number)
+    speeds = _whole_speeds(*_speeds_of_row(drive, speed_range, row), scale_of(drive).speed_step_rpm)
+    speed = _speed_in_turn(speeds, seed, number)
     for attempt in range(ATTEMPTS):
         heaviest = 1.0 - 0.8 * attempt / ATTEMPTS
-        other = _whole(random, lowest, highest)
+        other = random.choice(speeds)
         scenario = _changed(_base(drive, row, random, heaviest, (speed, other)), row, random)
         if unfair_because(scenario) is None:
             return scenario
@@ -133,31 +128,33 @@ def _base(
 ) -> Scenario:
     """Make a run with the row's load and courses of speed and load, at the first speed or between both."""
     slow, fast = sorted(speeds) if row["speed course"] in ("up", "down") else (speeds[0], speeds[0])
+    scale = scale_of(drive)
     share = _share(random, heaviest)
-    at = _moment(row, random)
+    at = _moment(drive, row, random)
     if row["load"] == "vehicle":
         grade = stepped(0.0, 1.0, at) if row["load course"] == "up" else ((0.0, 0.0),)
-        run = vehicle_scenario(drive, fast, mass_kg=150.0, gear_ratio=8.0, grade_percent=grade)
+        run = vehicle_scenario(drive, fast, mass_units=3, gear_units=8, grade_percent=grade)
     elif row["speed course"] == "standstill":
-        torque = min(share * drive.rating.rated_power_w / (fast * RADIANS_PER_RPM), 12.0)
-        run = standstill_scenario(drive, fast, torque_nm=torque, at_s=at, over_s=1.0)
+        torque = min(
+            share * drive.rating.rated_power_w / (fast * RADIANS_PER_RPM), scale.standstill_torque_nm
+        )
+        run = standstill_scenario(drive, fast, torque_nm=torque, at_s=at, over_s=scale.units(1))
     else:
         run = steady_scenario(drive, fast, power_share=share, constant_power=row["load"] == "power")
         if row["load"] == "fan":
-            torque = round(share * drive.rating.rated_power_w / (fast * RADIANS_PER_RPM), 3)
-            fan = FanLoad(
-                kind="fan", torque_nm=torque, speed_rpm=fast, factor=((0.0, 0.0), (LOAD_RAMP_S, 1.0))
-            )
+            torque = rounded(share * drive.rating.rated_power_w / (fast * RADIANS_PER_RPM), TORQUE_DIGITS)
+            fan = FanLoad(kind="fan", torque_nm=torque, speed_rpm=fast, factor=coming_on(drive))
             run = run.replaced(load=fan)
     if row["load course"] != "steady" and row["load"] != "vehicle":
         run = _with_course(run, row["load course"], random, at, share)
     match row["speed course"]:
         case "up":
-            run = with_speed(run, stepped(slow, fast, at, over_s=random.choice((0.0, 1.0, 2.0))))
+            run = with_speed(run, stepped(slow, fast, at, over_s=scale.units(random.choice((0, 1, 2)))))
         case "down":
             torque = 0.05 * drive.rating.rated_power_w / (fast * RADIANS_PER_RPM)
             least = (fast - slow) * RADIANS_PER_RPM * drive.machine.inertia_kg_m2 / (COASTING_SHARE * torque)
-            run = with_speed(run, stepped(fast, slow, at, over_s=tidy(0.1 * math.ceil(10.0 * least))))
+            over = tidy(scale.tenth_s * math.ceil(least / scale.tenth_s))
+            run = with_speed(run, stepped(fast, slow, at, over_s=over))
     return run
 
 
@@ -170,16 +167,21 @@ def _with_course(run: Scenario, course: str, random: Random, at: float, share: f
             return with_load_shares(run, (0.0, less), (at, more))
         case "down":
             return with_load_shares(run, (0.0, more), (at, less))
-    return with_load_factor(run, load_course(course, less, more, at, random.choice((0.5, 1.0, 2.0))))
+    scale = scale_of(run.drive)
+    lasts = scale.units(random.choice((0.5, 1.0, 2.0)))
+    return with_load_factor(run, load_course(course, less, more, at, lasts, scale))
 
 
 def _share(random: Random, heaviest: float) -> float:
     return round(0.05 * random.randint(3, max(3, round(20.0 * heaviest))), 2)
 
 
-def _moment(row: Row, random: Random) -> float:
+def _moment(drive: DriveDocument, row: Row, random: Random) -> float:
     """Draw when something happens: all at once after a search that has converged, or each for itself during it."""
-    return _SETTLED_S if row["moment"] == "settled" else 0.5 * random.randint(1, 10)
+    scale = scale_of(drive)
+    return (
+        scale.settled_s if row["moment"] == "settled" else tidy(scale.change_step_s * random.randint(1, 10))
+    )
 
 
 def _changed(run: Scenario, row: Row, random: Random) -> Scenario:
@@ -193,7 +195,7 @@ def _changed(run: Scenario, row: Row, random: Random) -> Scenario:
     for changes in (_PLANTS, _SENSORS, _SUPPLIES, _FAULTS):
         for level in row.values():
             if level in changes:
-                run = changes[level](run, random, _moment(row, random))
+                run = changes[level](run, random, _moment(run.drive, row, random))
     return run
 
 
@@ -201,13 +203,40 @@ def _phase(run: Scenario, random: Random) -> int:
     return random.randint(1, run.drive.machine.phases)
 
 
-def _milliseconds(random: Random) -> float:
-    return random.choice((0.001, 0.005, 0.01, 0.02))
+def _lost_s(run: Scenario, random: Random) -> float:
+    return tidy(scale_of(run.drive).dropout_step_s * random.choice((1, 5, 10, 20)))
+
+
+def _with_friction(run: Scenario, random: Random) -> Scenario:
+    step = scale_of(run.drive).torque_step_nm
+    return with_scales(run, friction_added_n_m=tidy(step * random.choice((1, 3, 5))))
+
+
+def _with_offset(run: Scenario, random: Random) -> Scenario:
+    phase, step = _phase(run, random), scale_of(run.drive).offset_step_a
+    return with_current_error(run, phase, offset_a=tidy(step * random.choice((-10, -5, 5, 10))))
+
+
+def _dip(run: Scenario, random: Random, at: float) -> Profile:
+    return pulsed(1.0, random.choice((0.9, 0.95)), at, scale_of(run.drive).units(0.5))
+
+
+def _times(run: Scenario, at: float) -> tuple[float, ...]:
+    return moments(at, every_s=scale_of(run.drive).repeated_every_s)
+
+
+def _with_drift(run: Scenario, random: Random, at: float) -> Scenario:
+    over = scale_of(run.drive).units(5)
+    return with_drift(
+        run,
+        resistance=stepped(1.0, random.choice((1.2, 1.4)), at, over_s=over),
+        emf_constant=stepped(1.0, random.choice((0.96, 0.98)), at, over_s=over),
+    )
 
 
 def _with_lost_samples(run: Scenario, random: Random, at: float) -> Scenario:
     phase = _phase(run, random)
-    for time in moments(at):
+    for time in _times(run, at):
         run = with_dropout(run, "currents", time, run.control_period_s, phase=phase)
     return run
 
@@ -216,36 +245,30 @@ _PLANTS: Final[Mapping[str, Change]] = {
     "resistance": lambda run, random, _: with_scales(run, resistance=random.choice((0.5, 1.5, 2.0))),
     "inductance": lambda run, random, _: with_scales(run, inductance=random.choice((0.8, 1.1, 1.2))),
     "EMF": lambda run, random, _: with_scales(run, emf_constant=random.choice((0.95, 1.05))),
-    "friction": lambda run, random, _: with_scales(run, friction_added_n_m=random.choice((0.1, 0.3, 0.5))),
+    "friction": lambda run, random, _: _with_friction(run, random),
 }
 _SENSORS: Final[Mapping[str, Change]] = {
     "mcs96": lambda run, random, _: with_mcs96(run, random.randrange(1000)),
     "gain of a phase": lambda run, random, _: with_current_error(
         run, _phase(run, random), gain=random.choice((0.8, 0.9, 1.1, 1.2))
     ),
-    "offset of a phase": lambda run, random, _: with_current_error(
-        run, _phase(run, random), offset_a=random.choice((-0.2, -0.1, 0.1, 0.2))
-    ),
+    "offset of a phase": lambda run, random, _: _with_offset(run, random),
 }
 _SUPPLIES: Final[Mapping[str, Change]] = {
-    "dip": lambda run, random, at: with_supply(run, pulsed(1.0, random.choice((0.9, 0.95)), at, 0.5)),
+    "dip": lambda run, random, at: with_supply(run, _dip(run, random, at)),
     "sag": lambda run, random, at: with_supply(run, stepped(1.0, random.choice((0.92, 0.96)), at)),
     "swell": lambda run, random, at: with_supply(run, stepped(1.0, random.choice((1.05, 1.1)), at)),
 }
 _FAULTS: Final[Mapping[str, Change]] = {
-    "speed lost": lambda run, random, at: with_dropout(run, "speed", at, _milliseconds(random)),
-    "currents lost": lambda run, random, at: with_dropout(run, "currents", at, _milliseconds(random)),
-    "supply lost": lambda run, random, at: with_dropout(run, "supply", at, _milliseconds(random)),
+    "speed lost": lambda run, random, at: with_dropout(run, "speed", at, _lost_s(run, random)),
+    "currents lost": lambda run, random, at: with_dropout(run, "currents", at, _lost_s(run, random)),
+    "supply lost": lambda run, random, at: with_dropout(run, "supply", at, _lost_s(run, random)),
     "sample of a phase lost twenty times": _with_lost_samples,
     "false edges": lambda run, random, at: with_glitch(run, random.choice((-50, -20, 20, 50)), at),
     "unequal halves": lambda run, random, at: with_imbalance(
         run, stepped(0.0, random.choice((-0.03, 0.03)), at)
     ),
-    "drift": lambda run, random, at: with_drift(
-        run,
-        resistance=stepped(1.0, random.choice((1.2, 1.4)), at, over_s=5.0),
-        emf_constant=stepped(1.0, random.choice((0.96, 0.98)), at, over_s=5.0),
-    ),
+    "drift": _with_drift,
     "restart": lambda run, _, at: with_restarts(run, at),
-    "restarted twenty times": lambda run, _, at: with_restarts(run, *moments(at)),
+    "restarted twenty times": lambda run, _, at: with_restarts(run, *_times(run, at)),
 }

@@ -6,9 +6,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, Final
 
-from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S, steady_scenario
-from drivegate.scenarios.speed_range import HIGHEST_LOADED
+from drivegate.scenarios.building import TORQUE_DIGITS, steady_scenario
+from drivegate.scenarios.drive_scale import scale_of_mapping
+from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
@@ -17,16 +19,13 @@ PLAIN_RUN: Final = "the plain run"
 """What is said of a scenario without any fact."""
 
 _TOLD_ELSEWHERE: Final = frozenset({"schema", "name", "description", "drive", "seed", "initial_speed_rpm"})
-_COMING_ON: Final = [[0.0, 0.0], [LOAD_RAMP_S, 1.0]]
 _SYMBOLS: Final = {"resistance": "R", "inductance": "L", "emf_constant": "ke"}
 _UNITS: Final = {"torque_nm": "N·m", "power_w": "W"}
 
 
 def plain_scenario(drive: DriveDocument) -> Scenario:
     """Make the run without any fact."""
-    return steady_scenario(
-        drive, HIGHEST_LOADED * drive.rating.base_speed_rpm, power_share=1.0, constant_power=False
-    )
+    return steady_scenario(drive, drive.rating.highest_speed_rpm, power_share=1.0, constant_power=False)
 
 
 def facts_of(scenario: Mapping[str, Any]) -> tuple[str, ...]:
@@ -57,13 +56,18 @@ def _other(key: str, value: Any) -> Iterator[str]:
 
 
 def _plain_speed(scenario: Mapping[str, Any]) -> float:
-    return HIGHEST_LOADED * float(scenario["drive"]["rating"]["base_speed_rpm"])
+    return float(scenario["drive"]["rating"]["highest_speed_rpm"])
+
+
+def _coming_on(scenario: Mapping[str, Any]) -> list[list[float]]:
+    return [[0.0, 0.0], [scale_of_mapping(scenario["drive"]).load_ramp_s, 1.0]]
 
 
 def _load(scenario: Mapping[str, Any]) -> Iterator[str]:
     load = scenario["load"]
     kind = load["kind"].replace("_", " ")
-    factor = load.get("factor", _COMING_ON)
+    coming_on = _coming_on(scenario)
+    factor = load.get("factor", coming_on)
     if kind == "vehicle":
         yield f"a vehicle of {load['mass_kg']:g} kg"
         if any(grade for _, grade in load["grade_percent"]):
@@ -73,11 +77,11 @@ def _load(scenario: Mapping[str, Any]) -> Iterator[str]:
         yield "unloaded"
         return
     rated = float(scenario["drive"]["rating"]["rated_power_w"]) / (_plain_speed(scenario) * RADIANS_PER_RPM)
-    if kind != "constant torque" or load["torque_nm"] != round(rated, 3):
+    if kind != "constant torque" or load["torque_nm"] != rounded(rated, TORQUE_DIGITS):
         sizes = [f"{load[name]:g} {unit}" for name, unit in _UNITS.items() if name in load]
         yield " ".join((kind, *sizes))
-    if _listed(factor) != _COMING_ON:
-        switched = factor[_listed(factor)[:1] == _COMING_ON[:1] :]
+    if _listed(factor) != coming_on:
+        switched = factor[_listed(factor)[:1] == coming_on[:1] :]
         yield f"{_course(switched, '% of the load', 100.0)}"
 
 
@@ -130,7 +134,8 @@ def _glitches(scenario: Mapping[str, Any]) -> Iterator[str]:
 
 def _duration(scenario: Mapping[str, Any]) -> Iterator[str]:
     """Tell of a run that goes on for longer than a whole steady stretch after its last change."""
-    needed = _last_time(scenario) + LOAD_RAMP_S + DWELL_S + 1.0
+    scale = scale_of_mapping(scenario["drive"])
+    needed = _last_time(scenario) + scale.load_ramp_s + scale.dwell_s + scale.time_unit_s
     if scenario["duration_s"] > needed:
         yield f"for {scenario['duration_s']:g} s"
 
@@ -156,7 +161,7 @@ def _course(profile: Sequence[Sequence[float]], unit: str, scale: float = 1.0) -
     values = [value for _, value in profile]
     levels = [value for place, value in enumerate(values) if place == 0 or value != values[place - 1]]
     times = dict.fromkeys(f"{before[0]:g}" for before, after in pairwise(profile) if before[1] != after[1])
-    words = f"{' → '.join(f'{scale * value:.4g}' for value in levels)} {unit}"
+    words = f"{' → '.join(figure(scale * value) for value in levels)} {unit}"
     return f"{words} at {', '.join(times)} s" if times else words
 
 

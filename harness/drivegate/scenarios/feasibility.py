@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_cases.scenario.load import ConstantPowerLoad, LockedLoad
@@ -28,8 +29,6 @@ from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.steady.oracle import feasible_edge
 from drivegate_models.units import RADIANS_PER_RPM
 
-STEP_ACCELERATION_S = 2.0
-"""Time in which a step up of the speed reference must be possible, which leaves 4 s to converge (s)."""
 REACTION_S = 0.02
 """Time after a step of the load in which no controller can be required to have the torque (s)."""
 SPEED_RESERVE = 0.1
@@ -164,9 +163,10 @@ def _conditions(scenario: Scenario, time: float, value_at: Callable[[Profile, fl
 def _demands(scenario: Scenario) -> Iterator[tuple[Dwell, float]]:
     """Give each corner's conditions with the torque that accelerates the shaft there (N m)."""
     inertia = scenario.nameplate().inertia
+    step_acceleration = scale_of(scenario.drive).step_acceleration_s
     for stretch in _stretches(scenario):
         rise = (stretch.last.speed_rpm - stretch.first.speed_rpm) * RADIANS_PER_RPM
-        accelerating = inertia * max(rise, 0.0) / (stretch.duration or STEP_ACCELERATION_S)
+        accelerating = inertia * max(rise, 0.0) / (stretch.duration or step_acceleration)
         yield stretch.first, accelerating
         yield stretch.last, accelerating
         base = scenario.drive.rating.base_speed_rpm

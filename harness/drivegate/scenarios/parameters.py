@@ -6,6 +6,7 @@ from typing import Final
 
 from drivegate_cases.drive.advance import Advance
 from drivegate_cases.drive.drive_document import TABLE_KEYS
+from drivegate_cases.drive.requirements import Requirements
 from drivegate_cases.drive.scales import Scales
 
 SCALES: Final = tuple(Scales.model_fields)
@@ -16,7 +17,7 @@ SPREADABLE: Final = (*SCALES, *SHARES)
 """Parameters that may be drawn at random; each has its own place in a run's random numbers."""
 SPEED: Final = "speed_rpm"
 """The parameter that replaces the case's speed reference by a constant one."""
-_NO_GRID: Final = ("emf_shape", "emf_table", *Advance.model_fields)
+_NO_GRID: Final = ("emf_shape", "emf_table", *Advance.model_fields, *Requirements.model_fields)
 DRIVE_KEYS: Final = tuple(key for key in TABLE_KEYS if key not in _NO_GRID)
 """Numeric keys of the nominal drive, which the controller knows."""
 GRID_KEYS: Final = (*SPREADABLE, SPEED, *DRIVE_KEYS)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from typing import Any, Final, TypeAlias
 
-from drivegate.scenarios.building import LOAD_RAMP_S
+from drivegate.scenarios.building import TORQUE_DIGITS, coming_on
 from drivegate.scenarios.courses import QUANTITIES, ProfileCourse, Quantity, course_of, fields_of
+from drivegate.scenarios.drive_scale import scale_of, tidy, whole_tenths
 from drivegate.scenarios.facts import plain_scenario
 from drivegate.scenarios.size import size_of
-from drivegate.scenarios.windows import SETTLING_TIME, SHORTEST_WINDOW
+from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
@@ -33,10 +33,11 @@ _NAMING: Final = frozenset({"schema_version", "name", "description", "drive"})
 # What belongs to another key, and means nothing without it.
 _FOLLOWING: Final = frozenset({"duration_s", "initial_speed_rpm", "seed"})
 _TIMES = (5.0, 1.0, 0.5, 0.1)
-_GRAINS: Final[dict[Quantity, tuple[float, ...]]] = {
-    "speed": (500.0, 100.0, 50.0, 10.0),
+_SPEED_GRAINS: Final = (50, 10, 5, 1)
+_SUPPLY_GRAINS: Final = (10, 5, 1)
+_TORQUE_GRAINS: Final = (50, 10, 5, 1)
+_SHARE_GRAINS: Final[dict[Quantity, tuple[float, ...]]] = {
     "load": (0.5, 0.25, 0.1, 0.05),
-    "supply": (1.0, 0.5, 0.1),
     "imbalance": (0.05, 0.01),
     "resistance": (0.5, 0.1, 0.05),
     "emf_constant": (0.05, 0.01),
@@ -162,7 +163,8 @@ def _coming_on(scenario: Scenario, quantity: Quantity, course: ProfileCourse) ->
     """Let a switched load come on as in every other run, from a shaft that turns freely."""
     if quantity != "load" or isinstance(scenario.load, VehicleLoad) or course.first == 0.0:
         return course
-    return ProfileCourse.of(((0.0, 0.0), (LOAD_RAMP_S, course.first), *course.profile()[1:]))
+    comes_on = scale_of(scenario.drive).load_ramp_s
+    return ProfileCourse.of(((0.0, 0.0), (comes_on, course.first), *course.profile()[1:]))
 
 
 def _plainer_load(scenario: Scenario) -> Iterator[Fields]:
@@ -171,21 +173,22 @@ def _plainer_load(scenario: Scenario) -> Iterator[Fields]:
     steady = [dwell for dwell in dwells(scenario) if dwell_torque(scenario, dwell) > 0.0]
     if not steady or isinstance(load, (LockedLoad, ConstantTorqueLoad)):
         return
-    torque = round(dwell_torque(scenario, steady[-1]), 3)
-    factor = ((0.0, 0.0), (LOAD_RAMP_S, 1.0))
+    torque = rounded(dwell_torque(scenario, steady[-1]), TORQUE_DIGITS)
+    factor = coming_on(scenario.drive)
     if not isinstance(load, VehicleLoad):
         share = course_of(scenario, "load").values()[-1]
         if share > 0.0:
-            whole = round(torque / share, 3)
+            whole = rounded(torque / share, TORQUE_DIGITS)
             yield {"load": ConstantTorqueLoad(kind="constant_torque", torque_nm=whole, factor=load.factor)}
     yield {"load": ConstantTorqueLoad(kind="constant_torque", torque_nm=torque, factor=factor)}
 
 
 def _shorter(scenario: Scenario) -> Iterator[Fields]:
     """End at the first time at which a stretch can be judged, or after a part of the run."""
-    judged = [dwell.start + SETTLING_TIME + SHORTEST_WINDOW for dwell in dwells(scenario)]
+    scale = scale_of(scenario.drive)
+    judged = [dwell.start + scale.settling_s + scale.shortest_window_s for dwell in dwells(scenario)]
     parts = [share * scenario.duration_s for share in (0.1, 0.25, 0.5, 0.75)]
-    for end in sorted({math.ceil(round(end * 10.0, 6)) / 10.0 for end in (*judged, *parts)}):
+    for end in sorted({whole_tenths(end) for end in (*judged, *parts)}):
         if end < scenario.duration_s:
             yield _until(scenario, end)
 
@@ -206,62 +209,83 @@ def _until(scenario: Scenario, end: float) -> Fields:
 def _rounder(quantity: Quantity) -> Simplification:
     def candidates(scenario: Scenario) -> Iterator[Fields]:
         course = course_of(scenario, quantity)
-        for grain in _GRAINS[quantity]:
+        for grain in _grains(scenario, quantity):
             yield fields_of(scenario, quantity, course.mapped(value=_to(grain)))
 
     return candidates
 
 
+def _grains(scenario: Scenario, quantity: Quantity) -> Iterator[float]:
+    """Give what a quantity is rounded to, the coarsest first."""
+    scale = scale_of(scenario.drive)
+    match quantity:
+        case "speed":
+            yield from (tidy(steps * scale.speed_step_rpm) for steps in _SPEED_GRAINS)
+        case "supply":
+            yield from (tidy(steps * scale.supply_step_v) for steps in _SUPPLY_GRAINS)
+        case _:
+            yield from _SHARE_GRAINS[quantity]
+
+
 def _rounder_times(scenario: Scenario) -> Iterator[Fields]:
-    for grain in _TIMES:
-        rounded = _to(grain)
-        fields: Fields = {"duration_s": max(rounded(scenario.duration_s), grain)}
+    for units in _TIMES:
+        grain = scale_of(scenario.drive).units(units)
+        rounded_time = _to(grain)
+        fields: Fields = {"duration_s": max(rounded_time(scenario.duration_s), grain)}
         changed = scenario
         for quantity in QUANTITIES:
             course = course_of(scenario, quantity)
-            # A load that comes on does so in a fifth of a second.
+            # A load comes on as in every other run.
             kept = 1 if quantity == "load" and course.first == 0.0 else 0
-            later = ProfileCourse(course.first, course.changes[kept:]).mapped(time=rounded)
+            later = ProfileCourse(course.first, course.changes[kept:]).mapped(time=rounded_time)
             rounder = ProfileCourse(course.first, course.changes[:kept] + later.changes)
             fields |= fields_of(changed, quantity, rounder)
             changed = scenario.model_copy(update=fields)
         fields["dropouts"] = tuple(
-            dropout.model_copy(update={"start_s": rounded(dropout.start_s)}) for dropout in scenario.dropouts
+            dropout.model_copy(update={"start_s": rounded_time(dropout.start_s)})
+            for dropout in scenario.dropouts
         )
         fields["glitches"] = tuple(
-            glitch.model_copy(update={"time_s": rounded(glitch.time_s)}) for glitch in scenario.glitches
+            glitch.model_copy(update={"time_s": rounded_time(glitch.time_s)}) for glitch in scenario.glitches
         )
-        fields["restarts_s"] = tuple(sorted({rounded(time) for time in scenario.restarts_s}))
+        fields["restarts_s"] = tuple(sorted({rounded_time(time) for time in scenario.restarts_s}))
         yield fields
 
 
 def _rounder_load(scenario: Scenario) -> Iterator[Fields]:
-    load = scenario.load
+    load, scale = scenario.load, scale_of(scenario.drive)
     if isinstance(load, ConstantPowerLoad):
         rated = scenario.drive.rating.rated_power_w
         for share in (0.5, 0.25, 0.1, 0.05):
             yield {"load": load.model_copy(update={"power_w": _to(share * rated)(load.power_w)})}
     elif isinstance(load, (ConstantTorqueLoad, FanLoad)):
-        for grain in (5.0, 1.0, 0.5, 0.1):
+        for steps in _TORQUE_GRAINS:
+            grain = tidy(steps * scale.torque_step_nm)
             yield {"load": load.model_copy(update={"torque_nm": _to(grain)(load.torque_nm)})}
     elif isinstance(load, VehicleLoad):
-        for grain in (100.0, 50.0):
+        for units in (2, 1):
+            grain = tidy(units * scale.mass_unit_kg)
             yield {"load": load.model_copy(update={"mass_kg": max(grain, _to(grain)(load.mass_kg))})}
 
 
 def _rounder_parameters(scenario: Scenario) -> Iterator[Fields]:
+    friction_step = 10.0 * scale_of(scenario.drive).torque_step_nm
     for grain in (0.5, 0.25, 0.1, 0.05):
         for key in type(NOMINAL).model_fields:
-            value = _to(grain)(getattr(scenario.scales, key))
+            size = tidy(grain * friction_step) if key == "friction_added_n_m" else grain
+            value = _to(size)(getattr(scenario.scales, key))
             yield {"scales": scenario.scales.model_copy(update={key: value})}
 
 
 def _rounder_failures(scenario: Scenario) -> Iterator[Fields]:
-    for grain in (0.01, 0.005, 0.001):
+    scale = scale_of(scenario.drive)
+    for steps in (10, 5, 1):
+        grain = tidy(steps * scale.dropout_step_s)
         lasting = [max(grain, _to(grain)(dropout.duration_s)) for dropout in scenario.dropouts]
         pairs = zip(scenario.dropouts, lasting, strict=True)
         yield {"dropouts": tuple(old.model_copy(update={"duration_s": time}) for old, time in pairs)}
-    for gain_grain, offset_grain in ((0.5, 1.0), (0.1, 0.5), (0.05, 0.1)):
+    for gain_grain, offset_steps in ((0.5, 50), (0.1, 25), (0.05, 5)):
+        offset_grain = tidy(offset_steps * scale.offset_step_a)
         yield {
             "current_errors": tuple(
                 error.model_copy(

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
 
 SpeedRange: TypeAlias = tuple[float, float]
 """Lowest and highest speed (rpm)."""
 
-LOWEST_LOADED = 1.1
-"""Lowest speed of a loaded run over base speed; with less, rated power is out of reach without advance (1)."""
-HIGHEST_LOADED = 3.0
-"""Highest speed of a loaded run over base speed, up to which constant power is required (1)."""
-
 
 def loaded_range(drive: DriveDocument, declared_rpm: SpeedRange | None) -> SpeedRange:
     """Give the speeds of loaded runs."""
-    lowest = round(LOWEST_LOADED * drive.rating.base_speed_rpm, 6)
-    highest = round(HIGHEST_LOADED * drive.rating.base_speed_rpm, 6)
+    scale = scale_of(drive)
+    lowest, highest = scale.lowest_loaded_rpm, scale.highest_loaded_rpm
     if declared_rpm is None:
         return lowest, highest
     if declared_rpm[1] < lowest or declared_rpm[0] > highest:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import NamedTuple
 
+from drivegate_cases.documents.wording import figure
 from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
@@ -58,14 +59,14 @@ def _levels(profile: Profile) -> list[float]:
 def _sequence(values: list[float], scale: float = 1.0) -> str:
     """Join values; what goes to and fro again and again is said once."""
     turns = len(values) // 2
-    words = [f"{scale * value:.4g}" for value in values]
+    words = [figure(scale * value) for value in values]
     if turns > _LISTED_TURNS and values == (values[:2] * (turns + 1))[: len(values)]:
         return "-".join([f"{words[0]}-{words[1]}×{turns}", *words[2 * turns :]])
     return "-".join(words)
 
 
 def _in_words(values: list[float], unit: str, scale: float = 1.0) -> str:
-    return f"{', then '.join(f'{scale * value:.4g}' for value in values)} {unit}"
+    return f"{', then '.join(figure(scale * value) for value in values)} {unit}"
 
 
 def _changing(profile: Profile, unit: str, scale: float = 1.0) -> str:
@@ -81,7 +82,7 @@ def _speed(scenario: Scenario) -> _Trait:
     levels = _levels(scenario.speed_rpm)
     words = _changing(scenario.speed_rpm, "rpm")
     if scenario.initial_speed_rpm != levels[0]:
-        words += f", starting from {scenario.initial_speed_rpm:.4g} rpm"
+        words += f", starting from {figure(scenario.initial_speed_rpm)} rpm"
     return _Trait(f"{_sequence(levels)}rpm", words)
 
 
@@ -102,7 +103,7 @@ def _load(scenario: Scenario) -> list[_Trait]:
         case ConstantPowerLoad():
             whole = _Trait(f"{load.power_w:.4g}W", f"constant power of {load.power_w:.4g} W")
         case FanLoad():
-            words = f"fan of {load.torque_nm:.4g} N·m at {load.speed_rpm:.4g} rpm"
+            words = f"fan of {load.torque_nm:.4g} N·m at {figure(load.speed_rpm)} rpm"
             whole = _Trait(f"fan-{load.torque_nm:.4g}Nm", words)
     return _switched(whole, load.factor)
 

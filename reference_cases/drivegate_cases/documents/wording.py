@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 _LONGEST_VALUE = 60
+_LARGE = 10000.0
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
@@ -18,6 +19,11 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 def counted(count: int, noun: str) -> str:
     """Give a number with its noun."""
     return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def figure(value: float) -> str:
+    """Write a number with four digits, or with all of those before the point."""
+    return f"{value:.4g}" if not abs(value) >= _LARGE else f"{value:.0f}"
 
 
 def one_line(text: str) -> str:

@@ -19,6 +19,7 @@ from drivegate_cases.drive.inverter import Inverter
 from drivegate_cases.drive.machine import Machine
 from drivegate_cases.drive.provenance import Provenance, check_provenance
 from drivegate_cases.drive.rating import Rating
+from drivegate_cases.drive.requirements import NO_REQUIREMENTS, Requirements, check_points
 from drivegate_cases.drive.scales import NOMINAL, Scales
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ _TABLES: Final[Mapping[str, type[Section]]] = {
     "inverter": Inverter,
     "rating": Rating,
     "advance": Advance,
+    "requirements": Requirements,
 }
 _KEYS: Final = {name: tuple(table.model_fields) for name, table in _TABLES.items()}
 _TABLE_OF_KEY: Final = {key: table for table, keys in _KEYS.items() for key in keys}
@@ -60,6 +62,9 @@ class DriveDocument(Document):
     advance: Advance | None = Field(
         default=None,
         description="table of the line of initial advance angles over speed; computed where it is left out",
+    )
+    requirements: Requirements = Field(
+        default=NO_REQUIREMENTS, description="table of the limits that controllers are judged by"
     )
     provenance: Provenance = Field(
         default_factory=dict,
@@ -94,6 +99,7 @@ class DriveDocument(Document):
                 f"the key 'inverter.hysteresis_band_a' is {band:g}, but must be at most the current limit of "
                 f"{limit:g} A"
             )
+        check_points(self.requirements, self.rating)
         self._check_chopping()
         return self
 
@@ -116,7 +122,17 @@ class DriveDocument(Document):
 
     def __hash__(self) -> int:
         """Hash the values; the provenance, a table, is left out."""
-        return hash((self.name, self.kind, self.machine, self.inverter, self.rating, self.advance))
+        return hash(
+            (
+                self.name,
+                self.kind,
+                self.machine,
+                self.inverter,
+                self.rating,
+                self.advance,
+                self.requirements,
+            )
+        )
 
     @property
     def values_hash(self) -> str:

@@ -7,7 +7,11 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.drive_numbers import on_drive
 from drivegate.checks.traceability import SPECIAL, facts_of, families_of
+from drivegate.drives.kinds import DEFAULT_DRIVE
+from drivegate_cases.documents.document import parse_document
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.publication.facts import facts
 from drivegate_reports.page.printable import clean
 from drivegate_reports.paper.catalogue import FIGURES
@@ -61,11 +65,20 @@ class FactRow:
     figures: tuple[str, ...]
 
 
-def evidence_of(check: str) -> Evidence | None:
-    """Look a check up."""
-    known = _BY_ID.get(check)
-    if known is None:
+def drive_of(document: Mapping[str, Any]) -> DriveDocument:
+    """Find the drive of a result in its first run; the default one where nothing was run."""
+    runs = document.get("fixed") or ()
+    if not runs:
+        return load_drive(DEFAULT_DRIVE)
+    return parse_document(runs[0]["scenario"]["drive"], DriveDocument, "the result's drive")
+
+
+def evidence_of(check: str, drive: DriveDocument) -> Evidence | None:
+    """Look a check up, with the numbers of a drive."""
+    listed = _BY_ID.get(check)
+    if listed is None:
         return None
+    known = on_drive(listed, drive)
     return Evidence(tuple(fact.id for fact in facts_of(known)), known.scenarios, families_of(check))
 
 

@@ -22,7 +22,7 @@ def write(document: Mapping[str, Any], folder: Path) -> Path:
 def page(document: Mapping[str, Any]) -> str:
     """Make the page."""
     from drivegate_cases.publication.facts import facts, open_assumptions
-    from drivegate_reports.conformance.coverage import coverage_gaps, evidence_of, fact_rows
+    from drivegate_reports.conformance.coverage import coverage_gaps, drive_of, evidence_of, fact_rows
     from drivegate_reports.conformance.runs import margin_figure, shown_runs
     from drivegate_reports.conformance.view import view_of
     from drivegate_reports.page.page import page_text
@@ -30,14 +30,14 @@ def page(document: Mapping[str, Any]) -> str:
     from drivegate_reports.paper.findings import recomputed_findings
     from drivegate_reports.paper.verdicts import verdict_counts
 
-    view = view_of(document)
+    view, drive = view_of(document), drive_of(document)
     compared = comparisons()
     return page_text(
         "conformance.html.j2",
         result=view,
         runs=shown_runs(document),
         margins=margin_figure(document),
-        evidence={row.id: evidence_of(row.id) for row in view.checks},
+        evidence={row.id: evidence_of(row.id, drive) for row in view.checks},
         gaps=coverage_gaps(document),
         fact_rows=fact_rows(),
         counts=verdict_counts(compared),

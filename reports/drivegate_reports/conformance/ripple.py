@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from drivegate.checks.ripple import LARGEST_RIPPLE
 from drivegate.output.run_signals import RunSignals
+from drivegate_cases.drive.limits import limits_of
 from drivegate_models.errors import InputError
 from drivegate_reports.paper.figures.instantaneous_torque import TorqueCycle, cycle_at
 
@@ -55,4 +55,5 @@ def ripple_of(check: str, signals: RunSignals) -> Ripple | None:
         cycle = cycle_at(ideal, speed, min(max(angle, 0.0), 90.0), torque)
     except InputError:
         return None
-    return Ripple(cycle, LARGEST_RIPPLE, torque) if cycle.mean_nm > 0.0 else None
+    limit = limits_of(signals.scenario.drive).ripple
+    return Ripple(cycle, limit, torque) if cycle.mean_nm > 0.0 else None

@@ -4,7 +4,9 @@ import pytest
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.checks.catalogue import CHECKS
+from drivegate_cases.drive.drive_document import load_drive
 
+PAPER = load_drive("paper-5-phase")
 LEVELS = {
     "PWR-1": "required",
     "PWR-2": "required",
@@ -51,14 +53,14 @@ def test_every_check_tells_what_it_is_about(check):
 
 
 def test_a_candidate_that_declares_nothing_is_spared_the_flowchart_alone():
-    reasons = {check.id: check.reason_not_applicable(Declaration()) for check in CHECKS}
+    reasons = {check.id: check.reason_not_applicable(Declaration(), PAPER) for check in CHECKS}
     inapplicable = {identifier: reason for identifier, reason in reasons.items() if reason is not None}
     assert inapplicable == {"FLO-1": "the candidate does not declare the profile 'flowchart'"}
 
 
 def test_the_profile_flowchart_asks_for_its_check():
     declaration = Declaration(FlowchartProfile(0.5, 0.0, 0.001, 0.02, 0.1))
-    assert all(check.reason_not_applicable(declaration) is None for check in CHECKS)
+    assert all(check.reason_not_applicable(declaration, PAPER) is None for check in CHECKS)
 
 
 @pytest.mark.parametrize(
@@ -73,7 +75,9 @@ def test_the_profile_flowchart_asks_for_its_check():
 )
 def test_a_candidate_is_spared_checks_at_speeds_that_it_is_not_made_for(speeds, spared):
     declaration = Declaration(speed_range_rpm=speeds)
-    reasons = {check.id: check.reason_not_applicable(declaration) for check in CHECKS if check.id != "FLO-1"}
+    reasons = {
+        check.id: check.reason_not_applicable(declaration, PAPER) for check in CHECKS if check.id != "FLO-1"
+    }
     inapplicable = {identifier: reason for identifier, reason in reasons.items() if reason is not None}
     robust = {"ROB-1", "ROB-2", "ROB-3"} if "CNV-1" in spared else set()
     assert set(inapplicable) == spared | robust
@@ -83,7 +87,8 @@ def test_a_candidate_is_spared_checks_at_speeds_that_it_is_not_made_for(speeds, 
 
 def test_the_reason_names_the_speeds_that_the_check_is_about():
     reasons = {
-        check.id: check.reason_not_applicable(Declaration(speed_range_rpm=(0.0, 400.0))) for check in CHECKS
+        check.id: check.reason_not_applicable(Declaration(speed_range_rpm=(0.0, 400.0)), PAPER)
+        for check in CHECKS
     }
     assert reasons["RIP-1"] == (
         "the candidate declares a speed range of 0 to 400 rpm, which contains none of 1500 rpm"

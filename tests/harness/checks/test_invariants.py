@@ -12,11 +12,12 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.checks.command_range import angle_below_base
 from drivegate.checks.convergence import converges
 from drivegate.checks.power import estimated_power, exchanged_power
-from drivegate.checks.ripple import LARGEST_RIPPLE, ripple_at_converged_angle
+from drivegate.checks.ripple import ripple_at_converged_angle
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.drawn.families import base_speed_scenarios, drawn_scenarios, steady_scenarios
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_models.half_bridge.steady.oracle import feasible_edge, point_at_torque
@@ -110,7 +111,9 @@ def test_torque_ripple_is_below_13_percent_at_1500_rpm(share: float, resistance:
     angle = edge + share * (math.radians(58.0) - edge)
     point = point_at_torque(drive, RIPPLE_SPEED, angle, 9.8)
     ripple = (point.torque_highest - point.torque_lowest) / point.torque
-    assert ripple < LARGEST_RIPPLE, f"the ripple is {100 * ripple:.2f} % at {math.degrees(angle):.2f}°"
+    assert ripple < limits_of(DRIVE).ripple == 0.13, (
+        f"the ripple is {100 * ripple:.2f} % at {math.degrees(angle):.2f}°"
+    )
 
 
 @FEW

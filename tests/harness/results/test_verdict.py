@@ -15,7 +15,9 @@ from drivegate.results.result import CheckOutcome
 from drivegate.results.verdict import candidate_verdict, check_outcomes, machine_dependent
 from drivegate_cases.scenario.scenario import load_scenario
 
-PLAIN = load_scenario("lock-up").to_mapping()
+LOCK_UP = load_scenario("lock-up")
+DRIVE = LOCK_UP.drive
+PLAIN = LOCK_UP.to_mapping()
 
 
 def run(name: str, *margins: Margin, **changes: Any) -> JudgedRun:
@@ -25,7 +27,9 @@ def run(name: str, *margins: Margin, **changes: Any) -> JudgedRun:
 def judged(
     check: str, *runs: JudgedRun, complete: bool = True, declaration: Declaration | None = None
 ) -> CheckOutcome:
-    outcomes = check_outcomes(runs, declaration or Declaration(estimates_power=True), complete=complete)
+    outcomes = check_outcomes(
+        runs, declaration or Declaration(estimates_power=True), DRIVE, complete=complete
+    )
     assert [outcome.id for outcome in outcomes] == [one.id for one in CHECKS]
     return next(outcome for outcome in outcomes if outcome.id == check)
 
@@ -95,7 +99,7 @@ def test_the_simplest_failure_becomes_the_counterexample() -> None:
 
 def test_what_is_met_or_not_the_candidates_is_not_made_simpler() -> None:
     failing = run("a", Margin("PWR-1", -1.0, "x"), Margin("CNV-1", 1.0, "y"), Margin("DET-1", -1.0, "z"))
-    outcomes = check_outcomes([failing], Declaration(), complete=True)
+    outcomes = check_outcomes([failing], Declaration(), DRIVE, complete=True)
     failures = simplest_failures(outcomes, [failing])
     assert [(failure.check, failure.shrinks()) for failure in failures] == [("DET-1", False)]
     assert candidate_verdict(outcomes, []) == ("harness fault", 3), (

@@ -6,9 +6,9 @@ from itertools import combinations, pairwise
 
 import pytest
 
-from drivegate.scenarios.building import LOAD_RAMP_S
-from drivegate.scenarios.combined import LONG_S, combined_scenarios, long_scenarios
+from drivegate.scenarios.combined import combined_scenarios, long_scenarios
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows, is_possible, possible_pairs
+from drivegate.scenarios.drive_scale import scale_of
 from drivegate.scenarios.feasibility import is_fair
 from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.drive.drive_document import load_drive
@@ -73,7 +73,7 @@ def test_parts_make_the_whole_whatever_their_number() -> None:
 
 def test_long_runs_last_minutes_at_rated_power() -> None:
     for scenario in long_scenarios(DRIVE, None, 0):
-        assert scenario.duration_s >= LONG_S >= 120.0
+        assert scenario.duration_s >= scale_of(DRIVE).long_s >= 120.0
         power = scenario.load.torque_nm * scenario.speed_rpm[0][1] * 0.10471975512  # type: ignore[union-attr]
         assert power == pytest.approx(DRIVE.rating.rated_power_w, rel=1e-3)
         assert scenario.load_profile[1] == (0.2, 1.0)
@@ -84,7 +84,7 @@ def test_a_long_run_leaves_the_search_time_to_rest_between_more_than_twenty_chan
     changes = [
         time
         for (time, share), (_, after) in pairwise(busy.load_profile)
-        if share != after and time > LOAD_RAMP_S
+        if share != after and time > scale_of(DRIVE).load_ramp_s
     ]
     assert len(changes) > 20, busy.name
     assert min(after - before for before, after in pairwise(changes)) >= 6.0
@@ -98,7 +98,7 @@ def test_no_two_rows_of_the_loaded_speeds_have_the_same_one() -> None:
         for scenario in scenarios
         if len(scenario.speed_rpm) == 1
         and scenario.speed_rpm[0][1] <= 1500.0
-        and scenario.duration_s < LONG_S
+        and scenario.duration_s < scale_of(DRIVE).long_s
     ]
     assert len(set(steady)) == len(steady) >= 8, sorted(steady)
 

@@ -81,7 +81,7 @@ def test_feasible_means_an_angle_for_every_corner_of_the_profiles(changed: Scena
 @pytest.mark.parametrize(("grade", "fair"), [(0.0, True), (3.0, True), (-3.0, False), (30.0, False)])
 def test_a_vehicle_can_neither_be_braked_nor_climb_any_hill(grade: float, fair: bool) -> None:
     road = stepped(0.0, grade, 5.0)
-    assert is_fair(vehicle_scenario(DRIVE, 1000.0, mass_kg=200.0, gear_ratio=4.0, grade_percent=road)) is fair
+    assert is_fair(vehicle_scenario(DRIVE, 1000.0, mass_units=4, gear_units=4, grade_percent=road)) is fair
 
 
 def test_friction_counts_as_load() -> None:

@@ -48,13 +48,6 @@ _ALL: Final = (
         factors=(("advance_begins", 540.0 / 510.0),),
     ),
     Mutation(
-        "decides-slowly",
-        KIND,
-        "Decides every 110 ms instead of every 100 ms.",
-        "",
-        factors=(("decision_steps", 1.1),),
-    ),
-    Mutation(
         "gain-doubled",
         KIND,
         "Has twice the gain in its speed regulator, and so twice the answer to the noise of the measured speed.",

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from drivegate.candidates.declaration import FlowchartProfile
 from drivegate.checks.flowchart.scripts import Event, script_of
+from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.script import Script
 
@@ -18,13 +19,15 @@ def drawn_scripts(
 ) -> st.SearchStrategy[Script]:
     """Draw scripts."""
     lowest, highest = speed_range_rpm or (0.0, math.inf)
-    lowest = max(lowest, 1.2 * drive.rating.base_speed_rpm)
-    highest = max(min(highest, 3.0 * drive.rating.base_speed_rpm), lowest)
+    scale = scale_of(drive)
+    step = scale.speed_step_rpm
+    lowest = max(lowest, scale.speed(0.1))
+    highest = max(min(highest, scale.highest_loaded_rpm), lowest)
     powers = st.sampled_from((0.0, -2.0, 2.0, -3.0, 3.0, -5.0, 5.0, -0.5, 0.5))
     errors = st.sampled_from((0.0, 0.0, 0.0, 0.0, 0.0, 0.5, -0.5, 1.5, -1.5))
     return st.builds(
-        lambda slower, events: _drawn(drive, profile, highest - 10.0 * slower, events),
-        st.integers(0, int((highest - lowest) // 10.0)),
+        lambda slower, events: _drawn(drive, profile, tidy(highest - step * slower), events),
+        st.integers(0, int((highest - lowest) // step)),
         st.lists(st.tuples(powers, errors).map(lambda pair: Event(*pair)), min_size=1, max_size=24),
     )
 

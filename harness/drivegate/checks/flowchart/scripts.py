@@ -7,15 +7,15 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from drivegate.candidates.declaration import FlowchartProfile
+from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S
 from drivegate_cases.scenario.script import Script, ScriptRow
 
-USUAL_SPEED_RPM: Final = 1500.0
-"""Speed of the fixed scripts (rpm)."""
+LOWEST_SHARE: Final = 0.025
+"""Share of the range above which a speed is one of the fixed scripts; they go down by 4 % (1)."""
 MOST_ROWS: Final = 150
 """Greatest length of a script that leads to the end of the range."""
-_USUAL_SUM_A: Final = 40.0
 _SUMS_A: Final = (1.0, 1e5)
 _LEAST_UNIT, _GREATEST_UNIT = 0.002, 0.02
 _DIGITS: Final = 9
@@ -47,7 +47,7 @@ def script_of(
     """Write a script: a first row from which nothing has changed yet, and one row for each event."""
     falls = sum(abs(event.power) for event in events if event.power < 0.0)
     steps = profile.power_tolerance / drive.inverter.supply_voltage_v
-    current = round(_USUAL_SUM_A + falls * steps, 3)
+    current = round(scale_of(drive).current_sum_a + falls * steps, 3)
     rows = [_row(speed_rpm, 0.0, current, drive, profile)]
     for event in events:
         changed = _changed(current, event.power, steps, profile.power_tolerance_fraction)
@@ -103,9 +103,11 @@ def probe(drive: DriveDocument, profile: FlowchartProfile, speed_rpm: float) -> 
 
 def usual_speed(drive: DriveDocument, speed_range_rpm: tuple[float, float] | None) -> float | None:
     """Choose the speed of the fixed scripts."""
-    lowest, highest = speed_range_rpm or (0.0, math.inf)
-    speed = min(max(USUAL_SPEED_RPM, lowest), highest)
-    return speed if speed > drive.rating.base_speed_rpm * 1.05 else None
+    slowest, fastest = speed_range_rpm or (0.0, math.inf)
+    scale = scale_of(drive)
+    speed = min(max(scale.highest_loaded_rpm, slowest), fastest)
+    lowest = scale.base_speed_rpm + LOWEST_SHARE * (scale.highest_loaded_rpm - scale.base_speed_rpm)
+    return speed if speed > lowest else None
 
 
 def fixed_scripts(drive: DriveDocument, profile: FlowchartProfile, speed_rpm: float) -> tuple[Script, ...]:

@@ -15,6 +15,7 @@ from drivegate.scenarios.changes import (
 )
 from drivegate.scenarios.drawn.changes import load_step_scenarios
 from drivegate.scenarios.drawn.steps import change_times, nonzero, steady_runs
+from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.speed_range import SpeedRange
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
@@ -57,9 +58,9 @@ def restart_scenarios(
 ) -> st.SearchStrategy[Scenario]:
     """Draw resets of the running controller, one or twenty in a row."""
     return st.builds(
-        lambda often, at, run: with_restarts(run, *(moments(at) if often else (at,))),
+        lambda often, at, run: with_restarts(run, *_times(run, at, often)),
         st.booleans(),
-        change_times(),
+        change_times(drive),
         steady_runs(drive, speed_range),
     )
 
@@ -68,7 +69,7 @@ def phase_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
     """Draw current sensors of one phase with a wrong gain or offset, or with samples that are lost."""
-    runs = steady_runs(drive, speed_range)
+    runs, offset_step = steady_runs(drive, speed_range), scale_of(drive).offset_step_a
     phases = st.integers(1, drive.machine.phases)
     gains = st.builds(
         lambda phase, steps, run: with_current_error(run, phase, gain=round(1.0 + 0.02 * steps, 2)),
@@ -77,17 +78,21 @@ def phase_scenarios(
         runs,
     )
     offsets = st.builds(
-        lambda phase, steps, run: with_current_error(run, phase, offset_a=round(0.02 * steps, 2)),
+        lambda phase, steps, run: with_current_error(run, phase, offset_a=tidy(offset_step * steps)),
         phases,
         nonzero(10),
         runs,
     )
     return st.one_of(
-        gains, offsets, st.builds(_with_lost_samples, st.booleans(), phases, change_times(), runs)
+        gains, offsets, st.builds(_with_lost_samples, st.booleans(), phases, change_times(drive), runs)
     )
 
 
+def _times(run: Scenario, at: float, often: bool) -> tuple[float, ...]:
+    return moments(at, every_s=scale_of(run.drive).repeated_every_s) if often else (at,)
+
+
 def _with_lost_samples(often: bool, phase: int, at: float, run: Scenario) -> Scenario:
-    for time in moments(at) if often else (at,):
+    for time in _times(run, at, often):
         run = with_dropout(run, "currents", time, run.control_period_s, phase=phase)
     return run

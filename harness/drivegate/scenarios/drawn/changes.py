@@ -15,6 +15,7 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.scenarios.drawn.steps import change_times, loaded_speeds, shares, steady_runs
+from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.speed_range import SpeedRange
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
@@ -22,15 +23,15 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 COASTING_SHARE = 0.5
 """Greatest rate at which a loaded speed reference falls, over the rate at which the load alone slows the shaft (1)."""
-_RAMP_STEP_S = 0.1
-_WEIGHTS_KG = (150.0, 200.0)
-_GEARS = (6.0, 8.0)
+_MASSES = (3, 4)
+_GEARS = (6, 8)
 
 
 def load_step_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
     """Draw steps of the load, up or down, lasting or soon taken back."""
+    tenth = scale_of(drive).tenth_s
 
     def build(
         constant_power: bool, back: int, at: float, before: float, after: float, speed: float
@@ -38,14 +39,14 @@ def load_step_scenarios(
         whole = steady_scenario(drive, speed, power_share=1.0, constant_power=constant_power)
         changes = [(0.0, before), (at, after)]
         if back:
-            changes.append((round(at + 0.1 * back, 9), before))
+            changes.append((tidy(at + tenth * back), before))
         return with_load_shares(whole, *changes)
 
     return st.builds(
         build,
         st.booleans(),
         st.one_of(st.just(0), st.integers(1, 30)),
-        change_times(),
+        change_times(drive),
         shares(),
         shares(),
         loaded_speeds(drive, speed_range),
@@ -56,25 +57,26 @@ def speed_step_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
     """Draw changes of the speed reference under load: up at once or as a ramp, down slower than the shaft coasts."""
+    tenth = scale_of(drive).tenth_s
 
     def build(
         constant_power: bool, at: float, longer: int, share: float, before: float, after: float
     ) -> Scenario:
         faster = max(before, after)
         run = steady_scenario(drive, faster, power_share=share, constant_power=constant_power)
-        over = _RAMP_STEP_S * longer
+        over = tenth * longer
         if after < before:
             # At the higher speed a constant power load is lightest.
             torque = drive.rating.rated_power_w * share / (faster * RADIANS_PER_RPM)
             fastest = COASTING_SHARE * torque / drive.machine.inertia_kg_m2
             least = (before - after) * RADIANS_PER_RPM / fastest
-            over += _RAMP_STEP_S * math.ceil(least / _RAMP_STEP_S)
+            over += tenth * math.ceil(least / tenth)
         return with_speed(run, stepped(before, after, at, over_s=over))
 
     return st.builds(
         build,
         st.booleans(),
-        change_times(),
+        change_times(drive),
         st.integers(0, 30),
         shares(),
         loaded_speeds(drive, speed_range),
@@ -86,18 +88,19 @@ def supply_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
     """Draw dips and swells of the supply, for a moment or for good."""
+    tenth = scale_of(drive).tenth_s
 
     def build(swell: bool, tenths: int, at: float, percent: int, run: Scenario) -> Scenario:
         share = round(1.0 + (percent if swell else -percent) / 100.0, 2)
         if tenths == 0:
             return with_supply(run, stepped(1.0, share, at))
-        return with_supply(run, pulsed(1.0, share, at, round(0.1 * tenths, 1)))
+        return with_supply(run, pulsed(1.0, share, at, tidy(tenth * tenths)))
 
     return st.builds(
         build,
         st.booleans(),
         st.integers(0, 10),
-        change_times(),
+        change_times(drive),
         st.integers(1, 10),
         steady_runs(drive, speed_range),
     )
@@ -108,15 +111,15 @@ def vehicle_scenarios(
 ) -> st.SearchStrategy[Scenario]:
     """Draw runs of a light vehicle, on a flat road at first."""
 
-    def build(mass: float, gear: float, at: float, half_percents: int, speed: float) -> Scenario:
+    def build(mass: int, gear: int, at: float, half_percents: int, speed: float) -> Scenario:
         grade = stepped(0.0, 0.5 * half_percents, at) if half_percents else ((0.0, 0.0),)
-        return vehicle_scenario(drive, speed, mass_kg=mass, gear_ratio=gear, grade_percent=grade)
+        return vehicle_scenario(drive, speed, mass_units=mass, gear_units=gear, grade_percent=grade)
 
     return st.builds(
         build,
-        st.sampled_from(_WEIGHTS_KG),
+        st.sampled_from(_MASSES),
         st.sampled_from(_GEARS),
-        change_times(),
+        change_times(drive),
         st.integers(0, 2),
         loaded_speeds(drive, speed_range),
     )

@@ -15,6 +15,7 @@ from drivegate.scenarios.changes import (
 )
 from drivegate.scenarios.drawn.changes import load_step_scenarios
 from drivegate.scenarios.drawn.steps import change_times, nonzero, steady_runs
+from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.speed_range import SpeedRange
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.scales import NOMINAL
@@ -34,11 +35,12 @@ def parameter_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
     """Draw plants whose parameters are not the nameplate's, one of them or several."""
+    friction_step = scale_of(drive).torque_step_nm
     values = {
         "resistance": _factors(-5, 10, 0.1),
         "inductance": _factors(-4, 4, 0.05),
         "emf_constant": _factors(-5, 5, 0.01),
-        "friction_added_n_m": st.integers(0, 5).map(lambda count: round(0.1 * count, 1)),
+        "friction_added_n_m": st.integers(0, 5).map(lambda count: tidy(friction_step * count)),
     }
     nominal = NOMINAL.model_dump()
     single = [
@@ -68,31 +70,33 @@ def fault_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
     """Draw signals that are lost for a moment, false encoder edges, unequal supply halves and drift."""
-    runs = steady_runs(drive, speed_range)
+    runs, step = steady_runs(drive, speed_range), scale_of(drive).dropout_step_s
     lost = st.builds(
-        lambda signal, at, milliseconds, run: with_dropout(run, signal, at, milliseconds / 1000.0),
+        lambda signal, at, steps, run: with_dropout(run, signal, at, tidy(step * steps)),
         st.sampled_from(("speed", "currents", "supply")),
-        change_times(),
+        change_times(drive),
         st.integers(1, 20),
         st.one_of(runs, _seen(runs)),
     )
     false_edges = st.builds(
-        lambda at, counts, run: with_glitch(run, counts, at), change_times(), nonzero(50), _seen(runs)
+        lambda at, counts, run: with_glitch(run, counts, at), change_times(drive), nonzero(50), _seen(runs)
     )
     unequal = st.builds(
         lambda at, percent, run: with_imbalance(run, stepped(0.0, percent / 100.0, at)),
-        change_times(),
+        change_times(drive),
         nonzero(5),
         runs,
     )
-    return st.one_of(lost, false_edges, unequal, _drifts(runs))
+    return st.one_of(lost, false_edges, unequal, _drifts(drive, runs))
 
 
-def _drifts(runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
+def _drifts(drive: DriveDocument, runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
+    scale = scale_of(drive)
+
     def build(at: float, over: int, amounts: tuple[int, int], run: Scenario) -> Scenario:
         warmer, weaker = amounts
-        resistance = stepped(1.0, round(1.0 + 0.05 * warmer, 2), at, over_s=over)
-        emf_constant = stepped(1.0, round(1.0 - 0.01 * weaker, 2), at, over_s=over)
+        resistance = stepped(1.0, round(1.0 + 0.05 * warmer, 2), at, over_s=scale.units(over))
+        emf_constant = stepped(1.0, round(1.0 - 0.01 * weaker, 2), at, over_s=scale.units(over))
         return with_drift(
             run,
             resistance=resistance if warmer else None,
@@ -104,4 +108,4 @@ def _drifts(runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
         st.tuples(st.just(0), st.integers(1, 5)),
         st.tuples(st.integers(1, 8), st.integers(1, 5)),
     )
-    return st.builds(build, change_times(), st.integers(1, 10), amounts, runs)
+    return st.builds(build, change_times(drive), st.integers(1, 10), amounts, runs)

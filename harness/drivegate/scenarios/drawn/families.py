@@ -17,16 +17,17 @@ from drivegate.scenarios.drawn.changes import (
 )
 from drivegate.scenarios.drawn.circumstances import fault_scenarios, parameter_scenarios, sensor_scenarios
 from drivegate.scenarios.drawn.courses import load_course_scenarios, standstill_scenarios
-from drivegate.scenarios.drawn.steps import SPEED_STEP_RPM, loaded_speeds, shares, steady_runs, steps_between
-from drivegate.scenarios.speed_range import HIGHEST_LOADED, SpeedRange
+from drivegate.scenarios.drawn.steps import loaded_speeds, shares, steady_runs, steps_between
+from drivegate.scenarios.drive_scale import scale_of, tidy
+from drivegate.scenarios.speed_range import SpeedRange
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 
 Family: TypeAlias = Callable[[DriveDocument, SpeedRange | None], st.SearchStrategy[Scenario]]
 """From a drive and the speeds that a candidate is made for to scenarios of one kind."""
 
-HIGHEST_ADVISED = 4.0
-"""Highest speed over base speed, up to which constant power is required in an advisory way (1)."""
+FALL_SHARE = 0.2
+"""Step of the rate at which an unloaded reference falls, as a share of a grain of speed in a unit of time (1)."""
 
 
 def steady_scenarios(
@@ -49,13 +50,13 @@ def overspeed_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
     """Draw runs beyond the required speeds, at rated power or under any lighter load."""
-    lowest = HIGHEST_LOADED * drive.rating.base_speed_rpm + SPEED_STEP_RPM
-    highest = HIGHEST_ADVISED * drive.rating.base_speed_rpm
+    step = scale_of(drive).speed_step_rpm
+    lowest, highest = drive.rating.highest_speed_rpm + step, drive.rating.overspeed_rpm
     if speed_range is not None:
         lowest, highest = max(lowest, speed_range[0]), min(highest, speed_range[1])
     if lowest > highest:
         return st.nothing()
-    speeds = steps_between(lowest, highest)
+    speeds = steps_between(lowest, highest, step)
     lighter = st.builds(
         lambda constant_power, share, speed: steady_scenario(
             drive, speed, power_share=share, constant_power=constant_power
@@ -72,18 +73,20 @@ def base_speed_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
     """Draw unloaded runs through base speed."""
-    below, above = 80, 8
+    scale = scale_of(drive)
+    grain, base = scale.speed_grain_rpm, scale.base_speed_rpm
+    below, above = min(80, int(base // grain)), min(8, int((scale.highest_loaded_rpm - base) // grain))
     if speed_range is not None:
-        below = min(below, int((drive.rating.base_speed_rpm - speed_range[0]) // 5.0))
-        above = min(above, int((speed_range[1] - drive.rating.base_speed_rpm) // 5.0))
+        below = min(below, int((base - speed_range[0]) // grain))
+        above = min(above, int((speed_range[1] - base) // grain))
     if below < 2 or above < 1:
         return st.nothing()
     return st.builds(
         lambda below, above, fall: base_speed_scenario(
             drive,
-            drive.rating.base_speed_rpm - 5.0 * below,
-            drive.rating.base_speed_rpm + 5.0 * above,
-            float(fall),
+            scale.around_base(-below),
+            scale.around_base(above),
+            tidy(FALL_SHARE * grain * fall / scale.time_unit_s),
         ),
         st.integers(1, below),
         st.integers(1, above),

@@ -10,35 +10,31 @@ import math
 from hypothesis import strategies as st
 
 from drivegate.scenarios.building import steady_scenario
-from drivegate.scenarios.changes import (
-    CHANGE_S,
-)
+from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.speed_range import SpeedRange, loaded_range
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 
-SPEED_STEP_RPM = 10.0
-"""Step of drawn speeds (rpm)."""
 LOAD_STEP = 0.05
 """Step of drawn loads, as a share of rated power (1)."""
 LIGHTEST_STEPS = 18
 """Greatest number of these steps below rated power."""
-TIME_STEP_S = 0.5
-"""Step of the times of changes (s)."""
+EARLIEST_STEPS = 18
+"""Greatest number of steps by which a change comes before a search has converged."""
 
 
-def steps_between(lowest: float, highest: float) -> st.SearchStrategy[float]:
+def steps_between(lowest: float, highest: float, step: float) -> st.SearchStrategy[float]:
     """Draw a speed of whole steps, simplest at the highest."""
-    top = math.floor(highest / SPEED_STEP_RPM + 1e-9)
-    bottom = math.ceil(lowest / SPEED_STEP_RPM - 1e-9)
+    top = math.floor(highest / step + 1e-9)
+    bottom = math.ceil(lowest / step - 1e-9)
     if bottom > top:
         return st.just(highest)
-    return st.integers(0, top - bottom).map(lambda slower: SPEED_STEP_RPM * (top - slower))
+    return st.integers(0, top - bottom).map(lambda slower: tidy(step * (top - slower)))
 
 
 def loaded_speeds(drive: DriveDocument, speed_range: SpeedRange | None) -> st.SearchStrategy[float]:
     """Draw a speed of a loaded run."""
-    return steps_between(*loaded_range(drive, speed_range))
+    return steps_between(*loaded_range(drive, speed_range), scale_of(drive).speed_step_rpm)
 
 
 def shares(lightest: int = LIGHTEST_STEPS) -> st.SearchStrategy[float]:
@@ -46,9 +42,12 @@ def shares(lightest: int = LIGHTEST_STEPS) -> st.SearchStrategy[float]:
     return st.integers(0, lightest).map(lambda lighter: round(1.0 - LOAD_STEP * lighter, 2))
 
 
-def change_times() -> st.SearchStrategy[float]:
+def change_times(drive: DriveDocument) -> st.SearchStrategy[float]:
     """Draw the time of a change."""
-    return st.integers(0, 18).map(lambda earlier: CHANGE_S - TIME_STEP_S * earlier)
+    scale = scale_of(drive)
+    return st.integers(0, EARLIEST_STEPS).map(
+        lambda earlier: tidy(scale.change_s - scale.change_step_s * earlier)
+    )
 
 
 def nonzero(greatest: int) -> st.SearchStrategy[int]:

@@ -118,7 +118,7 @@ def _judged(record: RunRecord, checks: tuple[str, ...]) -> CampaignRow:
     margins: list[Margin] = []
     for name in checks:
         check = CHECKS_BY_ID[name]
-        if check.reason_not_applicable(record.declaration) is None:
+        if check.reason_not_applicable(record.declaration, record.scenario.drive) is None:
             margin = check.evaluate(record)
             if margin is not None:
                 margins.append(margin)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+from drivegate.checks.drive_numbers import on_drive
 from drivegate.results.result import finite
 from drivegate.studies.campaign.folder import CampaignFolder
 from drivegate.studies.campaign.plan import CampaignPlan
@@ -68,7 +69,7 @@ def _candidate(
 
 
 def _check(plan: CampaignPlan, folder: CampaignFolder, place: int, entry: CheckStatistics) -> dict[str, Any]:
-    check = CHECKS_BY_ID[entry.check]
+    check = on_drive(CHECKS_BY_ID[entry.check], plan.run(entry.worst_run or 0).scenario.drive)
     return {
         "id": entry.check,
         "level": check.level,

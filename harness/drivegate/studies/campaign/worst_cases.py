@@ -6,6 +6,7 @@ from typing import Any, Final
 from urllib.parse import quote
 
 from drivegate.candidates.fault import bounded_line
+from drivegate.checks.drive_numbers import on_drive
 from drivegate.results.counterexample import KIND, Counterexample
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite
@@ -53,8 +54,8 @@ def _counterexample(
     plan: CampaignPlan, folder: CampaignFolder, place: int, entry: CheckStatistics, measured: str
 ) -> str:
     """Write the worst run of a check that it violates, and tell where."""
-    check, candidate = CHECKS_BY_ID[entry.check], plan.candidates[place]
-    scenario = plan.run(entry.worst_run or 0).scenario.to_mapping()
+    worst, candidate = plan.run(entry.worst_run or 0).scenario, plan.candidates[place]
+    check, scenario = on_drive(CHECKS_BY_ID[entry.check], worst.drive), worst.to_mapping()
     content = {
         "schema": Counterexample.schema_current,
         "kind": KIND,

@@ -69,7 +69,7 @@ def comparison_document(
             "base_speed_rpm": drive.rating.base_speed_rpm,
             "rated_power_w": drive.rating.rated_power_w,
         },
-        "size": asdict(EFFORTS[effort]) | {"runs_of_each": len(plan)},
+        "size": _size(effort, plan),
         "cycle": _cycle(cycle),
         "candidates": [_candidate(compared) for compared in all_compared],
         "tables": {
@@ -131,6 +131,14 @@ def _fault(fault: Fault) -> dict[str, Any]:
     document["kind"] = fault.kind.value
     document["time_s"] = document.pop("time")
     return document
+
+
+def _size(effort: str, plan: Sequence[PlannedRun]) -> dict[str, Any]:
+    """Tell how much is run, with the speeds that the shares of the effort are on this drive."""
+    size = asdict(EFFORTS[effort])
+    del size["speeds"]
+    speeds = dict.fromkeys(run.speed_rpm for run in plan if run.group == "points")
+    return {"speeds_rpm": list(speeds)} | size | {"runs_of_each": len(plan)}
 
 
 def _cycle(cycle: DriveCycle) -> dict[str, Any]:

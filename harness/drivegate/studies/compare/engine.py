@@ -115,7 +115,8 @@ def run_plan(
     """Run a candidate through a plan, and let the checks judge it."""
     candidate = compared.candidate
     assert candidate is not None, "only a candidate can be run"
-    work = _checks_work(candidate, plan[0].scenario.drive, seed) if checks else []
+    drive = plan[0].scenario.drive
+    work = _checks_work(candidate, drive, seed) if checks else []
     total = len(plan) + 1 + sum(item.runs for item in work)
     yield CheckStarted(compared.label, total)
     done = 0
@@ -128,7 +129,7 @@ def run_plan(
             elif not compared.goes_on_after(outcome):
                 break
         if compared.complete and work:
-            yield from _run_checks(compared, pool, work, done, total)
+            yield from _run_checks(compared, pool, drive, work, done, total)
         if compared.complete:
             _time(compared, pool, plan[0])
 
@@ -144,7 +145,7 @@ def _checks_work(candidate: Candidate, drive: DriveDocument, seed: int) -> list[
 
 
 def _run_checks(
-    compared: Compared, pool: WorkerPool, work: Sequence[Work], done: int, total: int
+    compared: Compared, pool: WorkerPool, drive: DriveDocument, work: Sequence[Work], done: int, total: int
 ) -> Iterator[Event]:
     runs: list[JudgedRun] = []
     outcomes = pool.map([item.job for item in work])
@@ -157,7 +158,7 @@ def _run_checks(
             break
     assert compared.candidate is not None, "only a candidate has checks"
     compared.outcomes = check_outcomes(
-        runs, compared.candidate.declaration, complete=compared.complete and not compared.faults
+        runs, compared.candidate.declaration, drive, complete=compared.complete and not compared.faults
     )
 
 

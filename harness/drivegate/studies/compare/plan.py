@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
@@ -11,7 +12,6 @@ import numpy as np
 from drivegate.drives.kinds import kind_of
 from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import (
-    CHANGE_S,
     pulsed,
     stepped,
     with_load_shares,
@@ -20,6 +20,7 @@ from drivegate.scenarios.changes import (
     with_speed,
     with_supply,
 )
+from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.studies.compare.drive_cycle_run import cycle_scenario
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.drive_cycle import DriveCycle
@@ -35,8 +36,9 @@ class ComparisonEffort:
 
     Attributes
     ----------
-    speeds_rpm : tuple of float
-        Speeds of the operating points (rpm).
+    speeds : tuple of float
+        Speeds of the operating points: up to 1, shares of the range from base speed to the highest; beyond, 1 and the
+        share of the range from there to overspeed (1).
     shares : tuple of float
         Their loads, as shares of the drive's rated power (1).
     disturbances : int
@@ -47,7 +49,7 @@ class ComparisonEffort:
         Scenarios drawn at random.
     """
 
-    speeds_rpm: tuple[float, ...]
+    speeds: tuple[float, ...]
     shares: tuple[float, ...]
     disturbances: int
     noise_seeds: int
@@ -55,16 +57,16 @@ class ComparisonEffort:
 
 
 EFFORTS: Final = {
-    "quick": ComparisonEffort((550.0, 1000.0, 1500.0, 2000.0), (0.25, 0.5, 0.75, 1.0), 4, 3, 10),
+    "quick": ComparisonEffort((0.05, 0.5, 1.0, 2.0), (0.25, 0.5, 0.75, 1.0), 4, 3, 10),
     "default": ComparisonEffort(
-        (550.0, 700.0, 850.0, 1000.0, 1200.0, 1500.0, 1750.0, 2000.0),
+        (0.05, 0.2, 0.35, 0.5, 0.7, 1.0, 1.5, 2.0),
         (0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0),
         7,
         5,
         30,
     ),
     "nightly": ComparisonEffort(
-        tuple(np.arange(550.0, 2001.0, 50.0).tolist()),
+        tuple(0.05 * step for step in range(1, 21)) + tuple(1.0 + 0.1 * step for step in range(1, 11)),
         (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0),
         7,
         20,
@@ -73,8 +75,8 @@ EFFORTS: Final = {
 }
 """What is run, by the name of the effort."""
 
-NOISY_POINTS: Final = ((700.0, 1.0), (1100.0, 0.5), (1500.0, 1.0))
-"""Speed (rpm) and share of rated power of the operating points that are repeated with other noise."""
+NOISY_POINTS: Final = ((0.2, 1.0), (0.6, 0.5), (1.0, 1.0))
+"""Operating points that are repeated with other noise: shares of the drive's range of speeds, and of rated power."""
 _MOST_DRAWS: Final = 100
 """Draws for one scenario that is fair, at most."""
 
@@ -120,12 +122,17 @@ def planned_runs(drive: DriveDocument, cycle: DriveCycle, effort: str, seed: int
     )
 
 
+def _speed(drive: DriveDocument, share: float) -> float:
+    scale = scale_of(drive)
+    return scale.speed(share) if share <= 1.0 else scale.speed_beyond(share - 1.0)
+
+
 def _point(drive: DriveDocument, speed_rpm: float, share: float) -> Scenario:
     return steady_scenario(drive, speed_rpm, power_share=share, constant_power=False)
 
 
 def _operating_points(drive: DriveDocument, size: ComparisonEffort) -> Iterator[PlannedRun]:
-    for speed in size.speeds_rpm:
+    for speed in dict.fromkeys(_speed(drive, share) for share in size.speeds):
         for share in size.shares:
             label = f"{speed:g} rpm, {100.0 * share:g} %"
             yield PlannedRun("points", label, _point(drive, speed, share), speed, share)
@@ -133,46 +140,49 @@ def _operating_points(drive: DriveDocument, size: ComparisonEffort) -> Iterator[
 
 def disturbances(drive: DriveDocument) -> tuple[PlannedRun, ...]:
     """List the runs in which something changes once a search has converged."""
-    rated = steady_scenario(drive, 900.0, power_share=1.0, constant_power=True)
-    full, fast = _point(drive, 1500.0, 1.0), _point(drive, 1400.0, 0.6)
+    scale = scale_of(drive)
+    at, brief, ramp = scale.change_s, scale.units(0.5), scale.units(2)
+    slow, fast, highest, middle = scale.speed(0.4), scale.speed(0.9), scale.speed(1.0), scale.speed(0.65)
+    rated = steady_scenario(drive, slow, power_share=1.0, constant_power=True)
+    full, faster = _point(drive, highest, 1.0), _point(drive, fast, 0.6)
     listed: tuple[tuple[str, Scenario, float], ...] = (
         (
-            "load step up, 50 to 100 % at 1500 rpm",
-            with_load_shares(full, (0.0, 0.5), (CHANGE_S, 1.0)),
-            CHANGE_S,
+            f"load step up, 50 to 100 % at {highest:g} rpm",
+            with_load_shares(full, (0.0, 0.5), (at, 1.0)),
+            at,
         ),
         (
-            "supply dip of 10 % for 0.5 s at 1500 rpm, 80 %",
-            with_supply(_point(drive, 1500.0, 0.8), pulsed(1.0, 0.9, CHANGE_S, 0.5)),
-            CHANGE_S + 0.5,
+            f"supply dip of 10 % for {brief:g} s at {highest:g} rpm, 80 %",
+            with_supply(_point(drive, highest, 0.8), pulsed(1.0, 0.9, at, brief)),
+            tidy(at + brief),
         ),
         (
-            "speed step up, 900 to 1400 rpm",
-            with_speed(fast, stepped(900.0, 1400.0, CHANGE_S)),
-            CHANGE_S,
+            f"speed step up, {slow:g} to {fast:g} rpm",
+            with_speed(faster, stepped(slow, fast, at)),
+            at,
         ),
         (
-            "load step down, 100 to 50 % at 1500 rpm",
-            with_load_shares(full, (0.0, 1.0), (CHANGE_S, 0.5)),
-            CHANGE_S,
+            f"load step down, 100 to 50 % at {highest:g} rpm",
+            with_load_shares(full, (0.0, 1.0), (at, 0.5)),
+            at,
         ),
         (
-            "load step up, 50 to 100 % of constant power at 900 rpm",
-            with_load_shares(rated, (0.0, 0.5), (CHANGE_S, 1.0)),
-            CHANGE_S,
+            f"load step up, 50 to 100 % of constant power at {slow:g} rpm",
+            with_load_shares(rated, (0.0, 0.5), (at, 1.0)),
+            at,
         ),
         (
-            "speed ramp down, 1400 to 900 rpm in 2 s",
-            with_speed(fast, stepped(1400.0, 900.0, CHANGE_S, over_s=2.0)),
-            CHANGE_S + 2.0,
+            f"speed ramp down, {fast:g} to {slow:g} rpm in {ramp:g} s",
+            with_speed(faster, stepped(fast, slow, at, over_s=ramp)),
+            tidy(at + ramp),
         ),
         (
-            "supply step down by 8 % at 1150 rpm, rated power",
+            f"supply step down by 8 % at {middle:g} rpm, rated power",
             with_supply(
-                steady_scenario(drive, 1150.0, power_share=1.0, constant_power=True),
-                stepped(1.0, 0.92, CHANGE_S),
+                steady_scenario(drive, middle, power_share=1.0, constant_power=True),
+                stepped(1.0, 0.92, at),
             ),
-            CHANGE_S,
+            at,
         ),
     )
     return tuple(
@@ -186,7 +196,8 @@ def _noise_seed(seed: int, number: int) -> int:
 
 
 def _noisy(drive: DriveDocument, size: ComparisonEffort, seed: int) -> Iterator[PlannedRun]:
-    for speed, share in NOISY_POINTS:
+    for speed_share, share in NOISY_POINTS:
+        speed = scale_of(drive).speed(speed_share)
         for number in range(size.noise_seeds):
             scenario = with_mcs96(_point(drive, speed, share), seed=_noise_seed(seed, number))
             label = f"{speed:g} rpm, {100.0 * share:g} %, noisy sensors"
@@ -210,14 +221,17 @@ def _draw(drive: DriveDocument, generator: np.random.Generator) -> tuple[float, 
     def whole(low: int, high: int) -> int:
         return int(generator.integers(low, high + 1))
 
-    speed = 10.0 * whole(55, 150)
+    scale = scale_of(drive)
+    step = scale.speed_step_rpm
+    lowest, highest = math.ceil(scale.lowest_loaded_rpm / step), math.floor(scale.highest_loaded_rpm / step)
+    speed = tidy(step * whole(min(lowest, highest), highest))
     share = round(0.05 * whole(6, 20), 2)
     scenario = with_scales(
         _point(drive, speed, share),
         resistance=round(0.1 * whole(5, 20), 2),
         inductance=round(0.05 * whole(16, 24), 2),
         emf_constant=round(0.01 * whole(95, 105), 2),
-        friction_added_n_m=round(0.1 * whole(0, 5), 2),
+        friction_added_n_m=tidy(scale.torque_step_nm * whole(0, 5)),
     )
     return speed, share, scenario
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.drives.running import run_scenario
 from drivegate.runs.timed_steps import senses_of_run, step_seconds
-from drivegate.scenarios.changes import CHANGE_S
+from drivegate.scenarios.drive_scale import scale_of
 from drivegate.studies.compare.drive_cycle_run import cycle_figures
 from drivegate.studies.compare.plan import PlannedRun
 from drivegate_cases.scenario.scenario import Scenario
@@ -41,7 +41,12 @@ def measured(loaded: JudgedCandidate, planned: PlannedRun) -> Figures:
     figures = steady_figures(run)
     columns = _columns(run)
     if planned.group == "disturbances" and planned.change_s is not None:
-        return figures | recovery_figures(columns, planned.change_s) | {"trajectory": _trajectory(columns)}
+        begins = scale_of(planned.scenario.drive).change_s
+        return (
+            figures
+            | recovery_figures(columns, begins, planned.change_s)
+            | {"trajectory": _trajectory(columns)}
+        )
     return figures | {"converged_after_s": converged_after(columns, figures)}
 
 
@@ -69,13 +74,13 @@ def converged_after(columns: dict[str, NDArray[np.float64]], figures: Figures) -
     return _settled(columns["time_s"], (error > HOLDS_RPM) | (moved > SETTLED_DEG))
 
 
-def recovery_figures(columns: dict[str, NDArray[np.float64]], change_s: float) -> Figures:
-    """Tell how a candidate got over a disturbance."""
+def recovery_figures(columns: dict[str, NDArray[np.float64]], begins_s: float, change_s: float) -> Figures:
+    """Tell how a candidate got over a disturbance, from when it begins and when it is over."""
     times = columns["time_s"]
     error = np.abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
     after = times >= change_s
     since = times >= change_s - 1.0
-    before = (times >= CHANGE_S - 1.0) & (times < CHANGE_S)
+    before = (times >= begins_s - 1.0) & (times < begins_s)
     recovered = _settled(times[after], error[after] > HOLDS_RPM)
     return {
         "held_before": bool((error[before] <= HOLDS_RPM).all()),

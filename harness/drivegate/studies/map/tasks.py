@@ -20,7 +20,8 @@ from drivegate.drives.drive_kind import Drive
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.runs.record import RunRecord, SteadyWindow
-from drivegate.scenarios.building import DWELL_S, LOAD_RAMP_S
+from drivegate.scenarios.building import coming_on
+from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.studies.map.plan import (
     ADVANCE,
     BEST_COLUMNS,
@@ -159,16 +160,15 @@ def _loop(plan: MapPlan, first: int, last: int) -> MapPart:
 
 
 def _steady(drive: DriveDocument, scales: Scales, speed_rpm: float, torque: float) -> Scenario:
+    scale = scale_of(drive)
     return Scenario(
         name=f"{speed_rpm:g} rpm, {torque:g} N·m",
         drive=drive,
         scales=scales,
-        duration_s=LOAD_RAMP_S + DWELL_S,
+        duration_s=tidy(scale.load_ramp_s + scale.dwell_s),
         initial_speed_rpm=speed_rpm,
         speed_rpm=((0.0, speed_rpm),),
-        load=ConstantTorqueLoad(
-            kind="constant_torque", torque_nm=torque, factor=((0.0, 0.0), (LOAD_RAMP_S, 1.0))
-        ),
+        load=ConstantTorqueLoad(kind="constant_torque", torque_nm=torque, factor=coming_on(drive)),
     )
 
 

@@ -15,6 +15,7 @@ from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
+from drivegate.checks.drive_numbers import on_drive
 from drivegate.checks.flowchart.judging import judge_script
 from drivegate.checks.judged_window import judged_window
 from drivegate.checks.margin import Margin
@@ -34,6 +35,7 @@ from drivegate.results.result import finite
 from drivegate.runs.parting import SEED_IN_RESET, room_for_commands
 from drivegate.studies.simulate.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
@@ -138,7 +140,7 @@ def _scenario_again(loaded: JudgedCandidate, scenario: Scenario, check: Check) -
     record = recorded(loaded, scenario, controller, trace_every=every, kept=kept)
     if kept is not None:
         record = with_repetitions(loaded, record, kept, controller)
-    applies = check.reason_not_applicable(record.declaration) is None
+    applies = check.reason_not_applicable(record.declaration, scenario.drive) is None
     margin = check.evaluate(record) if applies else None
     return Replay(margin, record.run, judged_window(check, record, margin))
 
@@ -194,7 +196,8 @@ def remark_on(stored: Counterexample, candidate: Candidate, ended: Replay | Faul
 
 def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fault) -> dict[str, Any]:
     """Write what became of a counterexample as plain data."""
-    check, remark = check_of(stored), remark_on(stored, candidate, ended)
+    drive, remark = stored.scenario.drive, remark_on(stored, candidate, ended)
+    check = on_drive(check_of(stored), drive)
     verdict = verdict_on(ended, remark)
     margin = None if isinstance(ended, Fault) else ended.margin
     fault = asdict(ended) | {"kind": ended.kind.value} if isinstance(ended, Fault) else None
@@ -216,16 +219,16 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
         "window_s": None if isinstance(ended, Fault) or ended.window is None else list(ended.window),
         "rows": None if isinstance(ended, Fault) or ended.rows is None else list(ended.rows),
         "account": [] if signals is None else list(account(signals)),
-        "reason": _reason(check, candidate, verdict),
+        "reason": _reason(check, candidate, drive, verdict),
         "remark": remark,
         "fault": fault,
         "files": [],
     }
 
 
-def _reason(check: Check, candidate: Candidate, verdict: str) -> str:
+def _reason(check: Check, candidate: Candidate, drive: DriveDocument, verdict: str) -> str:
     """Tell why a check does not apply; nothing where it does."""
     if verdict != NOT_APPLICABLE:
         return ""
-    reason = check.reason_not_applicable(candidate.declaration)
+    reason = check.reason_not_applicable(candidate.declaration, drive)
     return reason or f"applies to {check.scenarios}, which this run is not"

@@ -218,7 +218,7 @@ def test_each_is_reported_in_a_sentence_and_names_a_check_of_candidates(mutation
     check = KNOWN[mutation.check]
     assert check.subject == "candidate"
     declaration = resolve_candidate(f"faulty:{mutation.name}").declaration
-    assert check.reason_not_applicable(declaration) is None, "the check does not apply to it"
+    assert check.reason_not_applicable(declaration, DRIVE) is None, "the check does not apply to it"
     assert {name for name, _ in mutation.factors} <= set(CONTROLLER_STATE.names or ())
     assert set(mutation.keeps) <= {*(CONTROLLER_STATE.names or ()), *(FAULTY_STATE.names or ())}
     assert {name for name, _ in mutation.believes} <= set(Nameplate._fields)

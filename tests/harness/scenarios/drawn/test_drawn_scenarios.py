@@ -17,8 +17,9 @@ from drivegate.scenarios.drawn.families import (
     overspeed_scenarios,
     standstill_scenarios,
 )
+from drivegate.scenarios.drive_scale import scale_of
 from drivegate.scenarios.feasibility import coasts
-from drivegate.scenarios.windows import SETTLING_TIME, SHORTEST_WINDOW, observed_windows
+from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.load import VehicleLoad
@@ -99,10 +100,10 @@ def test_the_last_steady_stretch_can_be_judged(family: Family) -> None:
     @MANY
     @given(scenario=family(DRIVE, None))
     def holds(scenario: Scenario) -> None:
-        start, end = observed_windows(scenario)[-1]
+        scale, (start, end) = scale_of(DRIVE), observed_windows(scenario)[-1]
         assert end == scenario.duration_s, f"{scenario.name} ends without a judged stretch"
-        assert end - start >= SHORTEST_WINDOW - 1e-9
-        assert start >= SETTLING_TIME
+        assert end - start >= scale.shortest_window_s - 1e-9
+        assert start >= scale.settling_s
 
     if family is not base_speed_scenarios:
         holds()

@@ -19,7 +19,7 @@ def test_the_plan_has_what_the_effort_says(plan):
     size = EFFORTS["quick"]
     counts = {group: sum(run.group == group for run in plan) for group in ("points", "disturbances", "drawn")}
     assert counts == {
-        "points": len(size.speeds_rpm) * len(size.shares),
+        "points": len(size.speeds) * len(size.shares),
         "disturbances": size.disturbances,
         "drawn": size.drawn,
     }

@@ -22,21 +22,21 @@ def dying_out(times):
 
 
 def test_recovery_is_timed_to_the_last_crossing():
-    figures = recovery_figures(columns(dying_out), 10.0)
+    figures = recovery_figures(columns(dying_out), 10.0, 10.0)
     assert figures["worst_error_rpm"] == pytest.approx(40.0)
     assert figures["recovery_s"] == pytest.approx(0.5 * np.log(8.0), abs=0.011)
     assert figures["held_before"] is True
 
 
 def test_a_disturbance_that_is_never_felt_takes_no_time():
-    figures = recovery_figures(columns(np.zeros_like), 10.0)
+    figures = recovery_figures(columns(np.zeros_like), 10.0, 10.0)
     assert figures == {"held_before": True, "worst_error_rpm": 0.0, "recovery_s": 0.0}
 
 
 def test_what_is_not_held_again_is_reported():
-    figures = recovery_figures(columns(lambda times: np.where(times < 10.0, 0.0, -200.0)), 10.0)
+    figures = recovery_figures(columns(lambda times: np.where(times < 10.0, 0.0, -200.0)), 10.0, 10.0)
     assert figures["recovery_s"] is None
-    lost = recovery_figures(columns(lambda times: np.full_like(times, -30.0)), 10.0)
+    lost = recovery_figures(columns(lambda times: np.full_like(times, -30.0)), 10.0, 10.0)
     assert lost["held_before"] is False
 
 

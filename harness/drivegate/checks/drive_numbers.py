@@ -1,0 +1,56 @@
+"""The numbers of a drive in the texts of checks, which stand there by name: ``k1 = {k1}``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import Final
+
+from drivegate.checks.check import Check
+from drivegate.scenarios.drive_scale import scale_of, tidy
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import limits_of
+
+TEXTS: Final = ("requirement", "limit", "scenarios", "formula", "why")
+"""Texts of a check that have a drive's numbers in them."""
+_KILO: Final = 1000.0
+_KEPT: Final = 1_000
+
+
+@lru_cache(maxsize=_KEPT)
+def on_drive(check: Check, drive: DriveDocument) -> Check:
+    """Write a drive's own numbers into the texts of a check."""
+    numbers = drive_numbers(drive)
+    return replace(check, **{name: getattr(check, name).format_map(numbers) for name in TEXTS})
+
+
+def drive_numbers(drive: DriveDocument) -> dict[str, str]:
+    """Write the numbers that checks tell, by the names that stand in their texts."""
+    scale, limits, rating = scale_of(drive), limits_of(drive), drive.rating
+    points = [f"{point.speed_rpm:g} rpm and {point.torque_n_m:g} N·m" for point in limits.points]
+    return {
+        "base": f"{rating.base_speed_rpm:g} rpm",
+        "lowest": f"{scale.lowest_loaded_rpm:g}",
+        "highest": f"{rating.highest_speed_rpm:g} rpm",
+        "overspeed": f"{rating.overspeed_rpm:g} rpm",
+        "power": _power(rating.rated_power_w),
+        "current": f"{rating.current_limit_a:g} A",
+        "k1": f"{limits.speed_tolerance_rpm:g} rpm",
+        "k2": _percent(limits.power_tolerance),
+        "angle": f"{limits.angle_tolerance_deg:g}°",
+        "settling": f"{limits.settling_s:g} s",
+        "stretch": f"{tidy(limits.settling_s + scale.shortest_window_s):g} s",
+        "optimum": _percent(limits.optimum_tolerance),
+        "ripple": _percent(limits.ripple),
+        "closed_loop_ripple": _percent(limits.closed_loop_ripple),
+        "points": " or ".join(points),
+        "friction": f"{scale.friction_claimed_nm:g} N·m",
+    }
+
+
+def _percent(share: float) -> str:
+    return f"{tidy(100.0 * share):g} %"
+
+
+def _power(watts: float) -> str:
+    return f"{watts / _KILO:g} kW" if watts >= _KILO else f"{watts:g} W"

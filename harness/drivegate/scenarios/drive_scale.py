@@ -1,0 +1,231 @@
+"""What scenarios take from their drive: speeds, loads, disturbances and times, each with the reason for its size."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Final
+
+from drivegate_cases.documents.document import parse_document
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import limits_of, nearest_step, time_unit
+from drivegate_models.units import RADIANS_PER_RPM
+
+_KEPT: Final = 100
+
+
+@dataclass(frozen=True)
+class DriveScale:
+    """What follows from a drive for the scenarios that candidates are checked on.
+
+    Sizes are shares of the rating, in steps of 1, 2, 5 times a power of ten or of two digits, so that people can read
+    them. Times are multiples of a unit that the drive's time constants give (`drivegate_cases.drive.limits.time_unit`).
+    The control period, the encoder, the clock and the converters are the sensors' and the contract's, not the drive's.
+
+    Attributes
+    ----------
+    base_speed_rpm : float
+        Speed below which there is no advance (rpm).
+    lowest_loaded_rpm : float
+        Lowest speed of a loaded run (rpm): 5 % into the range of constant power; nearer to base speed, rated power is
+        out of reach without advance.
+    highest_loaded_rpm : float
+        Speed up to which constant power is required (rpm).
+    overspeed_rpm : float
+        Speed up to which constant power is advised (rpm).
+    speed_grain_rpm : float
+        What chosen speeds are rounded to (rpm): about 1 % of base speed, the default of k1.
+    speed_step_rpm : float
+        Step of drawn speeds (rpm): about 2 % of base speed, so that neighbours differ by more than k1.
+    rated_torque_nm : float
+        Torque of rated power at base speed (N m).
+    torque_step_nm : float
+        Step of friction that is added (N m): 0.35 % of rated torque; five of them are what is claimed.
+    standstill_torque_nm : float
+        Greatest torque of a joint run that comes to a standstill (N m): 42 % of rated torque, which needs no advance.
+    offset_step_a : float
+        Step of a current sensor's offset (A): about 0.08 % of the current limit; ten of them are drawn.
+    supply_step_v : float
+        Finest rounding of the supply (V): about 0.2 % of its voltage.
+    current_sum_a : float
+        Current sum of scripts (A): about a third of what all phases carry at the current limit.
+    mass_unit_kg : float
+        Mass of a vehicle per unit (kg), in proportion to rated power; a light vehicle has three or four.
+    gear_unit : float
+        Gear ratio per unit (1), in proportion to the highest speed, so that vehicles are equally fast.
+    drag_area_m2 : float
+        Drag area of a vehicle (m²), in proportion to rated power.
+    time_unit_s : float
+        The unit of time (s), in which a search decides at least ten times.
+    settling_s : float
+        Time within which a search has to converge at a steady speed reference (s).
+    shortest_window_s : float
+        Shortest time over which convergence is judged (s): 3 units, many electrical periods.
+    dropout_step_s : float
+        Step of the time for which a signal is lost (s): 1 ms, or 1 % of the mechanical time constant where that is
+        less, but no less than the longest control period.
+    """
+
+    base_speed_rpm: float
+    lowest_loaded_rpm: float
+    highest_loaded_rpm: float
+    overspeed_rpm: float
+    speed_grain_rpm: float
+    speed_step_rpm: float
+    rated_torque_nm: float
+    torque_step_nm: float
+    standstill_torque_nm: float
+    offset_step_a: float
+    supply_step_v: float
+    current_sum_a: float
+    mass_unit_kg: float
+    gear_unit: float
+    drag_area_m2: float
+    time_unit_s: float
+    settling_s: float
+    shortest_window_s: float
+    dropout_step_s: float
+
+    @property
+    def friction_claimed_nm(self) -> float:
+        """Greatest friction that is added to the drive's own (N m)."""
+        return tidy(5 * self.torque_step_nm)
+
+    @property
+    def load_ramp_s(self) -> float:
+        """Time in which a load comes on, so that a run starts in a true steady state, unloaded at speed (s)."""
+        return 0.2 * self.time_unit_s
+
+    @property
+    def dwell_s(self) -> float:
+        """Length of a steady stretch: the time to converge, and four units to be judged (s)."""
+        return self.settling_s + 4.0 * self.time_unit_s
+
+    @property
+    def change_s(self) -> float:
+        """Time of a change after a search that has converged (s)."""
+        return self.dwell_s
+
+    @property
+    def change_step_s(self) -> float:
+        """Step of the times of changes (s)."""
+        return 0.05 * self.change_s
+
+    @property
+    def settled_s(self) -> float:
+        """Time of a joint change after a search that has converged (s)."""
+        return self.settling_s + self.time_unit_s
+
+    @property
+    def tenth_s(self) -> float:
+        """Step of the times that something lasts (s)."""
+        return 0.1 * self.time_unit_s
+
+    @property
+    def repeated_every_s(self) -> float:
+        """Time from one repetition of a disturbance to the next (s), in which no search comes to rest."""
+        return 0.4 * self.time_unit_s
+
+    @property
+    def step_acceleration_s(self) -> float:
+        """Time in which a step up of the speed reference must be possible, a third of the time to converge (s)."""
+        return self.settling_s / 3.0
+
+    @property
+    def long_s(self) -> float:
+        """Length of a long run, beside which the time of every search is short (s)."""
+        return 25.0 * self.settling_s
+
+    def speed(self, share: float) -> float:
+        """Give a speed (rpm) by its share of the range from base speed to the highest."""
+        wanted = self.base_speed_rpm + share * (self.highest_loaded_rpm - self.base_speed_rpm)
+        return min(max(self._on_grain(wanted), self.lowest_loaded_rpm), self.highest_loaded_rpm)
+
+    def speed_beyond(self, share: float) -> float:
+        """Give a speed (rpm) by its share of the range from the highest to overspeed."""
+        wanted = self.highest_loaded_rpm + share * (self.overspeed_rpm - self.highest_loaded_rpm)
+        return min(max(self._on_grain(wanted), self.highest_loaded_rpm), self.overspeed_rpm)
+
+    def around_base(self, grains: int) -> float:
+        """Give a speed (rpm) so many grains above base speed, or below."""
+        return tidy(self.base_speed_rpm + grains * self.speed_grain_rpm)
+
+    def units(self, count: float) -> float:
+        """Give a time of so many units (s)."""
+        return tidy(count * self.time_unit_s)
+
+    def _on_grain(self, speed_rpm: float) -> float:
+        return tidy(round(speed_rpm / self.speed_grain_rpm) * self.speed_grain_rpm)
+
+
+@lru_cache(maxsize=_KEPT)
+def scale_of(drive: DriveDocument) -> DriveScale:
+    """Measure a drive for its scenarios.
+
+    Parameters
+    ----------
+    drive : DriveDocument
+        The drive.
+
+    Returns
+    -------
+    DriveScale
+        What follows from it.
+    """
+    rating = drive.rating
+    base, highest, power = rating.base_speed_rpm, rating.highest_speed_rpm, rating.rated_power_w
+    grain = nearest_step(0.01 * base)
+    lowest = base + 0.05 * (highest - base)
+    whole = tidy(round(lowest / grain) * grain)
+    torque = power / (base * RADIANS_PER_RPM)
+    mechanical = drive.machine.inertia_kg_m2 * base * RADIANS_PER_RPM / torque
+    unit = time_unit(drive)
+    return DriveScale(
+        base_speed_rpm=base,
+        lowest_loaded_rpm=whole if base < whole < highest else tidy(lowest),
+        highest_loaded_rpm=highest,
+        overspeed_rpm=rating.overspeed_rpm,
+        speed_grain_rpm=grain,
+        speed_step_rpm=nearest_step(0.02 * base),
+        rated_torque_nm=torque,
+        torque_step_nm=nearest_step(0.0035 * torque),
+        standstill_torque_nm=two_digits(0.42 * torque),
+        offset_step_a=nearest_step(0.00077 * rating.current_limit_a),
+        supply_step_v=nearest_step(0.0021 * drive.inverter.supply_voltage_v),
+        current_sum_a=two_digits(0.31 * drive.machine.phases * rating.current_limit_a),
+        mass_unit_kg=two_digits(power / 30.0),
+        gear_unit=two_digits(highest / 1500.0),
+        drag_area_m2=two_digits(power / 2500.0),
+        time_unit_s=unit,
+        settling_s=limits_of(drive).settling_s,
+        shortest_window_s=3.0 * unit,
+        dropout_step_s=min(max(nearest_step(0.011 * mechanical), 0.0005), 0.001),
+    )
+
+
+def scale_of_mapping(drive: Mapping[str, Any]) -> DriveScale:
+    """Measure a drive that is plain data."""
+    return _scale_of_text(json.dumps(drive, sort_keys=True))
+
+
+@lru_cache(maxsize=_KEPT)
+def _scale_of_text(text: str) -> DriveScale:
+    return scale_of(parse_document(json.loads(text), DriveDocument, "the scenario's drive"))
+
+
+def tidy(value: float) -> float:
+    """Take off what binary fractions add to sums of decimal ones."""
+    return round(value, 9)
+
+
+def two_digits(value: float) -> float:
+    """Round to two significant digits."""
+    return float(f"{value:.2g}")
+
+
+def whole_tenths(time_s: float) -> float:
+    """Give the next whole tenth of a second, which is a whole number of control periods of any length drawn."""
+    return math.ceil(round(time_s * 10.0, 6)) / 10.0

@@ -1,0 +1,126 @@
+"""The limits of a drive with what follows from its rating, and the times that it needs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
+
+from drivegate_cases.drive.drive_document import RPM, DriveDocument
+from drivegate_cases.drive.requirements import RequiredPoint
+
+SPEED_TOLERANCE_SHARE: Final = 0.01
+"""Speed tolerance k1 over base speed, where none is stated (1)."""
+MECHANICAL_TIMES: Final = 11.0
+"""Mechanical time constants in a unit of time (1)."""
+ELECTRICAL_PERIODS: Final = 91.0
+"""Electrical periods at base speed in a unit of time (1)."""
+SHORTEST_TIME_UNIT_S: Final = 1.0
+"""Ten of the means over 0.1 s by which convergence is judged, whatever the drive (s)."""
+SETTLING_UNITS: Final = 6.0
+"""Units of time in which a search has to converge, where no time is stated (1)."""
+_KEPT: Final = 100
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the controllers of a drive are judged by.
+
+    Attributes
+    ----------
+    speed_tolerance_rpm : float
+        Greatest speed error k1 of a search that has converged (rpm).
+    power_tolerance : float
+        Greatest variation k2 of the current sum, as a share of it (1).
+    angle_tolerance_deg : float
+        Greatest movement of the advance angle (electrical degrees).
+    settling_s : float
+        Time in which a search has to converge (s).
+    optimum_tolerance : float
+        Greatest excess of the current sum over the least one, as a share of it (1).
+    ripple : float
+        Limit of the torque ripple with the ideal regulator, peak to peak over mean (1).
+    closed_loop_ripple : float
+        The same with hysteresis band and speed regulator (1).
+    points : tuple of RequiredPoint
+        Operating points at which the ripple is required.
+    """
+
+    speed_tolerance_rpm: float
+    power_tolerance: float
+    angle_tolerance_deg: float
+    settling_s: float
+    optimum_tolerance: float
+    ripple: float
+    closed_loop_ripple: float
+    points: tuple[RequiredPoint, ...]
+
+
+@lru_cache(maxsize=_KEPT)
+def limits_of(drive: DriveDocument) -> Limits:
+    """Give the limits of a drive; what its file leaves out follows from its rating.
+
+    Parameters
+    ----------
+    drive : DriveDocument
+        The drive.
+
+    Returns
+    -------
+    Limits
+        All of them.
+    """
+    stated, rating = drive.requirements, drive.rating
+    tolerance, settling = stated.speed_tolerance_rpm, stated.settling_s
+    torque = rating.rated_power_w / (rating.highest_speed_rpm * RPM)
+    at_highest = RequiredPoint(speed_rpm=rating.highest_speed_rpm, torque_n_m=rounded(torque, 3))
+    return Limits(
+        speed_tolerance_rpm=SPEED_TOLERANCE_SHARE * rating.base_speed_rpm if tolerance is None else tolerance,
+        power_tolerance=stated.power_tolerance_percent / 100.0,
+        angle_tolerance_deg=stated.angle_tolerance_deg,
+        settling_s=SETTLING_UNITS * time_unit(drive) if settling is None else settling,
+        optimum_tolerance=stated.optimum_tolerance_percent / 100.0,
+        ripple=stated.ripple_percent / 100.0,
+        closed_loop_ripple=stated.closed_loop_ripple_percent / 100.0,
+        points=stated.point or (at_highest,),
+    )
+
+
+def time_unit(drive: DriveDocument) -> float:
+    """Give the unit of the times in which a drive is run: 1 s, or 2, 5, 10 s … for one that is slower.
+
+    The speed moves in mechanical time constants, J·ω/T at base speed and rated torque, and currents and torque repeat
+    in electrical periods; the slower one rules. A drive that is faster gets no shorter times, since convergence is
+    judged by means over 0.1 s, and searches decide no more often.
+
+    Parameters
+    ----------
+    drive : DriveDocument
+        The drive.
+
+    Returns
+    -------
+    float
+        The unit (s).
+    """
+    speed = drive.rating.base_speed_rpm * RPM
+    mechanical = drive.machine.inertia_kg_m2 * speed * speed / drive.rating.rated_power_w
+    electrical = 2.0 * math.pi / (drive.machine.pole_pairs * speed)
+    wanted = max(MECHANICAL_TIMES * mechanical, ELECTRICAL_PERIODS * electrical)
+    return max(nearest_step(wanted), SHORTEST_TIME_UNIT_S)
+
+
+def nearest_step(value: float) -> float:
+    """Give the nearest of 1, 2, 5 times a power of ten, which people read easily; 0 of 0."""
+    if value <= 0.0:
+        return 0.0
+    exponent = math.floor(math.log10(value))
+    steps = [float(f"{digit}e{exponent}") for digit in (1, 2, 5)] + [float(f"1e{exponent + 1}")]
+    return min(steps, key=lambda step: abs(math.log(step / value)))
+
+
+def rounded(value: float, digits: int) -> float:
+    """Round to decimals, or to as many significant digits where that would lose what there is."""
+    few = round(value, digits)
+    return few if abs(few) >= 10.0 ** (2 - digits) else float(f"{value:.{digits}g}")

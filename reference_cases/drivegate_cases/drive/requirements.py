@@ -1,0 +1,92 @@
+"""The table `[requirements]` of a drive: the limits that its controllers are judged by."""
+
+from __future__ import annotations
+
+from pydantic import Field, field_validator
+
+from drivegate_cases.documents.document import Section
+from drivegate_cases.drive.rating import Rating
+
+
+class RequiredPoint(Section):
+    """An operating point at which the torque ripple is required to stay below its limit."""
+
+    speed_rpm: float = Field(gt=0.0, le=1e6, description="speed, in turns a minute")
+    torque_n_m: float = Field(gt=0.0, le=1e6, description="torque of the load, in newton metres")
+
+
+class Requirements(Section):
+    """Limits of the checks; one that has a unit follows from the rating where it is left out."""
+
+    speed_tolerance_rpm: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=1e6,
+        description="greatest speed error k1 of a search that has converged, by default 1 % of base speed",
+    )
+    power_tolerance_percent: float = Field(
+        default=0.5,
+        gt=0.0,
+        le=100.0,
+        description="greatest variation k2 of the current sum of a search that has converged, in percent",
+    )
+    angle_tolerance_deg: float = Field(
+        default=1.0,
+        gt=0.0,
+        le=90.0,
+        description="greatest movement of the advance angle of a search that has converged, in electrical degrees",
+    )
+    settling_s: float | None = Field(
+        default=None,
+        ge=0.1,
+        le=3600.0,
+        description="time in which a search has to converge, by default 66 mechanical time constants (inertia times "
+        "base speed over rated torque) or 550 electrical periods at base speed, the longer of both in steps of 1, 2, 5 "
+        "times 6 s and never less than 6 s",
+    )
+    optimum_tolerance_percent: float = Field(
+        default=2.0,
+        gt=0.0,
+        le=1000.0,
+        description="greatest excess of the current sum over the least one, in percent",
+    )
+    ripple_percent: float = Field(
+        default=13.0,
+        gt=0.0,
+        le=1000.0,
+        description="limit of the torque ripple with the ideal regulator, peak to peak over mean, in percent",
+    )
+    closed_loop_ripple_percent: float = Field(
+        default=20.0,
+        gt=0.0,
+        le=1000.0,
+        description="limit of the torque ripple with band and speed regulator, peak to peak over mean, in percent",
+    )
+    point: tuple[RequiredPoint, ...] = Field(
+        default=(),
+        max_length=20,
+        description="list of points at which the ripple is required, each a table [[requirements.point]], by default "
+        "the rated power at the highest speed",
+    )
+
+    @field_validator("settling_s")
+    @classmethod
+    def _settling_is_whole_tenths(cls, settling: float | None) -> float | None:
+        """A tenth of a second is a whole number of control periods."""
+        if settling is not None and abs(10.0 * settling - round(10.0 * settling)) > 1e-6:
+            raise ValueError("must be a whole number of tenths of a second")
+        return settling
+
+
+NO_REQUIREMENTS = Requirements()
+"""Limits that follow from the rating alone."""
+
+
+def check_points(requirements: Requirements, rating: Rating) -> None:
+    """Refuse a point at a speed at which no search is judged."""
+    for point in requirements.point:
+        if not rating.base_speed_rpm < point.speed_rpm <= rating.overspeed_rpm:
+            raise ValueError(
+                f"the key 'requirements.point' has one at {point.speed_rpm:g} rpm, but must be above the base speed of "
+                f"{rating.base_speed_rpm:g} rpm and at most the overspeed of {rating.overspeed_rpm:g} rpm"
+            )

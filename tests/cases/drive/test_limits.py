@@ -1,0 +1,77 @@
+"""Limits of a drive: as its file has them, or as they follow from its rating."""
+
+import pytest
+
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.limits import Limits, limits_of, nearest_step, rounded, time_unit
+from drivegate_cases.drive.requirements import RequiredPoint
+from drivegate_models.errors import InputError
+
+PAPER = load_drive("paper-5-phase")
+UNSTATED = PAPER.replaced(requirements={})
+
+
+def test_the_drive_of_the_paper_states_its_limits() -> None:
+    assert limits_of(PAPER) == Limits(
+        speed_tolerance_rpm=5.0,
+        power_tolerance=0.005,
+        angle_tolerance_deg=1.0,
+        settling_s=6.0,
+        optimum_tolerance=0.02,
+        ripple=0.13,
+        closed_loop_ripple=0.20,
+        points=(RequiredPoint(speed_rpm=1500.0, torque_n_m=9.8),),
+    )
+
+
+def test_what_is_left_out_follows_from_the_rating() -> None:
+    fast = UNSTATED.replaced(base_speed_rpm=1000.0, highest_speed_rpm=1800.0, rated_power_w=3000.0)
+    limits = limits_of(fast)
+    assert limits.speed_tolerance_rpm == 10.0, "1 % of base speed"
+    assert limits.points == (RequiredPoint(speed_rpm=1800.0, torque_n_m=15.915),), "3 kW at the highest speed"
+
+
+def test_a_stated_limit_holds_whatever_the_rating() -> None:
+    stated = UNSTATED.replaced(speed_tolerance_rpm=3.0, settling_s=4.5, base_speed_rpm=700.0)
+    assert (limits_of(stated).speed_tolerance_rpm, limits_of(stated).settling_s) == (3.0, 4.5)
+
+
+@pytest.mark.parametrize(
+    ("changes", "unit"),
+    [
+        ({}, 1.0),
+        ({"inertia_kg_m2": 0.001}, 1.0),
+        ({"inertia_kg_m2": 0.1}, 2.0),
+        ({"inertia_kg_m2": 0.5}, 10.0),
+        ({"pole_pairs": 2}, 5.0),
+    ],
+)
+def test_times_follow_from_inertia_and_electrical_frequency(changes: dict[str, float], unit: float) -> None:
+    drive = UNSTATED.replaced(**changes)
+    assert time_unit(drive) == unit
+    assert limits_of(drive).settling_s == 6.0 * unit
+
+
+@pytest.mark.parametrize(
+    ("value", "step"), [(0.96, 1.0), (3.1, 2.0), (3.3, 5.0), (7.2, 10.0), (3e4, 2e4), (0.0, 0.0)]
+)
+def test_steps_are_easily_read(value: float, step: float) -> None:
+    assert nearest_step(value) == step
+
+
+def test_small_values_keep_their_digits_when_rounded() -> None:
+    assert (rounded(9.54930, 3), rounded(0.0123456, 3)) == (9.549, 0.0123)
+
+
+@pytest.mark.parametrize("speed", [500.0, 2001.0])
+def test_a_point_at_a_speed_without_a_search_is_refused(speed: float) -> None:
+    point = RequiredPoint(speed_rpm=speed, torque_n_m=1.0)
+    with pytest.raises(
+        InputError, match=rf"has one at {speed:g} rpm, but must be above the base speed of 500"
+    ):
+        PAPER.replaced(point=(point,))
+
+
+def test_a_settling_time_is_a_whole_number_of_tenths() -> None:
+    with pytest.raises(InputError, match="must be a whole number of tenths"):
+        PAPER.replaced(settling_s=1.25)
