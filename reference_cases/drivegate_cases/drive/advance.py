@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import isnan, pi, radians
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 from pydantic import Field
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.documents.wording import one_line
+from drivegate_cases.drive.rating import Rating
 from drivegate_models.errors import InputError
-
-if TYPE_CHECKING:
-    from drivegate_cases.drive.drive_document import DriveDocument
 
 _LINES_KEPT = 256
 
@@ -29,12 +27,34 @@ class Advance(Section):
     )
 
 
-def advance_line(drive: DriveDocument) -> tuple[float, float]:
+class RatedMachine(Protocol):
+    """What a line is computed from: the part of a drive's document that it takes."""
+
+    @property
+    def name(self) -> str:
+        """Name of the drive."""
+
+    @property
+    def rating(self) -> Rating:
+        """What the drive is made for."""
+
+    @property
+    def advance(self) -> Advance | None:
+        """The line that the drive states."""
+
+    def plant(self) -> Any:
+        """Make the plant's parameters, in SI units."""
+
+    def __hash__(self) -> int:
+        """Hash the values."""
+
+
+def advance_line(drive: RatedMachine) -> tuple[float, float]:
     """Give the line's angle at base speed and its slope.
 
     Parameters
     ----------
-    drive : DriveDocument
+    drive : RatedMachine
         The drive; where it states no line, its oracle's is computed, once a process.
 
     Returns
@@ -56,7 +76,7 @@ def advance_line(drive: DriveDocument) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=_LINES_KEPT)
-def _computed_line(drive: DriveDocument) -> tuple[float, float]:
+def _computed_line(drive: RatedMachine) -> tuple[float, float]:
     from drivegate_models.half_bridge.steady.advance_line import recommended_line
 
     rating = drive.rating
