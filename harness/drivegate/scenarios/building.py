@@ -49,12 +49,13 @@ def steady_scenario(
 def base_speed_scenario(
     drive: DriveDocument, start_rpm: float, top_rpm: float, fall_rpm_per_s: float
 ) -> Scenario:
-    """Make an unloaded run from below base speed to above it, and back no faster than the shaft coasts."""
+    """Make an unloaded run from below base speed to above it, and back unless the rate of the fall is 0."""
     scale = scale_of(drive)
     end_rpm = drive.rating.base_speed_rpm - scale.speed_step_rpm
     rise_until = tidy(math.ceil(2.0 + (top_rpm - start_rpm) / (20.0 * scale.speed_grain_rpm)) * scale.tenth_s)
     fall_from = tidy(rise_until + 0.5 * scale.time_unit_s)
-    fall_until = fall_from + (top_rpm - end_rpm) / fall_rpm_per_s
+    fall_until = fall_from + (top_rpm - end_rpm) / (fall_rpm_per_s or math.inf)
+    fall = ((fall_from, top_rpm), (round(fall_until, 3), end_rpm)) if fall_rpm_per_s else ()
     scenario = Scenario(
         name="base-speed",
         drive=drive,
@@ -64,8 +65,7 @@ def base_speed_scenario(
             (0.0, start_rpm),
             (scale.load_ramp_s, start_rpm),
             (rise_until, top_rpm),
-            (fall_from, top_rpm),
-            (round(fall_until, 3), end_rpm),
+            *fall,
         ),
         load=ConstantTorqueLoad(kind="constant_torque", torque_nm=0.0, factor=((0.0, 0.0),)),
     )

@@ -28,10 +28,9 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.scenarios.covering import Row, covering_rows
-from drivegate.scenarios.drawn.changes import COASTING_SHARE
 from drivegate.scenarios.drawn.courses import load_course, standstill_scenario
 from drivegate.scenarios.drive_scale import scale_of, tidy
-from drivegate.scenarios.feasibility import unfair_because
+from drivegate.scenarios.feasibility import COASTING_SHARE, unfair_because
 from drivegate.scenarios.speed_range import SpeedRange, loaded_range
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument

@@ -31,6 +31,12 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 REACTION_S = 0.02
 """Time after a step of the load in which no controller can be required to have the torque (s)."""
+COASTING_SHARE = 0.5
+"""Greatest rate at which a loaded speed reference falls, over the rate at which the load alone slows the shaft (1)."""
+UNLOADED_COASTING_SHARE = 0.9
+"""The same without a load, over the rate at which the drive's own drag slows the shaft (1)."""
+SLOWEST_SHARE = 0.1
+"""Least rate at which an unloaded reference falls, over the wanted one (1)."""
 SPEED_RESERVE = 0.1
 """Sag of the speed from which a plant that is not nominal must be able to recover under constant power (1)."""
 _ROUNDING = 1e-6
@@ -206,6 +212,18 @@ def _drag(scenario: Scenario, conditions: Dwell) -> float:
     """Torque that slows the shaft while no phase carries current: the load and the drive's own (N m)."""
     drive = _drive(scenario.drive, dwell_scales(scenario, conditions))
     return dwell_torque(scenario, conditions) + _own_drag(drive, conditions.speed_rpm * RADIANS_PER_RPM)
+
+
+def coasted_rate(drive: DriveDocument, wanted_rpm_per_s: float) -> float:
+    """Give a rate (rpm/s) at which an unloaded shaft slows down near base speed: the wanted one, or what it coasts at.
+
+    It is 0 where the drive has next to no drag of its own, so that an unloaded shaft does not slow down in good time.
+    """
+    speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
+    drag = _own_drag(_drive(drive, NOMINAL), speed)
+    coasting = UNLOADED_COASTING_SHARE * drag / drive.machine.inertia_kg_m2 / RADIANS_PER_RPM
+    rate = min(wanted_rpm_per_s, coasting)
+    return rate if rate > SLOWEST_SHARE * wanted_rpm_per_s else 0.0
 
 
 def _own_drag(drive: Drive, speed: float) -> float:

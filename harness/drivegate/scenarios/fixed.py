@@ -22,6 +22,7 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.scenarios.drive_scale import scale_of, tidy
+from drivegate.scenarios.feasibility import coasted_rate
 from drivegate.scenarios.speed_range import SpeedRange, loaded_range
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -119,7 +120,7 @@ def _base_speed(drive: DriveDocument) -> list[Scenario]:
             drive,
             scale.around_base(-below),
             scale.around_base(4),
-            tidy(fall * scale.speed_grain_rpm / scale.time_unit_s),
+            coasted_rate(drive, tidy(fall * scale.speed_grain_rpm / scale.time_unit_s)),
         )
         for below, fall in ((40, 1.0), (4, 1.6))
     ]

@@ -99,12 +99,12 @@ def _load(scenario: Scenario) -> list[_Trait]:
             grade = f"grade {_changing(load.grade_percent, '%')}"
             return [whole, _Trait(f"grade-{_sequence(grades)}%", grade)]
         case ConstantTorqueLoad():
-            whole = _Trait(f"{load.torque_nm:.4g}Nm", f"constant torque of {load.torque_nm:.4g} N·m")
+            whole = _Trait(f"{figure(load.torque_nm)}Nm", f"constant torque of {figure(load.torque_nm)} N·m")
         case ConstantPowerLoad():
-            whole = _Trait(f"{load.power_w:.4g}W", f"constant power of {load.power_w:.4g} W")
+            whole = _Trait(f"{figure(load.power_w)}W", f"constant power of {figure(load.power_w)} W")
         case FanLoad():
-            words = f"fan of {load.torque_nm:.4g} N·m at {figure(load.speed_rpm)} rpm"
-            whole = _Trait(f"fan-{load.torque_nm:.4g}Nm", words)
+            words = f"fan of {figure(load.torque_nm)} N·m at {figure(load.speed_rpm)} rpm"
+            whole = _Trait(f"fan-{figure(load.torque_nm)}Nm", words)
     return _switched(whole, load.factor)
 
 

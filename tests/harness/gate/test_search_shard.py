@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -14,7 +15,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import Check
 from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
-from drivegate.gate.shard import DrawnRuns, content_key, run_drawn
+from drivegate.gate.shard import DrawnRuns, FixedRuns, content_key, run_drawn, run_fixed
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
@@ -119,3 +120,26 @@ def test_real_runs_carry_the_margins_of_the_checks() -> None:
     assert len(outcome.runs) == 2
     for run in outcome.runs:
         assert {"PWR-1", "ADV-2", "CNV-1"} <= {margin.check for margin in run.margins}
+
+
+@pytest.mark.usefixtures("judged_by_speed")
+def test_fixed_scenarios_that_a_drive_cannot_do_are_set_aside(monkeypatch: pytest.MonkeyPatch) -> None:
+    def slow(scenario: Scenario) -> str | None:
+        return None if scenario.speed_rpm[0][1] > 1200.0 else "too slow"
+
+    monkeypatch.setattr("drivegate.scenarios.feasibility.unfair_because", slow)
+    monkeypatch.setattr(
+        "drivegate.gate.shard.recorded",
+        lambda _loaded, scenario, _controller, kept=None: SimpleNamespace(scenario=scenario),
+    )
+    monkeypatch.setattr("drivegate.gate.shard.judged", _judged_as_it_is)
+    slower, faster = fixed_scenarios(DRIVE)[2], fixed_scenarios(DRIVE)[7]
+    outcome = run_fixed(Loaded(), FixedRuns((slower, faster), only_fair=True))  # type: ignore[arg-type]
+    assert [run.scenario["name"] for run in outcome.runs] == [faster.name]
+    assert [(aside.scenario, aside.reason) for aside in outcome.infeasible] == [(slower.name, "too slow")]
+    nothing = run_fixed(Loaded(), FixedRuns((slower,), only_fair=True))  # type: ignore[arg-type]
+    assert not nothing.runs
+
+
+def _judged_as_it_is(record: Any, _checks: Iterable[Check]) -> JudgedRun:
+    return JudgedRun(record.scenario.to_mapping(), ())

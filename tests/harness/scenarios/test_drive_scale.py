@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from drivegate.scenarios.combined import combined_scenarios
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.scenarios.drive_scale import DriveScale, scale_of, scale_of_mapping
+from drivegate.scenarios.feasibility import coasted_rate, unfair_because
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
@@ -113,6 +114,20 @@ def test_every_family_draws_within_the_range_of_another_drive(drive, family: Fam
         assert max(speeds) > drive.rating.base_speed_rpm, scenario.name
 
     holds()
+
+
+def test_an_unloaded_reference_falls_no_faster_than_the_shaft_coasts() -> None:
+    braked = SMALL.replaced(core_loss_conductance_s=3e-3)
+    slowly = braked.replaced(inertia_kg_m2=3e-4)
+    free = SMALL.replaced(core_loss_conductance_s=0.0)
+    assert coasted_rate(braked, 20.0) == 20.0
+    assert 11.0 < coasted_rate(slowly, 20.0) < 12.0, "what drag and inertia make of it"
+    assert coasted_rate(free, 20.0) == 0.0, "nothing slows it down"
+    for drive in (braked, slowly, free):
+        unfair = {run.name: why for run in fixed_scenarios(drive) if (why := unfair_because(run))}
+        assert not [name for name in unfair if "unloaded" in name], unfair
+    rising = next(run for run in fixed_scenarios(free) if run.name.endswith("unloaded"))
+    assert [speed for _, speed in rising.speed_rpm] == [2200.0, 2200.0, 3080.0]
 
 
 def test_joint_runs_are_drawn_for_another_drive() -> None:

@@ -16,13 +16,12 @@ from drivegate.scenarios.changes import (
 )
 from drivegate.scenarios.drawn.steps import change_times, loaded_speeds, shares, steady_runs
 from drivegate.scenarios.drive_scale import scale_of, tidy
+from drivegate.scenarios.feasibility import COASTING_SHARE
 from drivegate.scenarios.speed_range import SpeedRange
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
-COASTING_SHARE = 0.5
-"""Greatest rate at which a loaded speed reference falls, over the rate at which the load alone slows the shaft (1)."""
 _MASSES = (3, 4)
 _GEARS = (6, 8)
 

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from drivegate.scenarios.building import TORQUE_DIGITS, coming_on, steady_scenario
 from drivegate.scenarios.changes import pulsed, repeated, stepped, with_load_factor, with_speed
-from drivegate.scenarios.drawn.changes import COASTING_SHARE
 from drivegate.scenarios.drawn.steps import LOAD_STEP, change_times, loaded_speeds, shares
 from drivegate.scenarios.drive_scale import DriveScale, scale_of, tidy
+from drivegate.scenarios.feasibility import COASTING_SHARE
 from drivegate.scenarios.speed_range import SpeedRange
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import rounded

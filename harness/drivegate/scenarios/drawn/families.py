@@ -19,6 +19,7 @@ from drivegate.scenarios.drawn.circumstances import fault_scenarios, parameter_s
 from drivegate.scenarios.drawn.courses import load_course_scenarios, standstill_scenarios
 from drivegate.scenarios.drawn.steps import loaded_speeds, shares, steady_runs, steps_between
 from drivegate.scenarios.drive_scale import scale_of, tidy
+from drivegate.scenarios.feasibility import coasted_rate
 from drivegate.scenarios.speed_range import SpeedRange
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
@@ -86,7 +87,7 @@ def base_speed_scenarios(
             drive,
             scale.around_base(-below),
             scale.around_base(above),
-            tidy(FALL_SHARE * grain * fall / scale.time_unit_s),
+            coasted_rate(drive, tidy(FALL_SHARE * grain * fall / scale.time_unit_s)),
         ),
         st.integers(1, below),
         st.integers(1, above),
