@@ -13,6 +13,7 @@ from drivegate_models.half_bridge.controllers.watch import (
     LOAD_CHANGED,
     WAITING,
     begin_holding,
+    greatest_current_sum,
     is_uneasy,
     watch_search,
 )
@@ -21,7 +22,6 @@ from drivegate_models.half_bridge.designs.confirmation import (
     UNCONFIRMED,
     begin_confirmation,
     continue_confirmation,
-    greatest_current_sum,
     is_worth_confirming,
 )
 from drivegate_models.half_bridge.designs.golden_section import begin_golden_section, continue_golden_section
@@ -50,7 +50,8 @@ _RISE = 0.135
 _LATEST_TO_CONFIRM = 38
 _LOAD_CHANGED = 0.015
 _LEAST_TO_SEARCH = 0.2
-_SMALLEST_CHANGE = 0.4
+# Of the greatest current sum.
+_SMALLEST_CHANGE = 0.4 / 104.0
 
 
 @inlined
@@ -230,7 +231,8 @@ def conclude(state: Any) -> None:
     controller = state.controller
     power = controller.last_power
     there = abs(controller.offset - state.best_offset) < OFF_EDGE
-    changed = there and abs(power - state.best_power) > _LOAD_CHANGED * power + _SMALLEST_CHANGE
+    slack = _SMALLEST_CHANGE * greatest_current_sum(controller)
+    changed = there and abs(power - state.best_power) > _LOAD_CHANGED * power + slack
     if changed and state.decisions < MOST_DECISIONS:
         settle_for(state, go_on(state))
     elif stands_still(state):
