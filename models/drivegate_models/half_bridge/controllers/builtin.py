@@ -77,6 +77,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.rated_sum = nameplate.rated_power / nameplate.half_supply_voltage
     state.control_period = nameplate.control_period
     state.paced_period = nameplate.control_period * rate
+    state.window = nameplate.window
     state.conducting_phases = nameplate.conducting_phases
     torque_per_ampere = state.conducting_phases * nameplate.emf_constant
     state.proportional = nameplate.inertia * (_BANDWIDTH * rate) / torque_per_ampere

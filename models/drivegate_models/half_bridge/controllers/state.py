@@ -28,6 +28,7 @@ CONTROLLER_STATE: Final = np.dtype(
         ("control_period", np.float64),
         # The same in the drive's own time, which runs with its electrical frequency at base speed.
         ("paced_period", np.float64),
+        ("window", np.float64),
         ("conducting_phases", np.float64),
         ("proportional", np.float64),
         ("integral_step", np.float64),

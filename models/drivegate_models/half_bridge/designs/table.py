@@ -31,6 +31,8 @@ _SUMS = np.array(CURRENT_SUMS)
 _RATED_SUM = 31.25
 _FIRST_SPEED = FIRST_SPEED_RPM * RADIANS_PER_RPM
 _SPEED_STEP = SPEED_STEP_RPM * RADIANS_PER_RPM
+_WINDOW = radians(144.0)
+_SAME_WINDOW = 1e-9
 _CLOSE = radians(0.12)
 _AWAY = radians(0.7)
 
@@ -84,6 +86,24 @@ def table_angle(speed: float, current_sum: float) -> float:
     lower: float = angle_in_row(row, current_sum)
     upper: float = angle_in_row(row + 1, current_sum)
     return lower + share * (upper - lower)
+
+
+@inlined
+def table_fits(controller: Any) -> bool:
+    """Return whether the table's angles are of drives like this one: the window shifts them most.
+
+    Parameters
+    ----------
+    controller : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    bool
+        Whether both have the same window.
+    """
+    fits: bool = abs(controller.window - _WINDOW) < _SAME_WINDOW
+    return fits
 
 
 @inlined
