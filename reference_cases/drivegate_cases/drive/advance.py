@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import isnan, pi, radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from pydantic import Field
 
@@ -13,7 +13,8 @@ from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
-    from drivegate_cases.drive.drive_document import DriveDocument
+    from drivegate_cases.drive.rating import Rating
+    from drivegate_models.half_bridge.plant.drive import Drive
 
 _LINES_KEPT = 256
 
@@ -29,12 +30,34 @@ class Advance(Section):
     )
 
 
-def advance_line(drive: DriveDocument) -> tuple[float, float]:
+class RatedDrive(Protocol):
+    """What the line of a drive follows from; what it has computed is kept by its hash."""
+
+    def __hash__(self) -> int:
+        """Hash the values."""
+
+    @property
+    def name(self) -> str:
+        """Name of the drive."""
+
+    @property
+    def rating(self) -> Rating:
+        """What it is made for."""
+
+    @property
+    def advance(self) -> Advance | None:
+        """The line that it states."""
+
+    def plant(self) -> Drive:
+        """Make the plant's parameters."""
+
+
+def advance_line(drive: RatedDrive) -> tuple[float, float]:
     """Give the line's angle at base speed and its slope.
 
     Parameters
     ----------
-    drive : DriveDocument
+    drive : RatedDrive
         The drive; where it states no line, its oracle's is computed, once a process.
 
     Returns
@@ -56,7 +79,7 @@ def advance_line(drive: DriveDocument) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=_LINES_KEPT)
-def _computed_line(drive: DriveDocument) -> tuple[float, float]:
+def _computed_line(drive: RatedDrive) -> tuple[float, float]:
     from drivegate_models.half_bridge.steady.advance_line import recommended_line
 
     rating = drive.rating
