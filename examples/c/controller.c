@@ -3,12 +3,13 @@
 #include <math.h>
 #include <stdbool.h>
 
-#define RPM 0.10471975511965977
 #define DEGREE 0.017453292519943295
 
-#define INTERVAL 0.1   /* s: the search decides once in this time */
-#define PATIENCE 0.008 /* s: a speed that stays behind for so long has lost its torque */
-#define CALM (1.5 * RPM)
+#define INTERVAL 57.5   /* rad at base speed: the search decides once in this time */
+#define PATIENCE 4.6    /* rad at base speed: a speed that stays behind for so long has lost its torque */
+#define CALM 0.003      /* of base speed */
+#define CREEPING 0.0014 /* of base speed */
+#define MARGIN 0.02     /* of base speed: how far above it the advance begins */
 #define FIRST_STEP (2.0 * DEGREE)
 #define LAST_STEP (0.7 * DEGREE)
 #define HIGHEST (24.0 * DEGREE)
@@ -18,6 +19,7 @@ typedef enum { WAITING, SEARCHING, RECOVERING, RESTING } phase;
 
 typedef struct {
     double limit, base_speed, nominal_voltage, period, gain, integral_step, integral;
+    double interval, patience, calm, creeping, advance_begins, line_start, line_slope;
     double speed_reference, speed_mark, current_sum, worst_error, last_current;
     double offset, step_size, lost_offset, best_offset, best_current, best_integral;
     int64_t advancing, intervals, steps, moves, escapes, strained;
@@ -54,15 +56,24 @@ int64_t drivegate_state_size(void) { return sizeof(controller); }
 
 int drivegate_reset(void *state, const drivegate_nameplate *nameplate) {
     controller *self = state;
+    double frequency = (double)nameplate->pole_pairs * nameplate->base_speed;
+    double bandwidth = frequency / 7.2;
     *self = (controller){
         .limit = nameplate->current_limit,
         .base_speed = nameplate->base_speed,
         .nominal_voltage = nameplate->half_supply_voltage,
         .period = nameplate->control_period,
+        .interval = INTERVAL / frequency,
+        .patience = PATIENCE / frequency,
+        .calm = CALM * nameplate->base_speed,
+        .creeping = CREEPING * nameplate->base_speed,
+        .advance_begins = nameplate->base_speed + MARGIN * nameplate->base_speed,
+        .line_start = nameplate->advance_start,
+        .line_slope = nameplate->advance_slope,
         .speed_reference = -1.0,
     };
-    self->gain = 80.0 * nameplate->inertia / (0.8 * (double)nameplate->phases * nameplate->emf_constant);
-    self->integral_step = 15.0 * self->gain * nameplate->control_period;
+    self->gain = bandwidth * nameplate->inertia / (nameplate->conducting_phases * nameplate->emf_constant);
+    self->integral_step = 0.1875 * bandwidth * self->gain * nameplate->control_period;
     begin_anew(self);
     return 0;
 }
@@ -86,7 +97,7 @@ static double regulate(controller *self, double error) {
 /* Return the initial line over speed, at the same EMF over supply, plus the search's offset. */
 static double advance_angle(const controller *self, double speed, double voltage) {
     if (voltage > 1.0) speed = speed * self->nominal_voltage / voltage;
-    double line = 33.0 * DEGREE + 0.025 * DEGREE / RPM * (speed - self->base_speed);
+    double line = self->line_start + self->line_slope * (speed - self->base_speed);
     return limited(line + self->offset, 0.0, 90.0 * DEGREE);
 }
 
@@ -116,7 +127,7 @@ static void try_next(controller *self) {
 
 /* Keep the angle that was tried if the current sum is less there and the regulator does not creep up. */
 static void judge(controller *self, double current, double error) {
-    bool creeps = error >= 0.7 * RPM && self->integral >= 1.02 * self->best_integral;
+    bool creeps = error >= self->creeping && self->integral >= 1.02 * self->best_integral;
     if (current < 0.999 * self->best_current && !creeps) {
         keep(self, current);
         self->moves += 1;
@@ -143,7 +154,7 @@ static void end_interval(controller *self) {
     begin_interval(self);
     if (self->phase == WAITING) {
         self->last_current = current;
-        if (self->intervals >= 2 && error <= CALM && change <= 0.004 * current) {
+        if (self->intervals >= 2 && error <= self->calm && change <= 0.004 * current) {
             keep(self, current);
             self->moves = 0;
             self->step_size = -FIRST_STEP;
@@ -152,7 +163,7 @@ static void end_interval(controller *self) {
     } else if (self->phase == SEARCHING) {
         if (self->intervals >= 2) judge(self, current, error);
     } else if (self->phase == RECOVERING) {
-        if (error <= CALM) {
+        if (error <= self->calm) {
             try_next(self);
         } else if (self->intervals >= 3) {
             /* The best angle so far keeps the torque for a while only. */
@@ -176,10 +187,10 @@ static void end_interval(controller *self) {
 /* Return whether the speed has stayed behind for some time, or does not rise at the current limit. */
 static bool has_lost_torque(controller *self, double error, double reference, double speed) {
     bool settled = self->phase == SEARCHING || self->phase == RESTING;
-    bool strained = settled ? error > CALM : reference >= self->limit;
+    bool strained = settled ? error > self->calm : reference >= self->limit;
     self->strained = strained ? self->strained + 1 : 0;
     if (self->strained == 1) self->speed_mark = speed;
-    if ((double)self->strained * self->period < PATIENCE) return false;
+    if ((double)self->strained * self->period < self->patience) return false;
     self->strained = 0;
     return settled || speed <= self->speed_mark;
 }
@@ -218,13 +229,13 @@ void drivegate_step(void *state, const drivegate_sense *sense, drivegate_command
         begin_anew(self);
     }
     if (sense->speed < self->base_speed) self->advancing = 0;
-    else if (sense->speed >= self->base_speed + 10.0 * RPM) self->advancing = 1;
+    else if (sense->speed >= self->advance_begins) self->advancing = 1;
     if (self->advancing == 0) return;
 
     if (fabs(error) > self->worst_error) self->worst_error = fabs(error);
     self->current_sum += sense->current_magnitude_sum;
     self->steps += 1;
     if (has_lost_torque(self, error, reference, sense->speed)) regain_torque(self);
-    else if ((double)self->steps * self->period >= INTERVAL) end_interval(self);
+    else if ((double)self->steps * self->period >= self->interval) end_interval(self);
     command->advance_angle = advance_angle(self, sense->speed, sense->half_supply_voltage);
 }

@@ -8,11 +8,13 @@ class Regulator:
 
     def reset(self, nameplate: Nameplate) -> None:
         """Prepare for a run: called before every one, and must forget everything."""
-        # 80 % of the phases conduct at a time; this is the torque that one ampere of reference gives.
-        torque_per_ampere = 0.8 * nameplate.phases * nameplate.emf_constant
-        # The speed follows with 80 rad/s, and the integral catches up with 15 rad/s.
-        self.proportional = nameplate.inertia * 80.0 / torque_per_ampere
-        self.integral_step = self.proportional * 15.0 * nameplate.control_period
+        # The torque that one ampere of reference gives.
+        torque_per_ampere = nameplate.conducting_phases * nameplate.emf_constant
+        # The speed follows with 80 rad/s, and the integral catches up with 15 rad/s, on a drive whose electrical
+        # frequency at base speed is 576 rad/s; on others in proportion.
+        rate = nameplate.pole_pairs * nameplate.base_speed / 575.9586531581288
+        self.proportional = nameplate.inertia * (80.0 * rate) / torque_per_ampere
+        self.integral_step = self.proportional * (15.0 * rate) * nameplate.control_period
         self.limit = nameplate.current_limit
         # The reference's search sets this back when an angle has cost it the speed.
         self.integral = 0.0

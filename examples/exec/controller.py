@@ -6,7 +6,7 @@ nothing but Python's standard library, and shows what a program in any other lan
 
 import json
 import sys
-from math import pi, radians
+from math import pi
 
 
 class Controller:
@@ -14,11 +14,15 @@ class Controller:
 
     def reset(self, nameplate):
         """Forget everything, and choose the constants for the drive at hand."""
-        torque_per_ampere = 0.8 * nameplate["phases"] * nameplate["emf_constant"]
-        self.proportional = nameplate["inertia"] * 80.0 / torque_per_ampere
-        self.integral_step = self.proportional * 15.0 * nameplate["control_period"]
+        torque_per_ampere = nameplate["conducting_phases"] * nameplate["emf_constant"]
+        # 80 rad/s, and 15 rad/s for the integral, on a drive of 576 rad/s electrical at base speed; else in proportion.
+        rate = nameplate["pole_pairs"] * nameplate["base_speed"] / 575.9586531581288
+        self.proportional = nameplate["inertia"] * (80.0 * rate) / torque_per_ampere
+        self.integral_step = self.proportional * (15.0 * rate) * nameplate["control_period"]
         self.limit = nameplate["current_limit"]
         self.base_speed = nameplate["base_speed"]
+        self.advance_start = nameplate["advance_start"]
+        self.advance_slope = nameplate["advance_slope"]
         self.integral = 0.0
 
     def step(self, sense):
@@ -46,7 +50,7 @@ class Controller:
         """Follow a straight line above base speed."""
         if speed < self.base_speed:
             return 0.0
-        line = radians(33.0) + radians(0.025) * 30.0 / pi * (speed - self.base_speed)
+        line = self.advance_start + self.advance_slope * (speed - self.base_speed)
         return min(max(line, 0.0), 0.5 * pi)
 
 

@@ -7,12 +7,13 @@ import numpy as np
 
 from drivegate import NumbaController
 
-RPM = 0.10471975511965977
 DEGREE = 0.017453292519943295
 
-INTERVAL = 0.1  # s: the search decides once in this time
-PATIENCE = 0.008  # s: a speed that stays behind for so long has lost its torque
-CALM = 1.5 * RPM
+INTERVAL = 57.5  # rad at base speed: the search decides once in this time
+PATIENCE = 4.6  # rad at base speed: a speed that stays behind for so long has lost its torque
+CALM = 0.003  # of base speed
+CREEPING = 0.0014  # of base speed
+MARGIN = 0.02  # of base speed: how far above it the advance begins
 FIRST_STEP = 2.0 * DEGREE
 LAST_STEP = 0.7 * DEGREE
 HIGHEST = 24.0 * DEGREE
@@ -22,6 +23,7 @@ WAITING, SEARCHING, RECOVERING, RESTING = range(4)
 
 REALS = (
     *("limit", "base_speed", "nominal_voltage", "period", "gain", "integral_step", "integral"),
+    *("interval", "patience", "calm", "creeping", "advance_begins", "line_start", "line_slope"),
     *("speed_reference", "speed_mark", "current_sum", "worst_error", "last_current"),
     *("offset", "step_size", "lost_offset", "best_offset", "best_current", "best_integral"),
 )
@@ -35,8 +37,17 @@ def reset(state: Any, nameplate: Any) -> None:
     state.base_speed = nameplate.base_speed
     state.nominal_voltage = nameplate.half_supply_voltage
     state.period = nameplate.control_period
-    state.gain = 80.0 * nameplate.inertia / (0.8 * nameplate.phases * nameplate.emf_constant)
-    state.integral_step = 15.0 * state.gain * nameplate.control_period
+    frequency = nameplate.pole_pairs * nameplate.base_speed
+    bandwidth = frequency / 7.2
+    state.interval = INTERVAL / frequency
+    state.patience = PATIENCE / frequency
+    state.calm = CALM * nameplate.base_speed
+    state.creeping = CREEPING * nameplate.base_speed
+    state.advance_begins = nameplate.base_speed + MARGIN * nameplate.base_speed
+    state.line_start = nameplate.advance_start
+    state.line_slope = nameplate.advance_slope
+    state.gain = bandwidth * nameplate.inertia / (nameplate.conducting_phases * nameplate.emf_constant)
+    state.integral_step = 0.1875 * bandwidth * state.gain * nameplate.control_period
     state.integral = 0.0
     state.speed_reference = -1.0
     state.advancing = 0
@@ -65,7 +76,7 @@ def step(state: Any, sense: Any, command: Any) -> None:
         begin_anew(state)
     if sense.speed < state.base_speed:
         state.advancing = 0
-    elif sense.speed >= state.base_speed + 10.0 * RPM:
+    elif sense.speed >= state.advance_begins:
         state.advancing = 1
     if state.advancing == 0:
         return
@@ -75,7 +86,7 @@ def step(state: Any, sense: Any, command: Any) -> None:
     state.steps += 1
     if has_lost_torque(state, error, reference, sense.speed):
         regain_torque(state)
-    elif state.steps * state.period >= INTERVAL:
+    elif state.steps * state.period >= state.interval:
         end_interval(state)
     command.advance_angle = advance_angle(state, sense.speed, sense.half_supply_voltage)
 
@@ -103,7 +114,7 @@ def advance_angle(state: Any, speed: float, voltage: float) -> float:
     """Return the initial line over speed, at the same EMF over supply, plus the search's offset."""
     if voltage > 1.0:
         speed = speed * state.nominal_voltage / voltage
-    line = 33.0 * DEGREE + 0.025 * DEGREE / RPM * (speed - state.base_speed)
+    line = state.line_start + state.line_slope * (speed - state.base_speed)
     return min(max(line + state.offset, 0.0), 90.0 * DEGREE)
 
 
@@ -141,7 +152,7 @@ def end_interval(state: Any) -> None:
     begin_interval(state)
     if state.phase == WAITING:
         state.last_current = current
-        if state.intervals >= 2 and error <= CALM and change <= 0.004 * current:
+        if state.intervals >= 2 and error <= state.calm and change <= 0.004 * current:
             keep(state, current)
             state.moves = 0
             state.step_size = -FIRST_STEP
@@ -150,7 +161,7 @@ def end_interval(state: Any) -> None:
         if state.intervals >= 2:
             judge(state, current, error)
     elif state.phase == RECOVERING:
-        if error <= CALM:
+        if error <= state.calm:
             try_next(state)
         elif state.intervals >= 3:
             # The best angle so far keeps the torque for a while only.
@@ -172,7 +183,7 @@ def end_interval(state: Any) -> None:
 @numba.njit
 def judge(state: Any, current: float, error: float) -> None:
     """Keep the angle that was tried if Σ|i| is less there and the regulator does not creep up."""
-    creeps = error >= 0.7 * RPM and state.integral >= 1.02 * state.best_integral
+    creeps = error >= state.creeping and state.integral >= 1.02 * state.best_integral
     if current < 0.999 * state.best_current and not creeps:
         keep(state, current)
         state.moves += 1
@@ -211,11 +222,11 @@ def try_next(state: Any) -> None:
 def has_lost_torque(state: Any, error: float, reference: float, speed: float) -> bool:
     """Return whether the speed has stayed behind for some time, or does not rise at the current limit."""
     settled = state.phase == SEARCHING or state.phase == RESTING
-    strained = error > CALM if settled else reference >= state.limit
+    strained = error > state.calm if settled else reference >= state.limit
     state.strained = state.strained + 1 if strained else 0
     if state.strained == 1:
         state.speed_mark = speed
-    if state.strained * state.period < PATIENCE:
+    if state.strained * state.period < state.patience:
         return False
     state.strained = 0
     return settled or speed <= state.speed_mark

@@ -7,12 +7,13 @@ checks say, `drivegate check controller.py:Controller` reports.
 
 from drivegate import Command, Nameplate, Sense
 
-RPM = 0.10471975511965977
 DEGREE = 0.017453292519943295
 
-INTERVAL = 0.1  # s: the search decides once in this time
-PATIENCE = 0.008  # s: a speed that stays behind for so long has lost its torque
-CALM = 1.5 * RPM
+INTERVAL = 57.5  # rad at base speed: the search decides once in this time
+PATIENCE = 4.6  # rad at base speed: a speed that stays behind for so long has lost its torque
+CALM = 0.003  # of base speed
+CREEPING = 0.0014  # of base speed
+MARGIN = 0.02  # of base speed: how far above it the advance begins
 FIRST_STEP = 2.0 * DEGREE
 LAST_STEP = 0.7 * DEGREE
 HIGHEST = 24.0 * DEGREE
@@ -30,8 +31,17 @@ class Controller:
         self.base_speed = nameplate.base_speed
         self.nominal_voltage = nameplate.half_supply_voltage
         self.period = nameplate.control_period
-        self.gain = 80.0 * nameplate.inertia / (0.8 * nameplate.phases * nameplate.emf_constant)
-        self.integral_step = 15.0 * self.gain * nameplate.control_period
+        frequency = nameplate.pole_pairs * nameplate.base_speed
+        bandwidth = frequency / 7.2
+        self.interval = INTERVAL / frequency
+        self.patience = PATIENCE / frequency
+        self.calm = CALM * nameplate.base_speed
+        self.creeping = CREEPING * nameplate.base_speed
+        self.advance_begins = nameplate.base_speed + MARGIN * nameplate.base_speed
+        self.line_start = nameplate.advance_start
+        self.line_slope = nameplate.advance_slope
+        self.gain = bandwidth * nameplate.inertia / (nameplate.conducting_phases * nameplate.emf_constant)
+        self.integral_step = 0.1875 * bandwidth * self.gain * nameplate.control_period
         self.integral = 0.0
         self.speed_reference = -1.0
         self.advancing = 0
@@ -57,7 +67,7 @@ class Controller:
             self.begin_anew()
         if sense.speed < self.base_speed:
             self.advancing = 0
-        elif sense.speed >= self.base_speed + 10.0 * RPM:
+        elif sense.speed >= self.advance_begins:
             self.advancing = 1
         if self.advancing == 0:
             return Command(reference, 0.0, power)
@@ -67,7 +77,7 @@ class Controller:
         self.steps += 1
         if self.has_lost_torque(error, reference, sense.speed):
             self.regain_torque()
-        elif self.steps * self.period >= INTERVAL:
+        elif self.steps * self.period >= self.interval:
             self.end_interval()
         return Command(reference, self.advance_angle(sense.speed, sense.half_supply_voltage), power)
 
@@ -91,7 +101,7 @@ class Controller:
         """Return the initial line over speed, at the same EMF over supply, plus the search's offset."""
         if voltage > 1.0:
             speed = speed * self.nominal_voltage / voltage
-        line = 33.0 * DEGREE + 0.025 * DEGREE / RPM * (speed - self.base_speed)
+        line = self.line_start + self.line_slope * (speed - self.base_speed)
         return min(max(line + self.offset, 0.0), 90.0 * DEGREE)
 
     def begin_anew(self) -> None:
@@ -121,7 +131,7 @@ class Controller:
         self.begin_interval()
         if self.phase == WAITING:
             self.last_current = current
-            if self.intervals >= 2 and error <= CALM and change <= 0.004 * current:
+            if self.intervals >= 2 and error <= self.calm and change <= 0.004 * current:
                 self.keep(current)
                 self.moves = 0
                 self.step_size = -FIRST_STEP
@@ -130,7 +140,7 @@ class Controller:
             if self.intervals >= 2:
                 self.judge(current, error)
         elif self.phase == RECOVERING:
-            if error <= CALM:
+            if error <= self.calm:
                 self.try_next()
             elif self.intervals >= 3:
                 # The best angle so far keeps the torque for a while only.
@@ -150,7 +160,7 @@ class Controller:
 
     def judge(self, current: float, error: float) -> None:
         """Keep the angle that was tried if Σ|i| is less there and the regulator does not creep up."""
-        creeps = error >= 0.7 * RPM and self.integral >= 1.02 * self.best_integral
+        creeps = error >= self.creeping and self.integral >= 1.02 * self.best_integral
         if current < 0.999 * self.best_current and not creeps:
             self.keep(current)
             self.moves += 1
@@ -183,11 +193,11 @@ class Controller:
     def has_lost_torque(self, error: float, reference: float, speed: float) -> bool:
         """Return whether the speed has stayed behind for some time, or does not rise at the current limit."""
         settled = self.phase == SEARCHING or self.phase == RESTING
-        strained = error > CALM if settled else reference >= self.limit
+        strained = error > self.calm if settled else reference >= self.limit
         self.strained = self.strained + 1 if strained else 0
         if self.strained == 1:
             self.speed_mark = speed
-        if self.strained * self.period < PATIENCE:
+        if self.strained * self.period < self.patience:
             return False
         self.strained = 0
         return settled or speed <= self.speed_mark

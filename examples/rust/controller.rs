@@ -2,7 +2,7 @@
 
 use std::ffi::{c_int, c_void};
 
-const ABI_VERSION: i64 = 1000;
+const ABI_VERSION: i64 = 1001;
 
 #[repr(C)]
 pub struct Nameplate {
@@ -19,6 +19,12 @@ pub struct Nameplate {
     inductance: f64,
     emf_constant: f64,
     inertia: f64,
+    kind: i64,
+    window: f64,
+    conducting_phases: f64,
+    advance_start: f64,
+    advance_slope: f64,
+    highest_speed: f64,
 }
 
 #[repr(C)]
@@ -41,14 +47,16 @@ pub struct Command {
     input_power: f64,
 }
 
-const RPM: f64 = 0.10471975511965977;
 const DEGREE: f64 = 0.017453292519943295;
 
-/// The search decides once in this time (s).
-const INTERVAL: f64 = 0.1;
-/// A speed that stays behind for so long has lost its torque (s).
-const PATIENCE: f64 = 0.008;
-const CALM: f64 = 1.5 * RPM;
+/// The search decides once in this time (rad at base speed).
+const INTERVAL: f64 = 57.5;
+/// A speed that stays behind for so long has lost its torque (rad at base speed).
+const PATIENCE: f64 = 4.6;
+/// Shares of base speed: a calm error, a creeping one, and how far above it the advance begins.
+const CALM: f64 = 0.003;
+const CREEPING: f64 = 0.0014;
+const MARGIN: f64 = 0.02;
 const FIRST_STEP: f64 = 2.0 * DEGREE;
 const LAST_STEP: f64 = 0.7 * DEGREE;
 const HIGHEST: f64 = 24.0 * DEGREE;
@@ -72,6 +80,13 @@ struct Controller {
     gain: f64,
     integral_step: f64,
     integral: f64,
+    interval: f64,
+    patience: f64,
+    calm: f64,
+    creeping: f64,
+    advance_begins: f64,
+    line_start: f64,
+    line_slope: f64,
     speed_reference: f64,
     speed_mark: f64,
     current_sum: f64,
@@ -104,15 +119,24 @@ fn limited(value: f64, lowest: f64, highest: f64) -> f64 {
 
 impl Controller {
     fn new(nameplate: &Nameplate) -> Self {
-        let torque_per_ampere = 0.8 * nameplate.phases as f64 * nameplate.emf_constant;
-        let gain = 80.0 * nameplate.inertia / torque_per_ampere;
+        let frequency = nameplate.pole_pairs as f64 * nameplate.base_speed;
+        let bandwidth = frequency / 7.2;
+        let torque_per_ampere = nameplate.conducting_phases * nameplate.emf_constant;
+        let gain = bandwidth * nameplate.inertia / torque_per_ampere;
         Self {
             limit: nameplate.current_limit,
             base_speed: nameplate.base_speed,
             nominal_voltage: nameplate.half_supply_voltage,
             period: nameplate.control_period,
             gain,
-            integral_step: 15.0 * gain * nameplate.control_period,
+            integral_step: 0.1875 * bandwidth * gain * nameplate.control_period,
+            interval: INTERVAL / frequency,
+            patience: PATIENCE / frequency,
+            calm: CALM * nameplate.base_speed,
+            creeping: CREEPING * nameplate.base_speed,
+            advance_begins: nameplate.base_speed + MARGIN * nameplate.base_speed,
+            line_start: nameplate.advance_start,
+            line_slope: nameplate.advance_slope,
             speed_reference: -1.0,
             lost_offset: NOWHERE,
             ..Self::default()
@@ -132,7 +156,7 @@ impl Controller {
         }
         if sense.speed < self.base_speed {
             self.advancing = false;
-        } else if sense.speed >= self.base_speed + 10.0 * RPM {
+        } else if sense.speed >= self.advance_begins {
             self.advancing = true;
         }
         if !self.advancing {
@@ -146,7 +170,7 @@ impl Controller {
         self.steps += 1;
         if self.has_lost_torque(error, reference, sense.speed) {
             self.regain_torque();
-        } else if self.steps as f64 * self.period >= INTERVAL {
+        } else if self.steps as f64 * self.period >= self.interval {
             self.end_interval();
         }
         command.advance_angle = self.advance_angle(sense.speed, sense.half_supply_voltage);
@@ -175,7 +199,7 @@ impl Controller {
     /// Return the initial line over speed, at the same EMF over supply, plus the search's offset.
     fn advance_angle(&self, speed: f64, voltage: f64) -> f64 {
         let speed = if voltage > 1.0 { speed * self.nominal_voltage / voltage } else { speed };
-        let line = 33.0 * DEGREE + 0.025 * DEGREE / RPM * (speed - self.base_speed);
+        let line = self.line_start + self.line_slope * (speed - self.base_speed);
         limited(line + self.offset, 0.0, 90.0 * DEGREE)
     }
 
@@ -209,7 +233,7 @@ impl Controller {
         match self.phase {
             Phase::Waiting => {
                 self.last_current = current;
-                if self.intervals >= 2 && error <= CALM && change <= 0.004 * current {
+                if self.intervals >= 2 && error <= self.calm && change <= 0.004 * current {
                     self.keep(current);
                     self.moves = 0;
                     self.step_size = -FIRST_STEP;
@@ -222,7 +246,7 @@ impl Controller {
                 }
             }
             Phase::Recovering => {
-                if error <= CALM {
+                if error <= self.calm {
                     self.try_next();
                 } else if self.intervals >= 3 {
                     // The best angle so far keeps the torque for a while only.
@@ -249,7 +273,7 @@ impl Controller {
 
     /// Keep the angle that was tried if the current sum is less there and the regulator does not creep up.
     fn judge(&mut self, current: f64, error: f64) {
-        let creeps = error >= 0.7 * RPM && self.integral >= 1.02 * self.best_integral;
+        let creeps = error >= self.creeping && self.integral >= 1.02 * self.best_integral;
         if current < 0.999 * self.best_current && !creeps {
             self.keep(current);
             self.moves += 1;
@@ -288,12 +312,12 @@ impl Controller {
     /// Return whether the speed has stayed behind for some time, or does not rise at the current limit.
     fn has_lost_torque(&mut self, error: f64, reference: f64, speed: f64) -> bool {
         let settled = self.phase == Phase::Searching || self.phase == Phase::Resting;
-        let strained = if settled { error > CALM } else { reference >= self.limit };
+        let strained = if settled { error > self.calm } else { reference >= self.limit };
         self.strained = if strained { self.strained + 1 } else { 0 };
         if self.strained == 1 {
             self.speed_mark = speed;
         }
-        if (self.strained as f64) * self.period < PATIENCE {
+        if (self.strained as f64) * self.period < self.patience {
             return false;
         }
         self.strained = 0;

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import isnan, pi, radians
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from pydantic import Field
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.documents.wording import one_line
-from drivegate_cases.drive.rating import Rating
 from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate_cases.drive.rating import Rating
+    from drivegate_models.half_bridge.plant.drive import Drive
 
 _LINES_KEPT = 256
 
@@ -27,8 +30,11 @@ class Advance(Section):
     )
 
 
-class RatedMachine(Protocol):
-    """What a line is computed from: the part of a drive's document that it takes."""
+class RatedDrive(Protocol):
+    """What the line of a drive follows from; what it has computed is kept by its hash."""
+
+    def __hash__(self) -> int:
+        """Hash the values."""
 
     @property
     def name(self) -> str:
@@ -36,25 +42,22 @@ class RatedMachine(Protocol):
 
     @property
     def rating(self) -> Rating:
-        """What the drive is made for."""
+        """What it is made for."""
 
     @property
     def advance(self) -> Advance | None:
-        """The line that the drive states."""
+        """The line that it states."""
 
-    def plant(self) -> Any:
-        """Make the plant's parameters, in SI units."""
-
-    def __hash__(self) -> int:
-        """Hash the values."""
+    def plant(self) -> Drive:
+        """Make the plant's parameters."""
 
 
-def advance_line(drive: RatedMachine) -> tuple[float, float]:
+def advance_line(drive: RatedDrive) -> tuple[float, float]:
     """Give the line's angle at base speed and its slope.
 
     Parameters
     ----------
-    drive : RatedMachine
+    drive : RatedDrive
         The drive; where it states no line, its oracle's is computed, once a process.
 
     Returns
@@ -76,7 +79,7 @@ def advance_line(drive: RatedMachine) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=_LINES_KEPT)
-def _computed_line(drive: RatedMachine) -> tuple[float, float]:
+def _computed_line(drive: RatedDrive) -> tuple[float, float]:
     from drivegate_models.half_bridge.steady.advance_line import recommended_line
 
     rating = drive.rating

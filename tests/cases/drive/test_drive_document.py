@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.drive.drive_document import TABLE_KEYS, DriveDocument, drive_names, load_drive
+from drivegate_cases.drive.drive_document import RPM, TABLE_KEYS, DriveDocument, drive_names, load_drive
 from drivegate_cases.drive.scales import Scales
 from drivegate_models.half_bridge.steady.torque_limit import torques_at_limit
 
@@ -298,3 +298,39 @@ def test_a_drive_out_of_reach_of_its_rated_power_has_no_line(refusal: Callable[.
     assert PAPER.replaced(rated_power_w=15e3).nameplate(0.0005).rated_power == 15e3, (
         "a stated line is not computed"
     )
+
+
+@pytest.mark.parametrize("name", drive_names())
+def test_each_packaged_drive_keeps_rated_power_along_its_line(name: str) -> None:
+    drive = load_drive(name)
+    nameplate, plant = drive.nameplate(0.0005), drive.plant()
+    for speed in np.linspace(1.1 * nameplate.base_speed, nameplate.highest_speed, 7):
+        angle = nameplate.advance_start + nameplate.advance_slope * (speed - nameplate.base_speed)
+        power = torques_at_limit(plant, float(speed), [angle])[0] * speed
+        assert power >= nameplate.rated_power, (
+            f"{name} gives {power:.5g} W at {speed / RPM:.0f} rpm and {math.degrees(angle):.1f} deg"
+        )
+
+
+@pytest.mark.parametrize("name", sorted({*drive_names()} - {"paper-5-phase"}))
+def test_the_made_up_drives_have_the_shares_of_the_paper_drive(name: str) -> None:
+    drive = load_drive(name)
+    for key, of_paper in shares(PAPER).items():
+        assert shares(drive)[key] == pytest.approx(of_paper, rel=0.05), (
+            f"{key} of {name} breaks its scaling law"
+        )
+
+
+def shares(drive: DriveDocument) -> dict[str, float]:
+    """Measure a drive by its own supply, current limit and base speed."""
+    impedance = drive.inverter.supply_voltage_v / drive.rating.current_limit_a
+    speed = drive.rating.base_speed_rpm * RPM
+    return {
+        "resistance": drive.machine.resistance_ohm / impedance,
+        "reactance": drive.machine.pole_pairs * speed * drive.machine.inductance_h / impedance,
+        "emf": drive.machine.emf_constant_v_s_per_rad * speed / drive.inverter.supply_voltage_v,
+        "core loss": drive.machine.core_loss_conductance_s * impedance,
+        "mechanical time": drive.machine.inertia_kg_m2 * speed**2 / drive.rating.rated_power_w,
+        "band": drive.inverter.hysteresis_band_a / drive.rating.current_limit_a,
+        "window": drive.inverter.window_deg / 180.0 / (1.0 - 1.0 / drive.machine.phases),
+    }

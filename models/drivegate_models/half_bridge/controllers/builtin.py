@@ -24,18 +24,25 @@ from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE, FLO
 from drivegate_models.units import RADIANS_PER_RPM
 
 SEARCH_PERIOD: Final = 0.1
-"""Time from one decision of the search to the next (s)."""
+"""Time from one decision of the search to the next (s); of the guarded one on a drive of the frequency tuned for."""
 
 SEARCHES: Final = MappingProxyType({"initial": NO_SEARCH, "published": FLOWCHART, "reference": GUARDED})
 """Kind of search by name of controller."""
 
+# Times and rates are tuned on a drive of this electrical frequency at base speed (rad/s); others' are in proportion.
+_TUNED_FREQUENCY = 575.9586531581288
+# But no faster than a control period can follow (s).
+_FASTEST = 1e-3
 # Both (1/s) no higher: an encoder's speed comes in steps, and the regulator turns each into current.
 _BANDWIDTH = 80.0
 _INTEGRAL_RATE = 15.0
+# k1 of Fig. 4: what the flowchart declares (rad/s), and of base speed for the guarded search.
+_FLOWCHART_TOLERANCE = 5.0 * RADIANS_PER_RPM
+_SPEED_TOLERANCE = 0.01
 # What the converter makes of the current sum, as a share of the current limit.
 _LEAST_CHANGE = 0.0008
-# Without it, regulation at base speed would switch the jump of the angle on and off.
-_ADVANCE_MARGIN = 10.0 * RADIANS_PER_RPM
+# Of base speed. Without it, regulation at base speed would switch the jump of the angle on and off.
+_ADVANCE_MARGIN = 0.02
 
 
 @inlined
@@ -51,28 +58,37 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     search : int
         `NO_SEARCH`, `FLOWCHART` or `GUARDED`.
     """
-    # The published line starts from nothing but leaves rated power out of reach up to 1150 rpm.
     published = search == FLOWCHART
+    rate = nameplate.pole_pairs * nameplate.base_speed / _TUNED_FREQUENCY
+    rate = min(rate, _FASTEST / nameplate.control_period)
     state.search = search
-    state.angle_at_base = radians(0.0 if published else 33.0)
-    # In this order of operations, as the example in every language has it: bit for bit.
-    state.angle_slope = radians(0.058 if published else 0.025) * 30.0 / pi
+    state.angle_at_base = nameplate.advance_start
+    state.angle_slope = nameplate.advance_slope
+    if published:
+        # The line of Fig. 3 starts from nothing, and here ends where the nameplate's does; in between it leaves
+        # rated power out of reach.
+        state.angle_at_base = 0.0
+        state.angle_slope += nameplate.advance_start / (nameplate.highest_speed - nameplate.base_speed)
     state.base_speed = nameplate.base_speed
-    state.advance_begins = nameplate.base_speed + (_ADVANCE_MARGIN if search == GUARDED else 0.0)
+    margin = _ADVANCE_MARGIN * nameplate.base_speed if search == GUARDED else 0.0
+    state.advance_begins = nameplate.base_speed + margin
     state.nominal_voltage = nameplate.half_supply_voltage
     state.current_limit = nameplate.current_limit
+    state.rated_sum = nameplate.rated_power / nameplate.half_supply_voltage
     state.control_period = nameplate.control_period
-    # A window of 144 of 180 degrees: this is how many phases carry current at a time.
-    state.conducting_phases = 0.8 * nameplate.phases
+    state.paced_period = nameplate.control_period * rate
+    state.window = nameplate.window
+    state.conducting_phases = nameplate.conducting_phases
     torque_per_ampere = state.conducting_phases * nameplate.emf_constant
-    state.proportional = nameplate.inertia * _BANDWIDTH / torque_per_ampere
-    state.integral_step = state.proportional * _INTEGRAL_RATE * nameplate.control_period
+    state.proportional = nameplate.inertia * (_BANDWIDTH * rate) / torque_per_ampere
+    state.integral_step = state.proportional * (_INTEGRAL_RATE * rate) * nameplate.control_period
     # k1 and k2 of Fig. 4.
-    state.speed_tolerance = 5.0 * RADIANS_PER_RPM
+    state.speed_tolerance = _FLOWCHART_TOLERANCE if published else _SPEED_TOLERANCE * nameplate.base_speed
     state.power_tolerance = 0.001
     state.least_change = _LEAST_CHANGE * nameplate.current_limit
     state.first_step = radians(1.0)
-    state.decision_steps = max(round(SEARCH_PERIOD / nameplate.control_period), 1)
+    period = state.control_period if published else state.paced_period
+    state.decision_steps = max(round(SEARCH_PERIOD / period), 1)
     state.integral = 0.0
     state.advancing = 0
     state.held_power = 0.0
@@ -214,7 +230,7 @@ def observe(state: Any, sense: Any, reference: float) -> bool:
             sense.half_supply_voltage,
             sense.current_magnitude_sum,
             reference,
-            state.control_period,
+            state.paced_period,
         )
     due: bool = state.count >= state.decision_steps
     return due

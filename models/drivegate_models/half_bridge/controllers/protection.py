@@ -10,7 +10,6 @@ from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.units import RADIANS_PER_RPM
 
 SETTLING: Final = 0
 """Mode: command or load has changed; wait until the current sum repeats."""
@@ -32,15 +31,17 @@ SLACK: Final = 0.04
 _SUPPLY_MOVED = 0.02
 # Given back besides the step, so that the walk back does not end on the edge itself.
 _RECOVERY = radians(0.3)
-# Of k1, that is 1.5 rpm: beyond the edge the torque goes at once, and k1 itself would be too late.
+# Of k1: beyond the edge the torque goes at once, and k1 itself would be too late.
 _ALARM = 0.3
-# Dwell times (s). The climb waits least: the load takes speed away faster than steps of a degree return it.
+# Dwell times (s, in the drive's own time). The climb waits least: the load takes speed away faster than steps of a
+# degree return it.
 _STARVED_DWELL = 0.03
 _DWELL = 0.02
 _CLIMB_DWELL = 0.01
 # Time in which lost speed has to come back, else the torque counts as lost (s).
 _REGAIN = 0.25
-_SLOWEST_REGAIN = 20.0 * RADIANS_PER_RPM
+# Of base speed (1/s).
+_SLOWEST_REGAIN = 0.04
 _LONGEST_CLIMB = radians(8.0)
 # Current sums, over that at which an angle was forbidden, that mean another load.
 _LIGHTER = 0.88
@@ -216,7 +217,7 @@ def guard_regulation(
     reference : float
         Current reference (A).
     period : float
-        Control period (s).
+        Control period in the drive's own time (s).
     """
     # The edge depends on EMF over supply, so either one makes what was found worthless.
     supply_moved = abs(voltage - state.supply_voltage) > _SUPPLY_MOVED * state.nominal_voltage
@@ -263,7 +264,7 @@ def guard_regulation(
         # Below the initial angle torque must return soon; at it, a heavy load may take its time to accelerate.
         required = missing * _DWELL / _REGAIN
         if state.offset >= 0.0:
-            required = min(missing / _REGAIN, _SLOWEST_REGAIN) * _CLIMB_DWELL
+            required = min(missing / _REGAIN, _SLOWEST_REGAIN * state.base_speed) * _CLIMB_DWELL
         if gained <= required and missing > 0.0:
             if state.offset < 0.0:
                 walk_back(state, state.first_step, gained <= 0.0)

@@ -23,7 +23,12 @@ CONTROLLER_STATE: Final = np.dtype(
         ("base_speed", np.float64),
         ("nominal_voltage", np.float64),
         ("current_limit", np.float64),
+        # Current sum that the supply gives at rated power.
+        ("rated_sum", np.float64),
         ("control_period", np.float64),
+        # The same in the drive's own time, which runs with its electrical frequency at base speed.
+        ("paced_period", np.float64),
+        ("window", np.float64),
         ("conducting_phases", np.float64),
         ("proportional", np.float64),
         ("integral_step", np.float64),

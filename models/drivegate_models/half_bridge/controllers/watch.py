@@ -34,8 +34,11 @@ LOAD_CHANGED: Final = 0.12
 EXACT: Final = 1e-9
 """Greatest error of a speed that an encoder shows as exact by chance (rad/s): by rounding alone."""
 JOLT: Final = 0.5
-"""Share of k1 beyond which a search by steps of a degree takes a loss of speed for another load: 2.5 rpm."""
+"""Share of k1 beyond which a search by steps of a degree takes a loss of speed for another load."""
 
+# The greatest current sum, and the limit, of the drive that currents are tuned on (A): here they become shares.
+_TUNED_SUM = 104.0
+_TUNED_LIMIT = 26.0
 _SETTLED = 0.01
 # A load that is still coming on may look settled once.
 _SETTLED_INTERVALS = 2
@@ -43,22 +46,43 @@ _CHANGED = 0.03
 # Of what the current sum was where the search came to rest: steps off the edge cost a little, and save nothing.
 _LESS = 0.01
 _MORE = 0.02
-_EITHER_WAY = 0.4
+_EITHER_WAY = 0.4 / _TUNED_SUM
+_EITHER_WAY_NEAR = 0.2 / _TUNED_SUM
+_EITHER_WAY_STEADY = 0.3 / _TUNED_SUM
 # More than the way back to the initial angle explains.
 _HEAVIER_LOAD = 1.6
-_SMALLEST_POWER = 1.0
-# Of k1, that is 0.5 rpm, and over the calmest error: the steps of an encoder alone are no sign of the edge.
+_SMALLEST_POWER = 1.0 / _TUNED_SUM
+# Of k1, and over the calmest error: the steps of an encoder alone are no sign of the edge.
 _UNEASY = 0.1
 _CALM = 1.5
-_ANSWER = 2.0
+# Of the current that the regulator adds, in as many phases as conduct.
+_ANSWER = 0.5
 # With a band the torque climbs in jumps, up which the regulator creeps to its limit within seconds.
 _CREEP = 1.15
-_CREEP_LEAST = 0.15
+_CREEP_LEAST = 0.15 / _TUNED_LIMIT
 _RESTLESS = 0.003
 # The same creep before any good angle is known: an integral that grows for no more current.
 _WINDING = 0.005
 _IDLE = 0.002
 _WOUND = 3
+
+
+@inlined
+def greatest_current_sum(state: Any) -> float:
+    """Return the current sum with every conducting phase at the limit.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    float
+        Current sum (A).
+    """
+    full: float = state.conducting_phases * state.current_limit
+    return full
 
 
 @inlined
@@ -118,7 +142,7 @@ def noise_of_regulator(state: Any) -> float:
     """
     # A greater error is no noise but a speed about to be lost.
     error = min(state.calm_error, _UNEASY * state.speed_tolerance)
-    noise: float = _ANSWER * state.proportional * error
+    noise: float = _ANSWER * state.conducting_phases * state.proportional * error
     return noise
 
 
@@ -159,7 +183,7 @@ def is_creeping(state: Any, power: float) -> bool:
     near = state.offset < state.good_offset + state.first_step
     creeping: bool = (
         near
-        and state.integral > _CREEP * state.good_integral + _CREEP_LEAST
+        and state.integral > _CREEP * state.good_integral + _CREEP_LEAST * state.current_limit
         and power < (1.0 + 0.5 * _CHANGED) * state.good_power
     )
     return creeping
@@ -186,16 +210,19 @@ def load_has_changed(state: Any, power: float, fall: float, rise: float) -> bool
     # Farther off, the angle alone may explain the difference.
     near = abs(state.offset - state.good_offset) <= 3.0 * state.first_step
     share = fall if power < state.good_power else rise
-    changed: bool = near and abs(power - state.good_power) > share * power + 0.2
+    slack = _EITHER_WAY_NEAR * greatest_current_sum(state)
+    changed: bool = near and abs(power - state.good_power) > share * power + slack
     return changed and state.good_power < inf
 
 
 @inlined
-def is_another_load(power: float, known: float) -> bool:
+def is_another_load(state: Any, power: float, known: float) -> bool:
     """Return whether the current sum at one and the same angle tells of another load.
 
     Parameters
     ----------
+    state : record of CONTROLLER_STATE
+        The state.
     power, known : float
         Mean current sum of the decision interval, and the one before at this angle (A).
 
@@ -204,7 +231,8 @@ def is_another_load(power: float, known: float) -> bool:
     bool
         Whether they differ by more than a steady load's do.
     """
-    changed: bool = abs(power - known) > _CHANGED * power + 0.3
+    slack = _EITHER_WAY_STEADY * greatest_current_sum(state)
+    changed: bool = abs(power - known) > _CHANGED * power + slack
     return changed
 
 
@@ -225,8 +253,9 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         state.rest_power = power
     # A load that comes or goes slowly moves `held_power` along, step off the edge by step.
     share = _LESS if power < state.rest_power else _MORE
-    moved_on = state.rest_power < inf and abs(power - state.rest_power) > share * power + _EITHER_WAY
-    changed = moved_on or is_another_load(power, state.held_power)
+    slack = _EITHER_WAY * greatest_current_sum(state)
+    moved_on = state.rest_power < inf and abs(power - state.rest_power) > share * power + slack
+    changed = moved_on or is_another_load(state, power, state.held_power)
     if is_creeping(state, power):
         state.integral = state.good_integral
         walk_back(state, state.first_step if uneasy else SMALLEST_STEP, True)
@@ -292,7 +321,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         walk_back(state, 0.5 * state.first_step, True)
         return WAITING, change
     # A current sum with the speed off its reference says nothing about the angle.
-    if not regulated or power < _SMALLEST_POWER:
+    if not regulated or power < _SMALLEST_POWER * greatest_current_sum(state):
         begin_settling(state)
         return WAITING, change
     settled = abs(change) <= _SETTLED * power
@@ -301,7 +330,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         return WAITING, change
     # Back at the last good angle, the angle explains no more than while one is held.
     back = abs(state.offset - state.good_offset) <= 0.5 * state.first_step and state.good_power < inf
-    if state.mode == SETTLING and settled and back and is_another_load(power, state.good_power):
+    if state.mode == SETTLING and settled and back and is_another_load(state, power, state.good_power):
         rearm(state)
         return WAITING, change
     # A step of the search that costs speed is given back at once; any other jolt is the load's.

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import MARGIN
-from drivegate_models.half_bridge.controllers.watch import is_uneasy
+from drivegate_models.half_bridge.controllers.watch import greatest_current_sum, is_uneasy
 from drivegate_models.half_bridge.designs.state import LOWEST_ANGLE
 
 OFF_EDGE: Final = radians(0.8)
@@ -35,24 +35,6 @@ _LONGEST_STRIDE = radians(2.0)
 _CHEAPER = 0.001
 _OTHER_EDGE = 0.97
 _OTHER_LOAD = 0.05
-
-
-@inlined
-def greatest_current_sum(controller: Any) -> float:
-    """Return the current sum with every conducting phase at the limit.
-
-    Parameters
-    ----------
-    controller : record of CONTROLLER_STATE
-        The state.
-
-    Returns
-    -------
-    float
-        Current sum (A).
-    """
-    full: float = controller.conducting_phases * controller.current_limit
-    return full
 
 
 @inlined

@@ -16,7 +16,6 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.watch import EXACT, noise_of_regulator
 from drivegate_models.half_bridge.designs.confirmation import is_worth_confirming
 from drivegate_models.half_bridge.designs.probe import aim
-from drivegate_models.units import RADIANS_PER_RPM
 
 LATEST_DECISION: Final = 51
 """Decisions after which the angle is kept, still or not."""
@@ -25,8 +24,9 @@ _STILL = 3
 _STILL_LIGHT = 15
 _RESTLESS = 3
 _BEATING = 0.0035
-_UNREST = 0.03 * RADIANS_PER_RPM
-_SENSED = 0.1 * RADIANS_PER_RPM
+# Of k1.
+_UNREST = 0.006
+_SENSED = 0.02
 # One step of an encoder is not two; up and down they differ a little.
 _CALM = 1.5
 _CREPT = 0.02
@@ -125,8 +125,9 @@ def stands_still(state: Any) -> bool:
     # Where the speed is never calmer than this, except where an encoder shows it as exact, the sensor makes the rest.
     if controller.worst_error > EXACT:
         state.finest = min(state.finest, controller.worst_error)
-    sensed = state.finest > _SENSED
-    restless = controller.worst_error > (_CALM * state.finest if sensed else _UNREST)
+    sensed = state.finest > _SENSED * controller.speed_tolerance
+    unrest_begins = _CALM * state.finest if sensed else _UNREST * controller.speed_tolerance
+    restless = controller.worst_error > unrest_begins
     swings = swings_back(state)
     state.swings += 1 if swings else 0
     state.still = state.still + 1 if not (restless or swings) else 0

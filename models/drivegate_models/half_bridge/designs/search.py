@@ -13,6 +13,7 @@ from drivegate_models.half_bridge.controllers.watch import (
     LOAD_CHANGED,
     WAITING,
     begin_holding,
+    greatest_current_sum,
     is_uneasy,
     watch_search,
 )
@@ -21,7 +22,6 @@ from drivegate_models.half_bridge.designs.confirmation import (
     UNCONFIRMED,
     begin_confirmation,
     continue_confirmation,
-    greatest_current_sum,
     is_worth_confirming,
 )
 from drivegate_models.half_bridge.designs.golden_section import begin_golden_section, continue_golden_section
@@ -37,7 +37,7 @@ from drivegate_models.half_bridge.designs.state import (
     QUADRATIC_INTERPOLATION,
 )
 from drivegate_models.half_bridge.designs.sweep import begin_sweep, continue_sweep
-from drivegate_models.half_bridge.designs.table import look_up
+from drivegate_models.half_bridge.designs.table import look_up, table_fits
 
 MOST_DECISIONS: Final = 44
 """Decisions after which a search ends with the cheapest angle so far."""
@@ -50,7 +50,8 @@ _RISE = 0.135
 _LATEST_TO_CONFIRM = 38
 _LOAD_CHANGED = 0.015
 _LEAST_TO_SEARCH = 0.2
-_SMALLEST_CHANGE = 0.4
+# Of the greatest current sum.
+_SMALLEST_CHANGE = 0.4 / 104.0
 
 
 @inlined
@@ -126,9 +127,9 @@ def begin_search(state: Any) -> float:
     state.home_power = state.controller.last_power
     state.best_offset = state.home
     state.best_power = state.home_power
-    # At light load the current sum says too little to search by, whatever the search.
+    # At light load the current sum says little to search by, whatever the search: a table that fits knows more.
     light = state.home_power < _LEAST_TO_SEARCH * greatest_current_sum(state.controller)
-    state.tabled = 1 if state.design == ANGLE_TABLE or light else 0
+    state.tabled = 1 if state.design == ANGLE_TABLE or (light and table_fits(state.controller)) else 0
     state.finished = 0
     state.confirming = UNCONFIRMED
     state.stage = 0
@@ -230,7 +231,8 @@ def conclude(state: Any) -> None:
     controller = state.controller
     power = controller.last_power
     there = abs(controller.offset - state.best_offset) < OFF_EDGE
-    changed = there and abs(power - state.best_power) > _LOAD_CHANGED * power + _SMALLEST_CHANGE
+    slack = _SMALLEST_CHANGE * greatest_current_sum(controller)
+    changed = there and abs(power - state.best_power) > _LOAD_CHANGED * power + slack
     if changed and state.decisions < MOST_DECISIONS:
         settle_for(state, go_on(state))
     elif stands_still(state):

@@ -1,6 +1,7 @@
 """The design that takes the angle from a table over speed and current sum instead of searching for it.
 
-The table was computed beforehand for the nominal motor. The current sum stands for the torque: it is greater than
+The table was computed beforehand for one motor; of another one, speeds count as multiples of base speed and current
+sums as multiples of that of rated power. The current sum stands for the torque: it is greater than
 the table's as long as the angle is too great, so looking up again and again leads down to the table's own angle.
 """
 
@@ -26,8 +27,12 @@ MOST_LOOKUPS: Final = 14
 
 _ANGLES = np.radians(np.array(ANGLES_DEG))
 _SUMS = np.array(CURRENT_SUMS)
+# Current sum of rated power of the motor of the table (A).
+_RATED_SUM = 31.25
 _FIRST_SPEED = FIRST_SPEED_RPM * RADIANS_PER_RPM
 _SPEED_STEP = SPEED_STEP_RPM * RADIANS_PER_RPM
+_WINDOW = radians(144.0)
+_SAME_WINDOW = 1e-9
 _CLOSE = radians(0.12)
 _AWAY = radians(0.7)
 
@@ -65,9 +70,9 @@ def table_angle(speed: float, current_sum: float) -> float:
     Parameters
     ----------
     speed : float
-        Speed at nominal supply (rad/s); with another supply, the speed of the same EMF over supply.
+        Speed of the motor of the table at nominal supply (rad/s); with another supply, that of equal EMF over supply.
     current_sum : float
-        Measured sum of current magnitudes (A).
+        Sum of current magnitudes (A), of the motor of the table.
 
     Returns
     -------
@@ -81,6 +86,24 @@ def table_angle(speed: float, current_sum: float) -> float:
     lower: float = angle_in_row(row, current_sum)
     upper: float = angle_in_row(row + 1, current_sum)
     return lower + share * (upper - lower)
+
+
+@inlined
+def table_fits(controller: Any) -> bool:
+    """Return whether the table's angles are of drives like this one: the window shifts them most.
+
+    Parameters
+    ----------
+    controller : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    bool
+        Whether both have the same window.
+    """
+    fits: bool = abs(controller.window - _WINDOW) < _SAME_WINDOW
+    return fits
 
 
 @inlined
@@ -105,7 +128,9 @@ def look_up(state: Any, power: float) -> float:
         state.best_offset = controller.offset
         state.best_power = power
         speed = state.speed * controller.nominal_voltage / controller.supply_voltage
-        state.left = max(table_angle(speed, power), LOWEST_ANGLE) - state.line
+        speed *= _FIRST_SPEED / controller.base_speed
+        current_sum = power * (_RATED_SUM / controller.rated_sum)
+        state.left = max(table_angle(speed, current_sum), LOWEST_ANGLE) - state.line
     else:
         # The plant is not the table's: stay above what has lost the torque.
         state.left = min(max(state.left, controller.forbidden) + _AWAY, state.home)

@@ -2,11 +2,10 @@
 #include "drivegate.h"
 
 #define PI 3.141592653589793
-#define DEGREE (PI / 180.0) /* rad */
 
 /* All that the controller remembers. The buffer is drivegate's; keep nothing in globals, so that many can run. */
 typedef struct {
-    double proportional, integral_step, limit, base_speed, integral;
+    double proportional, integral_step, limit, base_speed, advance_start, advance_slope, integral;
 } controller;
 
 int64_t drivegate_abi_version(void) { return DRIVEGATE_ABI_VERSION; }
@@ -16,13 +15,17 @@ int64_t drivegate_state_size(void) { return sizeof(controller); }
 /* Prepare for a run: called before every one, and must forget everything. */
 int drivegate_reset(void *state, const drivegate_nameplate *nameplate) {
     controller *self = state;
-    /* Four of five phases conduct at a time: this is the torque that one ampere gives (N m/A). */
-    double torque_per_ampere = 0.8 * (double)nameplate->phases * nameplate->emf_constant;
-    /* The speed follows its reference with 80 rad/s, and the integral with 15 rad/s. */
-    self->proportional = nameplate->inertia * 80.0 / torque_per_ampere;
-    self->integral_step = self->proportional * 15.0 * nameplate->control_period;
+    /* The torque that one ampere gives (N m/A). */
+    double torque_per_ampere = nameplate->conducting_phases * nameplate->emf_constant;
+    /* The speed follows its reference with a seventh of the electrical frequency at base speed (rad/s), and the
+     * integral with a fifth of that. */
+    double bandwidth = (double)nameplate->pole_pairs * nameplate->base_speed / 7.2;
+    self->proportional = nameplate->inertia * bandwidth / torque_per_ampere;
+    self->integral_step = self->proportional * 0.1875 * bandwidth * nameplate->control_period;
     self->limit = nameplate->current_limit;
     self->base_speed = nameplate->base_speed;
+    self->advance_start = nameplate->advance_start;
+    self->advance_slope = nameplate->advance_slope;
     self->integral = 0.0;
     return 0;
 }
@@ -52,8 +55,7 @@ static double regulate(controller *self, double error) {
 static double angle(const controller *self, double speed) {
     if (speed < self->base_speed) return 0.0;
     /* Your search for the angle of least input power would add its own part here (check CNV-2). */
-    double slope = 0.025 * DEGREE * 30.0 / PI;
-    return between(0.0, 0.5 * PI, 33.0 * DEGREE + slope * (speed - self->base_speed));
+    return between(0.0, 0.5 * PI, self->advance_start + self->advance_slope * (speed - self->base_speed));
 }
 
 /* Answer for one control period; all quantities are in SI units. */

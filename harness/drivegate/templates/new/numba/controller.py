@@ -1,6 +1,6 @@
 """A speed regulator, and an advance angle that rises with speed by a straight line; compiled by numba."""
 
-from math import pi, radians
+from math import pi
 
 import numba
 import numpy as np
@@ -14,6 +14,8 @@ STATE = np.dtype(
         ("integral_step", np.float64),
         ("limit", np.float64),
         ("base_speed", np.float64),
+        ("advance_start", np.float64),
+        ("advance_slope", np.float64),
         ("integral", np.float64),
     ]
 )
@@ -21,13 +23,17 @@ STATE = np.dtype(
 
 def reset(state, nameplate):
     """Prepare for a run: called before every one, and must set every field."""
-    # Four of five phases conduct at a time: this is the torque that one ampere gives (N·m/A).
-    torque_per_ampere = 0.8 * nameplate.phases * nameplate.emf_constant
-    # The speed follows its reference with 80 rad/s, and the integral with 15 rad/s.
-    state.proportional = nameplate.inertia * 80.0 / torque_per_ampere
-    state.integral_step = state.proportional * 15.0 * nameplate.control_period
+    # The torque that one ampere gives (N·m/A).
+    torque_per_ampere = nameplate.conducting_phases * nameplate.emf_constant
+    # The speed follows its reference with a seventh of the electrical frequency at base speed (rad/s), and the
+    # integral with a fifth of that.
+    bandwidth = nameplate.pole_pairs * nameplate.base_speed / 7.2
+    state.proportional = nameplate.inertia * bandwidth / torque_per_ampere
+    state.integral_step = state.proportional * 0.1875 * bandwidth * nameplate.control_period
     state.limit = nameplate.current_limit
     state.base_speed = nameplate.base_speed
+    state.advance_start = nameplate.advance_start
+    state.advance_slope = nameplate.advance_slope
     state.integral = 0.0
 
 
@@ -62,8 +68,8 @@ def angle(state, speed):
     if speed < state.base_speed:
         return 0.0
     # Your search for the angle of least input power would add its own part here (check CNV-2).
-    slope = radians(0.025) * 30.0 / pi
-    return min(max(radians(33.0) + slope * (speed - state.base_speed), 0.0), 0.5 * pi)
+    line = state.advance_start + state.advance_slope * (speed - state.base_speed)
+    return min(max(line, 0.0), 0.5 * pi)
 
 
 controller = NumbaController(STATE, reset=reset, step=step)

@@ -1,6 +1,6 @@
 """A speed regulator, and an advance angle that rises with speed by a straight line."""
 
-from math import pi, radians
+from math import pi
 
 from drivegate import Command, Nameplate, Sense
 
@@ -10,13 +10,17 @@ class Controller:
 
     def reset(self, nameplate: Nameplate) -> None:
         """Prepare for a run: called before every one, and must forget everything."""
-        # Four of five phases conduct at a time: this is the torque that one ampere gives (N·m/A).
-        torque_per_ampere = 0.8 * nameplate.phases * nameplate.emf_constant
-        # The speed follows its reference with 80 rad/s, and the integral with 15 rad/s.
-        self.proportional = nameplate.inertia * 80.0 / torque_per_ampere
-        self.integral_step = self.proportional * 15.0 * nameplate.control_period
+        # The torque that one ampere gives (N·m/A).
+        torque_per_ampere = nameplate.conducting_phases * nameplate.emf_constant
+        # The speed follows its reference with a seventh of the electrical frequency at base speed (rad/s), and the
+        # integral with a fifth of that.
+        bandwidth = nameplate.pole_pairs * nameplate.base_speed / 7.2
+        self.proportional = nameplate.inertia * bandwidth / torque_per_ampere
+        self.integral_step = self.proportional * 0.1875 * bandwidth * nameplate.control_period
         self.limit = nameplate.current_limit
         self.base_speed = nameplate.base_speed
+        self.advance_start = nameplate.advance_start
+        self.advance_slope = nameplate.advance_slope
         self.integral = 0.0
 
     def step(self, sense: Sense) -> Command:
@@ -48,5 +52,5 @@ class Controller:
         if speed < self.base_speed:
             return 0.0
         # Your search for the angle of least input power would add its own part here (check CNV-2).
-        slope = radians(0.025) * 30.0 / pi
-        return min(max(radians(33.0) + slope * (speed - self.base_speed), 0.0), 0.5 * pi)
+        line = self.advance_start + self.advance_slope * (speed - self.base_speed)
+        return min(max(line, 0.0), 0.5 * pi)

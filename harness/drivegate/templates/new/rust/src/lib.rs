@@ -18,6 +18,12 @@ pub struct Nameplate {
     inductance: f64,
     emf_constant: f64,
     inertia: f64,
+    kind: i64,
+    window: f64,
+    conducting_phases: f64,
+    advance_start: f64,
+    advance_slope: f64,
+    highest_speed: f64,
 }
 
 /// What the controller senses at the start of a control period.
@@ -49,20 +55,26 @@ pub struct Controller {
     integral_step: f64,
     limit: f64,
     base_speed: f64,
+    advance_start: f64,
+    advance_slope: f64,
     integral: f64,
 }
 
 impl Controller {
     fn new(nameplate: &Nameplate) -> Self {
-        // Four of five phases conduct at a time: this is the torque that one ampere gives (N·m/A).
-        let torque_per_ampere = 0.8 * nameplate.phases as f64 * nameplate.emf_constant;
-        // The speed follows its reference with 80 rad/s, and the integral with 15 rad/s.
-        let proportional = nameplate.inertia * 80.0 / torque_per_ampere;
+        // The torque that one ampere gives (N·m/A).
+        let torque_per_ampere = nameplate.conducting_phases * nameplate.emf_constant;
+        // The speed follows its reference with a seventh of the electrical frequency at base speed (rad/s), and the
+        // integral with a fifth of that.
+        let bandwidth = nameplate.pole_pairs as f64 * nameplate.base_speed / 7.2;
+        let proportional = nameplate.inertia * bandwidth / torque_per_ampere;
         Controller {
             proportional,
-            integral_step: proportional * 15.0 * nameplate.control_period,
+            integral_step: proportional * 0.1875 * bandwidth * nameplate.control_period,
             limit: nameplate.current_limit,
             base_speed: nameplate.base_speed,
+            advance_start: nameplate.advance_start,
+            advance_slope: nameplate.advance_slope,
             integral: 0.0,
         }
     }
@@ -101,14 +113,13 @@ impl Controller {
             return 0.0;
         }
         // Your search for the angle of least input power would add its own part here (check CNV-2).
-        let slope = 0.025_f64.to_radians() * 30.0 / PI;
-        (33.0_f64.to_radians() + slope * (speed - self.base_speed)).clamp(0.0, 0.5 * PI)
+        (self.advance_start + self.advance_slope * (speed - self.base_speed)).clamp(0.0, 0.5 * PI)
     }
 }
 
 #[no_mangle]
 pub extern "C" fn drivegate_abi_version() -> i64 {
-    1000
+    1001
 }
 
 #[no_mangle]

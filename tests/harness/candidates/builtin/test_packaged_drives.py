@@ -1,0 +1,48 @@
+"""On every packaged drive the reference finds the optimum at rated power, and the published search locks up."""
+
+import pytest
+
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import judged
+from drivegate.drives.running import run_scenario
+from drivegate.runs.record import RunRecord
+from drivegate_cases.drive.drive_document import drive_names, load_drive
+from drivegate_cases.scenario.load import ConstantPowerLoad
+from drivegate_cases.scenario.scenario import Scenario
+
+CONVERGENCE = ("CNV-1", "CNV-2", "CMD-1", "CMD-2", "ADV-1")
+
+
+def failed(name: str, drive_name: str, speed: float) -> set[str]:
+    """Run a controller at rated power and a multiple of base speed, and give the checks that it fails."""
+    drive = load_drive(drive_name)
+    rpm = speed * drive.rating.base_speed_rpm
+    scenario = Scenario(
+        name="rated power",
+        drive=drive,
+        duration_s=10.2,
+        initial_speed_rpm=rpm,
+        speed_rpm=((0.0, rpm),),
+        load=ConstantPowerLoad(
+            kind="constant_power", power_w=drive.rating.rated_power_w, factor=((0.0, 0.0), (0.2, 1.0))
+        ),
+    )
+    candidate = resolve_candidate(name)
+    run = run_scenario(scenario, load_controller(candidate))
+    margins = judged(RunRecord(scenario, run, candidate.declaration)).margins
+    assert {"CNV-1", "CNV-2"} <= {margin.check for margin in margins}, (
+        "a run that is not judged proves nothing"
+    )
+    return {margin.check for margin in margins if margin.value < 0.0}
+
+
+@pytest.mark.parametrize("speed", [1.1, 2.0, 3.0])
+@pytest.mark.parametrize("drive", drive_names())
+def test_the_reference_finds_the_optimum_of_every_packaged_drive(drive: str, speed: float) -> None:
+    assert not failed("reference", drive, speed) & {*CONVERGENCE}
+
+
+@pytest.mark.parametrize("drive", drive_names())
+def test_the_published_search_locks_up_on_every_packaged_drive(drive: str) -> None:
+    assert "CNV-1" in failed("published", drive, 1.1)
