@@ -1,0 +1,73 @@
+"""What is done with one drawn drive, in any process: the reference's gate, and the trial of a faulty controller."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+from drivegate.candidates.builtin.faults.catalogue import find_mutation
+from drivegate.output.event_loop import finished
+from drivegate.output.failure import ExitCode, failure_of
+from drivegate.output.progress import Display
+from drivegate.studies.selftest.correct_designs import CorrectDesign
+from drivegate.studies.selftest.drawn.gate_row import GateRow, gate_row
+from drivegate.studies.selftest.run import HOST, SelftestEffort, design_check, try_faults
+from drivegate_cases.drive.drive_document import DriveDocument
+
+
+def packed(effort: SelftestEffort, drives: Mapping[int, DriveDocument]) -> bytes:
+    """Make what all tasks need ready to be sent to workers."""
+    return pickle.dumps((replace(effort, workers=1), dict(drives)), pickle.HIGHEST_PROTOCOL)
+
+
+def run_gate(package: bytes, number: int) -> list[GateRow]:
+    """Check the reference on a drive with every seed."""
+    effort = _effort(package, number)
+    return [_gate(seed, effort) for seed in range(effort.seeds)]
+
+
+def run_fault(package: bytes, item: tuple[int, str]) -> dict[str, Any]:
+    """Put a faulty controller before its check on a drive."""
+    number, name = item
+    mutation = find_mutation(name)
+    try:
+        (row,) = try_faults((mutation,), _effort(package, number))
+    except (OSError, MemoryError):
+        raise
+    except Exception as error:
+        outcome = {"caught": False, "runs": 0, "also_failing": [], "message": failure_of(error).message}
+        return {"fault": name, "check": mutation.check} | outcome
+    return {
+        "fault": row.name,
+        "check": row.check,
+        "caught": row.caught,
+        "runs": row.runs,
+        "also_failing": list(row.also_failing),
+        "message": "; ".join(row.faults),
+    }
+
+
+def _gate(seed: int, effort: SelftestEffort) -> GateRow:
+    """Check the reference; a drive that it cannot be judged on is an outcome too, and ends nothing else."""
+    try:
+        return gate_row(finished(design_check(CorrectDesign(HOST), seed, effort), Display()))
+    except (OSError, MemoryError):
+        raise
+    except Exception as error:
+        failure = failure_of(error)
+        verdict = "refused" if failure.exit_code == ExitCode.REFUSED else "harness fault"
+        return GateRow(seed, verdict, passed=False, message=failure.message)
+
+
+def _effort(package: bytes, number: int) -> SelftestEffort:
+    effort, drives = _unpacked(package)
+    return replace(effort, drive=drives[number])
+
+
+@lru_cache(maxsize=1)
+def _unpacked(package: bytes) -> tuple[SelftestEffort, dict[int, DriveDocument]]:
+    effort, drives = pickle.loads(package)
+    return effort, drives
