@@ -7,6 +7,7 @@ from shlex import quote
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.output.console import plain, table
+from drivegate.output.progress import duration_in_words
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -30,11 +31,17 @@ def show_drives(console: Console, document: Mapping[str, Any]) -> None:
         _show_failure(console, failure)
     _show_faults(console, document)
     reference = document["reference"]
-    words = f"reference passes {_in_words(reference, 'drives')}; set aside {document['rejected_draws']} draws before "
-    words += "them, whose rating no controller can meet"
+    words = (
+        f"reference passes {_in_words(reference, 'drives')}; {document['rejected_draws']} more were drawn and set "
+        "aside, since no controller can meet their rating"
+    )
     console.print(plain(words, "green" if document["passed"] else "bold red"))
     if document["faults"]:
         console.print(plain(f"faults caught in {_in_words(document['trials'], 'trials')}"))
+    took = duration_in_words(document["timing"]["seconds"])
+    console.print(
+        plain(f"{document['timing']['made']} results made now, in {took}; all are in {document['output']}")
+    )
     console.print(plain(f"next: {_next_step(document)}", "dim"))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,6 +48,7 @@ class DrivesRequest:
 
 def selftest_on_drives(request: DrivesRequest, display: Display) -> dict[str, Any]:
     """Judge the reference on every drive, and the faulty controllers where it passes."""
+    began = time.monotonic()
     with DrivesFolder(request.output, request.drawing_seed, request.effort) as folder:
         marker = missing_marker()
         if marker is not None:
@@ -54,7 +56,7 @@ def selftest_on_drives(request: DrivesRequest, display: Display) -> dict[str, An
         drawn = _drawn(request, folder, display)
         package = packed(request.effort, {number: drive.document for number, drive in drawn.items()})
         backend = Backend(workers=request.effort.workers)
-        _judge_reference(list(drawn), package, backend, folder, display)
+        made = _judge_reference(list(drawn), package, backend, folder, display)
         judged = [
             JudgedDrive(
                 number, drive.document, drive.rejected, _rows(folder, number), folder.drive_path(number)
@@ -64,11 +66,12 @@ def selftest_on_drives(request: DrivesRequest, display: Display) -> dict[str, An
         passed = [drive.number for drive in judged if drive.passed]
         names = [mutation.name for mutation in request.mutations]
         items = [(number, name) for number in passed for name in names]
-        _try_faults(items, package, backend, folder, display)
+        made += _try_faults(items, package, backend, folder, display)
         trials = {item: folder.kept(*item) or {} for item in items}
         document = summarised(request.effort, request.drawing_seed, judged, request.mutations, trials)
         folder.write(folder.place / SUMMARY, folder.as_json(finite(document)))
-    return document
+    timing = {"seconds": time.monotonic() - began, "made": made}
+    return document | {"output": str(request.output), "timing": timing}
 
 
 def _drawn(request: DrivesRequest, folder: DrivesFolder, display: Display) -> dict[int, DrawnDrive]:
@@ -85,7 +88,7 @@ def _drawn(request: DrivesRequest, folder: DrivesFolder, display: Display) -> di
 
 def _judge_reference(
     numbers: Sequence[int], package: bytes, backend: Backend, folder: DrivesFolder, display: Display
-) -> None:
+) -> int:
     left = [number for number in numbers if folder.kept(number) is None]
     done = before = len(numbers) - len(left)
     report_progress = with_rate(display, "reference", len(numbers), "drives")
@@ -97,13 +100,14 @@ def _judge_reference(
         for row in (row for row in rows if not row.passed):
             why = ", ".join(check.check for check in row.failed) or row.message
             display.announce(f"drive {number:03d}, seed {row.seed}: {row.verdict}{why and f', {why}'}")
+    return done - before
 
 
 def _try_faults(
     items: Sequence[tuple[int, str]], package: bytes, backend: Backend, folder: DrivesFolder, display: Display
-) -> None:
+) -> int:
     if not items:
-        return
+        return 0
     left = [item for item in items if folder.kept(*item) is None]
     done = before = len(items) - len(left)
     report_progress = with_rate(display, "faulty controllers", len(items), "trials")
@@ -112,6 +116,7 @@ def _try_faults(
         folder.keep(number, outcome, name)
         done += 1
         report_progress(done, before)
+    return done - before
 
 
 def _rows(folder: DrivesFolder, number: int) -> tuple[Any, ...]:

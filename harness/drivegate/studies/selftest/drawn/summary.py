@@ -88,7 +88,8 @@ def _failures(drives: Sequence[JudgedDrive]) -> list[dict[str, Any]]:
         for row in (row for row in drive.rows if not row.passed):
             for check in row.failed or (_otherwise(row),):
                 found.setdefault(check.check, []).append((drive, row, check))
-    return [_failure(reason, entries) for reason, entries in sorted(found.items())]
+    failures = [_failure(reason, entries) for reason, entries in found.items()]
+    return sorted(failures, key=lambda failure: (-len(failure["numbers"]), failure["reason"]))
 
 
 def _otherwise(row: GateRow) -> FailedCheck:

@@ -6,16 +6,19 @@ import pickle
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, Final
 
 from drivegate.candidates.builtin.faults.catalogue import find_mutation
 from drivegate.output.event_loop import finished
-from drivegate.output.failure import ExitCode, failure_of
 from drivegate.output.progress import Display
 from drivegate.studies.selftest.correct_designs import CorrectDesign
 from drivegate.studies.selftest.drawn.gate_row import GateRow, gate_row
 from drivegate.studies.selftest.run import HOST, SelftestEffort, design_check, try_faults
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_models.errors import HarnessFault, InputError
+
+_TOLD: Final = 300
+"""Letters that are told of the beginning and of the end of an error's text."""
 
 
 def packed(effort: SelftestEffort, drives: Mapping[int, DriveDocument]) -> bytes:
@@ -38,7 +41,7 @@ def run_fault(package: bytes, item: tuple[int, str]) -> dict[str, Any]:
     except (OSError, MemoryError):
         raise
     except Exception as error:
-        outcome = {"caught": False, "runs": 0, "also_failing": [], "message": failure_of(error).message}
+        outcome = {"caught": False, "runs": 0, "also_failing": [], "message": _why(error)}
         return {"fault": name, "check": mutation.check} | outcome
     return {
         "fault": row.name,
@@ -57,9 +60,15 @@ def _gate(seed: int, effort: SelftestEffort) -> GateRow:
     except (OSError, MemoryError):
         raise
     except Exception as error:
-        failure = failure_of(error)
-        verdict = "refused" if failure.exit_code == ExitCode.REFUSED else "harness fault"
-        return GateRow(seed, verdict, passed=False, message=failure.message)
+        verdict = "refused" if isinstance(error, InputError) else "harness fault"
+        return GateRow(seed, verdict, passed=False, message=_why(error))
+
+
+def _why(error: Exception) -> str:
+    """Tell an error on one line, of a long text its beginning and its end."""
+    text = str(error) if isinstance(error, (InputError, HarnessFault)) else f"{type(error).__name__}: {error}"
+    words = " ".join(text.split())
+    return words if len(words) <= 2 * _TOLD else f"{words[:_TOLD]} … {words[-_TOLD:]}"
 
 
 def _effort(package: bytes, number: int) -> SelftestEffort:
