@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.containment.backend import Backend, done_by
@@ -17,8 +17,11 @@ from drivegate.results.result import finite
 from drivegate.studies.selftest.drawn.folder import SUMMARY, DrivesFolder
 from drivegate.studies.selftest.drawn.gate_row import row_from
 from drivegate.studies.selftest.drawn.summary import JudgedDrive, summarised
-from drivegate.studies.selftest.drawn.tasks import packed, run_fault, run_gate
+from drivegate.studies.selftest.drawn.tasks import packed, run_faults, run_gate
 from drivegate.studies.selftest.run import SelftestEffort
+
+_TOGETHER: Final = 8
+"""Most faulty controllers that one task tries."""
 
 
 @dataclass(frozen=True)
@@ -112,11 +115,24 @@ def _try_faults(
     done = before = len(items) - len(left)
     report_progress = with_rate(display, "faulty controllers", len(items), "trials")
     report_progress(done, before)
-    for (number, name), outcome in done_by(backend, run_fault, package, left):
-        folder.keep(number, outcome, name)
-        done += 1
+    for (number, _names), outcomes in done_by(backend, run_faults, package, _together(left)):
+        for outcome in outcomes:
+            folder.keep(number, outcome, outcome["fault"])
+        done += len(outcomes)
         report_progress(done, before)
     return done - before
+
+
+def _together(items: Sequence[tuple[int, str]]) -> list[tuple[int, tuple[str, ...]]]:
+    """Put a few trials of one drive together, since most of a short one is starting a process."""
+    by_drive: dict[int, list[str]] = {}
+    for number, name in items:
+        by_drive.setdefault(number, []).append(name)
+    return [
+        (number, tuple(names[start : start + _TOGETHER]))
+        for number, names in by_drive.items()
+        for start in range(0, len(names), _TOGETHER)
+    ]
 
 
 def _rows(folder: DrivesFolder, number: int) -> tuple[Any, ...]:

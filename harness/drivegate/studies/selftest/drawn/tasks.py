@@ -1,4 +1,4 @@
-"""What is done with one drawn drive, in any process: the reference's gate, and the trial of a faulty controller."""
+"""What is done with one drawn drive, in any process: the reference's gate, and trials of faulty controllers."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ from functools import lru_cache
 from typing import Any, Final
 
 from drivegate.candidates.builtin.faults.catalogue import find_mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import Display
 from drivegate.studies.selftest.correct_designs import CorrectDesign
+from drivegate.studies.selftest.detection import FaultRow
 from drivegate.studies.selftest.drawn.gate_row import GateRow, gate_row
 from drivegate.studies.selftest.run import HOST, SelftestEffort, design_check, try_faults
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -32,17 +34,24 @@ def run_gate(package: bytes, number: int) -> list[GateRow]:
     return [_gate(seed, effort) for seed in range(effort.seeds)]
 
 
-def run_fault(package: bytes, item: tuple[int, str]) -> dict[str, Any]:
-    """Put a faulty controller before its check on a drive."""
-    number, name = item
-    mutation = find_mutation(name)
-    try:
-        (row,) = try_faults((mutation,), _effort(package, number))
-    except (OSError, MemoryError):
-        raise
-    except Exception as error:
-        outcome = {"caught": False, "runs": 0, "also_failing": [], "message": _why(error)}
-        return {"fault": name, "check": mutation.check} | outcome
+def run_faults(package: bytes, item: tuple[int, tuple[str, ...]]) -> list[dict[str, Any]]:
+    """Put faulty controllers before their checks on a drive, one after another in the same process."""
+    number, names = item
+    left = [find_mutation(name) for name in names]
+    outcomes: list[dict[str, Any]] = []
+    while left:
+        try:
+            for row in try_faults(tuple(left), _effort(package, number)):
+                outcomes.append(_outcome(row))
+                del left[0]
+        except (OSError, MemoryError):
+            raise
+        except Exception as error:
+            outcomes.append(_broken(left.pop(0), error))
+    return outcomes
+
+
+def _outcome(row: FaultRow) -> dict[str, Any]:
     return {
         "fault": row.name,
         "check": row.check,
@@ -51,6 +60,12 @@ def run_fault(package: bytes, item: tuple[int, str]) -> dict[str, Any]:
         "also_failing": list(row.also_failing),
         "message": "; ".join(row.faults),
     }
+
+
+def _broken(mutation: Mutation, error: Exception) -> dict[str, Any]:
+    """Tell of a trial that came to no end; a fault that was not judged is not caught."""
+    outcome = {"caught": False, "runs": 0, "also_failing": [], "message": _why(error)}
+    return {"fault": mutation.name, "check": mutation.check} | outcome
 
 
 def _gate(seed: int, effort: SelftestEffort) -> GateRow:

@@ -1,7 +1,7 @@
 """A self-test on drawn drives goes on where it stopped, mixes nothing, and says what it found."""
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,8 +9,10 @@ from typing import Any
 import pytest
 
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
+from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.output.console import console_for
 from drivegate.output.progress import Display
+from drivegate.studies.selftest.detection import FaultRow
 from drivegate.studies.selftest.drawn import run, tasks
 from drivegate.studies.selftest.drawn.display import show_drives
 from drivegate.studies.selftest.drawn.gate_row import FailedCheck, GateRow, row_from
@@ -36,13 +38,14 @@ def judge(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[tuple[str, int]
             seeds = range(tasks._effort(package, number).seeds)
             return [replace(gates.get(number, GateRow(0, "pass", True, 40)), seed=seed) for seed in seeds]
 
-        def fault(_package: bytes, item: tuple[int, str]) -> dict[str, Any]:
-            number, name = item
-            asked.append((name, number))
-            return {"caught": number not in missed, "also_failing": [], "runs": 3}
+        def faults(_package: bytes, item: tuple[int, tuple[str, ...]]) -> list[dict[str, Any]]:
+            number, names = item
+            asked.extend((name, number) for name in names)
+            caught = number not in missed
+            return [{"fault": name, "caught": caught, "also_failing": [], "runs": 3} for name in names]
 
         monkeypatch.setattr(run, "run_gate", gate)
-        monkeypatch.setattr(run, "run_fault", fault)
+        monkeypatch.setattr(run, "run_faults", faults)
         return asked
 
     return outcomes
@@ -139,6 +142,20 @@ def test_faults_are_tried_only_where_the_reference_passes(judge, tmp_path: Path)
     assert (fault["count"], fault["of"], fault["missed_on"]) == (1, 2, [3])
     assert document["trials"]["share"] == 0.5
     assert "faults caught in 1 of 2 trials" in shown(document)
+
+
+def test_a_trial_that_breaks_ends_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    def tried(mutations: tuple[Mutation, ...], _effort: object) -> Iterator[FaultRow]:
+        for mutation in mutations:
+            if mutation.name == "drifts":
+                raise HarnessFault("the plant is lost")
+            yield FaultRow(mutation.name, "", "", mutation.check, {0: None}, (), 4)
+
+    monkeypatch.setattr(tasks, "try_faults", tried)
+    package = tasks.packed(SelftestEffort("quick"), {7: load_drive("paper-5-phase")})
+    outcomes = tasks.run_faults(package, (7, (MUTATION.name, "drifts", "slow-step")))
+    told = [(outcome["fault"], outcome["runs"], outcome["message"]) for outcome in outcomes]
+    assert told == [(MUTATION.name, 4, ""), ("drifts", 0, "the plant is lost"), ("slow-step", 4, "")]
 
 
 def test_it_goes_on_where_it_stopped_and_comes_to_the_same(
