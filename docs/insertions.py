@@ -17,6 +17,7 @@ from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.checks.coverage import JUDGED, NOT_VARIED, SENSED, Varied, drawn_by_family, varied_keys
 from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
+from drivegate.drives.drawn_bounds import BOUNDS
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
@@ -89,6 +90,21 @@ def near_designs(_: str) -> str:
     """The correct controllers that are near a limit by design."""
     rows = ((f"`near:{design.name}`", _plain(design.sentence)) for design in NEAR_DESIGNS.values())
     return _table(("design", "what it does"), rows)
+
+
+def drawn_bounds(_: str) -> str:
+    """The bounds within which drives are drawn."""
+    rows = (
+        (
+            _plain(bound.quantity),
+            f"{bound.lowest:g} to {bound.highest:g}",
+            _plain(bound.unit),
+            "ratio" if bound.by_ratio else "difference",
+            _plain(bound.reason),
+        )
+        for bound in BOUNDS.values()
+    )
+    return _table(("quantity", "bounds", "unit", "evenly by", "reason"), rows)
 
 
 def fixed_table(_: str) -> str:
@@ -193,6 +209,7 @@ INSERTED: Final = MappingProxyType(
         "known-faults": known_faults,
         "fault-kinds": fault_kinds,
         "near-designs": near_designs,
+        "drawn-bounds": drawn_bounds,
         "fixed-scenarios": fixed_table,
         "drawn-scenarios": drawn_table,
         "fact-table": fact_table,

@@ -163,7 +163,8 @@ def _greatest(drive: RatedDrive) -> FloatArray:
     return np.array([find(constants, float(speed)).torque for speed in _speeds(drive)])
 
 
-def _is_met(drive: RatedDrive) -> bool:
+def rating_is_met(drive: RatedDrive) -> bool:
+    """Tell whether the drive gives rated power at every speed at which it is required."""
     return all(
         drive.oracle.greatest_torque_at_limit(drive.constants, float(speed)).torque
         >= drive.demanded_torque(float(speed))
@@ -185,19 +186,19 @@ def _sufficient_limit(drive: RatedDrive) -> float | None:
     low = limit
     for factor in _MORE_CURRENT:
         high = factor * limit
-        if _is_met(drive.limited_to(high)):
+        if rating_is_met(drive.limited_to(high)):
             break
         low = high
     else:
         return None
     for _ in range(_STEPS):
         middle = 0.5 * (low + high)
-        if _is_met(drive.limited_to(middle)):
+        if rating_is_met(drive.limited_to(middle)):
             high = middle
         else:
             low = middle
     rounded = _rounded(high, up=True)
-    return rounded if _is_met(drive.limited_to(rounded)) else high
+    return rounded if rating_is_met(drive.limited_to(rounded)) else high
 
 
 def _rounded(value: float, *, up: bool) -> float:

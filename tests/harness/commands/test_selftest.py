@@ -7,6 +7,9 @@ import pytest
 
 from drivegate.candidates.builtin.faults import catalogue
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
+from drivegate.studies.selftest.drawn import run
+from drivegate.studies.selftest.drawn.gate_row import GateRow
+from drivegate_cases.drive.drive_document import load_drive
 
 
 def test_a_fault_is_caught_by_its_check(command) -> None:
@@ -43,3 +46,34 @@ def test_a_fault_that_its_check_misses_ends_with_1(command, monkeypatch: pytest.
 def test_an_unknown_fault_is_refused_with_the_nearest(refused) -> None:
     message = refused("selftest", "--fault", "drift")
     assert "'drift' is unknown, the nearest known one is 'drifts'" in message
+
+
+def test_the_reference_and_a_fault_are_tried_on_a_drawn_drive(command, monkeypatch, tmp_path) -> None:
+    # The whole check of the reference would take a minute; that of the fault ends with the first counterexample.
+    monkeypatch.setattr(run, "run_gate", lambda *_: [GateRow(0, "pass", True, 40)])
+    ended = command("selftest", "--drives", "1", "--workers", "1", "--fault", "advance-below-base", "--json")
+    assert ended.code == 0, ended.err
+    document = ended.document
+    assert (document["kind"], document["effort"], document["drives"][0]["number"]) == (
+        "selftest-drives",
+        "quick",
+        1,
+    )
+    (fault,) = document["faults"]
+    assert (fault["count"], fault["of"]) == (1, 1), "a drive of another size hides no angle below base speed"
+    assert load_drive(tmp_path / document["drives"][0]["file"]).name == document["drives"][0]["name"]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--output", "somewhere"), "--output goes with --drives N only"),
+        (("--faults",), "--faults goes with --drives N only"),
+        (("--drawing-seed", "0"), "--drawing-seed goes with --drives N only"),
+        (("--drives", "1", "--drive", "paper-5-phase"), "--drive does not go with --drives"),
+        (("--drives", "1", "--drawn-only"), "--drawn-only does not go with --drives"),
+        (("--drives", "1", "--faults", "--fault", "drifts"), "--fault does not go with --faults"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(words, told, refused) -> None:
+    assert told in refused("selftest", *words)

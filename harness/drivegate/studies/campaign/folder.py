@@ -1,98 +1,33 @@
-"""The folder of a campaign's results: whose it is, who writes into it, which files are complete."""
+"""The folder of a campaign's results: whose it is, and which files are complete."""
 
 from __future__ import annotations
 
-import fcntl
-import json
-import os
-import socket
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Final, Self
+from typing import Final
 from urllib.parse import quote
 
+from drivegate.output.resumed_folder import ResumedFolder
 from drivegate.studies.campaign.manifest import MANIFEST, manifest_of, read_manifest, refuse_other
 from drivegate.studies.campaign.plan import CampaignPlan, Chunk
 from drivegate.studies.campaign.table import rows_in
 from drivegate_cases.documents.atomic_write import write_atomically
-from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 
 LOCK: Final = "campaign.lock"
 ROWS: Final = "runs"
 
 
-class CampaignFolder:
+class CampaignFolder(ResumedFolder):
     """The folder, held for one campaign alone as long as the context lasts."""
 
     def __init__(self, place: Path, plan: CampaignPlan) -> None:
-        self.place = place
+        super().__init__(place, kind="campaign", manifest=MANIFEST, lock=LOCK)
         self._plan = plan
-        self._lock = -1
         self._names = [f"candidate={quote(candidate.name, safe='')}" for candidate in plan.candidates]
 
-    def __enter__(self) -> Self:
-        """Make the folder or find it, take its lock, and see that it belongs to this campaign."""
-        with failures_refused(self.place, "use"):
-            self._refuse_foreign()
-            self.place.mkdir(parents=True, exist_ok=True)
-            self._take_lock()
-        try:
-            with failures_refused(self.place, "write"):
-                self._claim()
-        except BaseException:
-            self._release()
-            raise
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Let others write into the folder."""
-        self._release()
-
-    def _refuse_foreign(self) -> None:
-        if self.place.exists() and not self.place.is_dir():
-            raise InputError(f"--output {shown_path(self.place)} is a file; name a folder")
-        if not self.place.is_dir() or (self.place / MANIFEST).exists():
-            return
-        if any(entry.name != LOCK and not _is_partial(entry) for entry in self.place.iterdir()):
-            raise InputError(
-                f"--output {shown_path(self.place)} holds files that are no campaign of drivegate; "
-                "name a new or an empty folder"
-            )
-
-    def _take_lock(self) -> None:
-        """Lock a file, which the system unlocks when this process ends, however it ends."""
-        path = self.place / LOCK
-        while self._lock < 0:
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError as error:
-                holder = one_line(os.read(descriptor, 1000).decode(errors="replace").strip())
-                os.close(descriptor)
-                raise InputError(
-                    f"--output {shown_path(self.place)} is being written by another campaign"
-                    f"{f' ({holder})' if holder else ''}; wait for its end, or name another folder"
-                ) from error
-            if _is_still(descriptor, path):
-                self._lock = descriptor
-            else:
-                # Its last holder removed the file between our opening and locking it.
-                os.close(descriptor)
-        os.ftruncate(self._lock, 0)
-        os.write(self._lock, f"process {os.getpid()} on {socket.gethostname()}\n".encode())
-
-    def _release(self) -> None:
-        with suppress(OSError):
-            (self.place / LOCK).unlink()
-        os.close(self._lock)
-        self._lock = -1
-
-    def _claim(self) -> None:
+    def claim(self) -> None:
+        """Write the manifest and the folders of rows, or refuse the results of another campaign."""
         ours = manifest_of(self._plan)
         path = self.place / MANIFEST
         if path.exists():
@@ -101,8 +36,6 @@ class CampaignFolder:
             write_atomically(path, self.as_json(ours))
         for name in self._names:
             (self.place / ROWS / name).mkdir(parents=True, exist_ok=True)
-        for partial in self.place.rglob(".*.partial"):
-            partial.unlink()
 
     def path_of(self, chunk: Chunk) -> Path:
         """Give the file of some runs."""
@@ -120,38 +53,3 @@ class CampaignFolder:
                 "again, which makes only these runs anew"
             )
         return True
-
-    @staticmethod
-    def as_json(document: Mapping[str, Any]) -> str:
-        """Write plain data as the text of a file."""
-        return json.dumps(document, indent=2, allow_nan=False) + "\n"
-
-    def write(self, path: Path, content: str | bytes) -> None:
-        """Write a file of the folder."""
-        with failures_refused(path, "write"):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            write_atomically(path, content)
-
-
-def _is_partial(path: Path) -> bool:
-    return path.name.startswith(".") and path.suffix == ".partial"
-
-
-def _is_still(descriptor: int, path: Path) -> bool:
-    try:
-        return os.path.samestat(os.fstat(descriptor), path.stat())
-    except FileNotFoundError:
-        return False
-
-
-@contextmanager
-def failures_refused(path: Path, verb: str) -> Iterator[None]:
-    """Turn a failure of the file system into a sentence."""
-    try:
-        yield
-    except OSError as error:
-        reason = one_line(error.strerror or str(error))
-        raise InputError(
-            f"{shown_path(path)} cannot be {'written' if verb == 'write' else 'used'}: {reason}; make room or name a "
-            "writable folder, then run the same command again: it goes on from the files that are complete"
-        ) from error

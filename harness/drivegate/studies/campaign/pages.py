@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from drivegate.output.report_writers import CAMPAIGN_GROUP, report_points, write_reports
-from drivegate.studies.campaign.folder import CampaignFolder, failures_refused
+from drivegate.output.resumed_folder import failures_refused
+from drivegate.studies.campaign.folder import CampaignFolder
 
 
 def write_pages(document: dict[str, Any], folder: CampaignFolder) -> tuple[Path, ...]:

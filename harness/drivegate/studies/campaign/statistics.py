@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.results.proportion import CONFIDENCE, Proportion, proportion
 from drivegate.studies.campaign.folder import CampaignFolder
 from drivegate.studies.campaign.plan import CampaignPlan
 from drivegate.studies.campaign.row import FAIL, HARNESS_FAULT, PASS, UNCOUNTED
@@ -18,32 +19,9 @@ from drivegate.studies.campaign.table import MARGIN, columns_of
 
 QUANTILES: Final = (0.0, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
 """Shares of the runs whose margins are at most as large as what is reported."""
-CONFIDENCE: Final = 0.95
-"""Confidence of the intervals, unless another one is requested."""
 _MOST_VALUES = 4_000_000
 CURVE_POINTS: Final = 200
 """Most margins of a check that are kept of its distribution, at equal shares of the runs."""
-
-
-@dataclass(frozen=True)
-class Proportion:
-    """How often something happened, and how likely it therefore is.
-
-    Attributes
-    ----------
-    happened, runs : int
-        In how many runs it did, of how many.
-    estimate : float or None
-        The share; None where there were no runs.
-    low, high : float
-        Clopper-Pearson interval of the probability.
-    """
-
-    happened: int
-    runs: int
-    estimate: float | None
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -103,16 +81,6 @@ class CandidateStatistics:
     cases: dict[str, Proportion]
     checks: tuple[CheckStatistics, ...]
     first_faults: dict[str, int] = field(default_factory=dict)
-
-
-def proportion(happened: int, runs: int, confidence: float = CONFIDENCE) -> Proportion:
-    """Estimate a probability from a count."""
-    from scipy.stats import binomtest
-
-    if runs == 0:
-        return Proportion(0, 0, None, 0.0, 1.0)
-    interval = binomtest(happened, runs).proportion_ci(confidence, method="exact")
-    return Proportion(happened, runs, happened / runs, float(interval.low), float(interval.high))
 
 
 def quantiles_of(margins: NDArray[np.float64]) -> tuple[float, ...]:

@@ -76,7 +76,7 @@ def test_parameters_change_the_case_and_leave_the_nameplate_or_not(plan):
         ({"cases": ["fig5-search", "./fig5.json"]}, "two cases of the campaign are called 'fig5-search'"),
         ({"grid": {"load_share": [11.0]}}, "the case 'short' cannot have the parameters of the campaign"),
         ({"grid": {"inductance": [0.0]}}, "the case 'short' cannot have the parameters of the campaign"),
-        ({"grid": {"resistance_ohm": [-1.0]}}, "'resistance_ohm' is -1"),
+        ({"grid": {"resistance_ohm": [-1.0]}}, "'machine.resistance_ohm' is -1"),
         (
             {"spread": {"resistance": {"kind": "uniform", "lowest": -0.5, "highest": 1.0}}},
             "the case 'short' cannot have the parameters of the campaign",

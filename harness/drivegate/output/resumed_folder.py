@@ -1,0 +1,134 @@
+"""A folder of results that one process writes into at a time, and goes on with what is complete."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import socket
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+
+class ResumedFolder(ABC):
+    """A folder of results, held for one process alone as long as the context lasts.
+
+    Attributes
+    ----------
+    place : Path
+        Where it is.
+    """
+
+    def __init__(self, place: Path, *, kind: str, manifest: str, lock: str) -> None:
+        """Name the folder, what its results are called, and the files that tell whose it is and who writes."""
+        self.place = place
+        self._kind, self._manifest, self._lock_file = kind, manifest, lock
+        self._lock = -1
+
+    @abstractmethod
+    def claim(self) -> None:
+        """Write the manifest, or refuse the folder because its manifest tells of other results."""
+
+    def __enter__(self) -> Self:
+        """Make the folder or find it, take its lock, and see that it belongs to these results."""
+        with failures_refused(self.place, "use"):
+            self._refuse_foreign()
+            self.place.mkdir(parents=True, exist_ok=True)
+            self._take_lock()
+        try:
+            with failures_refused(self.place, "write"):
+                self.claim()
+                for partial in self.place.rglob(".*.partial"):
+                    partial.unlink()
+        except BaseException:
+            self._release()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Let others write into the folder."""
+        self._release()
+
+    def _refuse_foreign(self) -> None:
+        if self.place.exists() and not self.place.is_dir():
+            raise InputError(f"--output {shown_path(self.place)} is a file; name a folder")
+        if not self.place.is_dir() or (self.place / self._manifest).exists():
+            return
+        if any(entry.name != self._lock_file and not _is_partial(entry) for entry in self.place.iterdir()):
+            raise InputError(
+                f"--output {shown_path(self.place)} holds files that are no {self._kind} of drivegate; "
+                "name a new or an empty folder"
+            )
+
+    def _take_lock(self) -> None:
+        """Lock a file, which the system unlocks when this process ends, however it ends."""
+        path = self.place / self._lock_file
+        while self._lock < 0:
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                holder = one_line(os.read(descriptor, 1000).decode(errors="replace").strip())
+                os.close(descriptor)
+                raise InputError(
+                    f"--output {shown_path(self.place)} is being written by another {self._kind}"
+                    f"{f' ({holder})' if holder else ''}; wait for its end, or name another folder"
+                ) from error
+            if _is_still(descriptor, path):
+                self._lock = descriptor
+            else:
+                # Its last holder removed the file between our opening and locking it.
+                os.close(descriptor)
+        os.ftruncate(self._lock, 0)
+        os.write(self._lock, f"process {os.getpid()} on {socket.gethostname()}\n".encode())
+
+    def _release(self) -> None:
+        with suppress(OSError):
+            (self.place / self._lock_file).unlink()
+        os.close(self._lock)
+        self._lock = -1
+
+    @staticmethod
+    def as_json(document: Mapping[str, Any]) -> str:
+        """Write plain data as the text of a file."""
+        return json.dumps(document, indent=2, allow_nan=False) + "\n"
+
+    def write(self, path: Path, content: str | bytes) -> None:
+        """Write a file of the folder."""
+        with failures_refused(path, "write"):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(path, content)
+
+
+def _is_partial(path: Path) -> bool:
+    return path.name.startswith(".") and path.suffix == ".partial"
+
+
+def _is_still(descriptor: int, path: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(descriptor), path.stat())
+    except FileNotFoundError:
+        return False
+
+
+@contextmanager
+def failures_refused(path: Path, verb: str) -> Iterator[None]:
+    """Turn a failure of the file system into a sentence."""
+    try:
+        yield
+    except OSError as error:
+        reason = one_line(error.strerror or str(error))
+        raise InputError(
+            f"{shown_path(path)} cannot be {'written' if verb == 'write' else 'used'}: {reason}; make room or name a "
+            "writable folder, then run the same command again: it goes on from the files that are complete"
+        ) from error

@@ -1,0 +1,144 @@
+"""What a self-test on drawn drives says: shares with their intervals, and the worst of each failed check."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from math import inf
+from pathlib import Path
+from typing import Any
+
+from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.drives.drawn_drives import per_unit_values
+from drivegate.results.proportion import CONFIDENCE, proportion
+from drivegate.studies.selftest.drawn.folder import KIND, SCHEMA
+from drivegate.studies.selftest.drawn.gate_row import FailedCheck, GateRow
+from drivegate.studies.selftest.run import SelftestEffort
+from drivegate_cases.drive.drive_document import DriveDocument
+
+
+@dataclass(frozen=True)
+class JudgedDrive:
+    """A drawn drive, and what has become of the reference on it.
+
+    Attributes
+    ----------
+    number : int
+        Its number.
+    drive : DriveDocument
+        The drive.
+    rejected : int
+        Number of drives drawn before it whose rating no controller can meet.
+    rows : tuple of GateRow
+        One for each seed.
+    file : Path
+        The file of the drive.
+    """
+
+    number: int
+    drive: DriveDocument
+    rejected: int
+    rows: tuple[GateRow, ...]
+    file: Path
+
+    @property
+    def passed(self) -> bool:
+        """Whether the reference passes with every seed."""
+        return all(row.passed for row in self.rows)
+
+
+def summarised(
+    effort: SelftestEffort,
+    drawing_seed: int,
+    drives: Sequence[JudgedDrive],
+    mutations: Sequence[Mutation],
+    trials: Mapping[tuple[int, str], Mapping[str, Any]],
+) -> dict[str, Any]:
+    """Write a whole self-test on drawn drives as plain data."""
+    passed = sum(drive.passed for drive in drives)
+    caught = [trial["caught"] for trial in trials.values()]
+    return {
+        "schema": SCHEMA,
+        "kind": KIND,
+        "passed": passed == len(drives),
+        "exit_code": 0 if passed == len(drives) else 1,
+        "effort": effort.name,
+        "seeds": effort.seeds,
+        "search": effort.search,
+        "drawing_seed": drawing_seed,
+        "confidence": CONFIDENCE,
+        "rejected_draws": sum(drive.rejected for drive in drives),
+        "reference": _share(passed, len(drives)),
+        "failures": _failures(drives),
+        "trials": _share(sum(caught), len(caught)),
+        "faults": [_fault(mutation, trials) for mutation in mutations],
+        "drives": [_drive(drive) for drive in drives],
+    }
+
+
+def _share(happened: int, of: int) -> dict[str, Any]:
+    found = proportion(happened, of)
+    return {"count": happened, "of": of, "share": found.estimate, "interval": [found.low, found.high]}
+
+
+def _failures(drives: Sequence[JudgedDrive]) -> list[dict[str, Any]]:
+    """Tell for each reason how many drives it fails, and the worst of them."""
+    found: dict[str, list[tuple[JudgedDrive, GateRow, FailedCheck]]] = {}
+    for drive in drives:
+        for row in (row for row in drive.rows if not row.passed):
+            for check in row.failed or (_otherwise(row),):
+                found.setdefault(check.check, []).append((drive, row, check))
+    failures = [_failure(reason, entries) for reason, entries in found.items()]
+    return sorted(failures, key=lambda failure: (-len(failure["numbers"]), failure["reason"]))
+
+
+def _otherwise(row: GateRow) -> FailedCheck:
+    """Make of a verdict that no check has given what a failed check is told with."""
+    return FailedCheck(row.verdict, None, row.message, "", "")
+
+
+def _failure(reason: str, entries: Sequence[tuple[JudgedDrive, GateRow, FailedCheck]]) -> dict[str, Any]:
+    drive, row, check = min(entries, key=lambda entry: inf if entry[2].margin is None else entry[2].margin)
+    worst = {
+        "number": drive.number,
+        "seed": row.seed,
+        "file": str(drive.file),
+        "per_unit": per_unit_values(drive.drive),
+        **asdict(check),
+    }
+    return {
+        "reason": reason,
+        "numbers": sorted({judged.number for judged, _, _ in entries}),
+        "worst": {key: value for key, value in worst.items() if key != "check"},
+    }
+
+
+def _fault(mutation: Mutation, trials: Mapping[tuple[int, str], Mapping[str, Any]]) -> dict[str, Any]:
+    own = {number: trial for (number, name), trial in trials.items() if name == mutation.name}
+    missed = [number for number, trial in own.items() if not trial["caught"]]
+    return {
+        "name": mutation.name,
+        "named_check": mutation.check,
+        **_share(len(own) - len(missed), len(own)),
+        "missed_on": missed,
+        "caught_by_others_on": [number for number in missed if own[number]["also_failing"]],
+    }
+
+
+def _drive(judged: JudgedDrive) -> dict[str, Any]:
+    drive = judged.drive
+    return {
+        "number": judged.number,
+        "name": drive.name,
+        "file": str(judged.file),
+        "rejected_draws": judged.rejected,
+        "passed": judged.passed,
+        "phases": drive.machine.phases,
+        "pole_pairs": drive.machine.pole_pairs,
+        "emf_shape": drive.machine.emf_shape,
+        "rated_power_w": drive.rating.rated_power_w,
+        "supply_voltage_v": drive.inverter.supply_voltage_v,
+        "base_speed_rpm": drive.rating.base_speed_rpm,
+        "per_unit": per_unit_values(drive),
+        "seeds": [row.document() for row in judged.rows],
+    }
