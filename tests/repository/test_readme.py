@@ -22,7 +22,7 @@ LINES = [
     line for block in re.findall(r"```shell\n(.*?)```", TEXT, flags=re.DOTALL) for line in block.splitlines()
 ]
 OWN = [shlex.split(line, comments=True) for line in LINES if line.startswith("drivegate ")]
-CHEAP = ("new", "diff")
+CHEAP = ("new", "diff", "drive")
 """What is run here; the others take minutes."""
 
 
