@@ -58,7 +58,7 @@ def advance_line(drive: RatedDrive) -> tuple[float, float]:
     Parameters
     ----------
     drive : RatedDrive
-        The drive; where it states no line, its oracle's is computed, once a process.
+        The drive; where it states no line, its oracle's is computed, of ideal current regulators, once a process.
 
     Returns
     -------
@@ -84,7 +84,8 @@ def _computed_line(drive: RatedDrive) -> tuple[float, float]:
 
     rating = drive.rating
     line = recommended_line(
-        drive.plant(),
+        # The regulators' band hardly moves the line, but costs time with each chop.
+        drive.plant()._replace(hysteresis_band=0.0),
         radians(6.0 * rating.base_speed_rpm),
         radians(6.0 * rating.highest_speed_rpm),
         rating.rated_power_w,

@@ -112,19 +112,35 @@ def test_a_load_too_light_to_search_by_is_looked_up(
 ) -> None:
     first = {}
     for which in (design, ANGLE_TABLE):
-        state = design_state(which)
-        state.controller.conducting_phases, state.controller.current_limit = 4.0, 26.0
-        state.controller.nominal_voltage = state.controller.supply_voltage = 48.0
-        state.speed = 1430.0 * math.pi / 30.0
-        state.controller.last_power = current_sum_a
-        first[which] = begin_search(state)
+        first[which] = first_offset(which, current_sum_a, window_deg=144.0)
     same = bool(first[design] == first[ANGLE_TABLE])
     assert same is (design == ANGLE_TABLE or not searches), first
+
+
+@pytest.mark.parametrize("design", SEARCHES)
+def test_a_light_load_is_searched_where_the_table_is_of_another_window(design: int) -> None:
+    tabled, searched = (first_offset(design, 20.0, window_deg=window) for window in (144.0, 120.0))
+    assert searched != tabled
+    assert searched == first_offset(design, 22.0, window_deg=144.0)
+
+
+def first_offset(design: int, current_sum_a: float, *, window_deg: float) -> float:
+    """Begin a search at a current sum of the paper's drive at 1430 rpm."""
+    state = design_state(design)
+    state.controller.window = math.radians(window_deg)
+    state.controller.base_speed = 500.0 * math.pi / 30.0
+    state.controller.rated_sum = 1500.0 / 48.0
+    state.controller.conducting_phases, state.controller.current_limit = 4.0, 26.0
+    state.controller.nominal_voltage = state.controller.supply_voltage = 48.0
+    state.speed = 1430.0 * math.pi / 30.0
+    state.controller.last_power = current_sum_a
+    return float(begin_search(state))
 
 
 def test_a_speed_that_never_calms_is_no_place_to_rest() -> None:
     state = design_state(GOLDEN_SECTION)
     state.controller.conducting_phases, state.controller.current_limit = 4.0, 26.0
+    state.controller.speed_tolerance = 5.0 * math.pi / 30.0
     state.controller.last_power = 3.4
     state.controller.worst_error = 0.07 * math.pi / 30.0
     begin_watch(state)

@@ -17,11 +17,11 @@ int drivegate_reset(void *state, const drivegate_nameplate *nameplate) {
     controller *self = state;
     /* The torque that one ampere gives (N m/A). */
     double torque_per_ampere = nameplate->conducting_phases * nameplate->emf_constant;
-    /* The speed follows its reference with a seventh of the electrical frequency at base speed (rad/s), and the
-     * integral with a fifth of that. */
-    double bandwidth = (double)nameplate->pole_pairs * nameplate->base_speed / 7.2;
-    self->proportional = nameplate->inertia * bandwidth / torque_per_ampere;
-    self->integral_step = self->proportional * 0.1875 * bandwidth * nameplate->control_period;
+    /* The speed follows its reference with 80 rad/s, and the integral with 15 rad/s, on a drive of 576 rad/s
+     * electrical at base speed; on others in proportion. */
+    double rate = (double)nameplate->pole_pairs * nameplate->base_speed / 575.9586531581288;
+    self->proportional = nameplate->inertia * (80.0 * rate) / torque_per_ampere;
+    self->integral_step = self->proportional * (15.0 * rate) * nameplate->control_period;
     self->limit = nameplate->current_limit;
     self->base_speed = nameplate->base_speed;
     self->advance_start = nameplate->advance_start;
