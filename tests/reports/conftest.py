@@ -23,7 +23,7 @@ from drivegate.studies.campaign.summary import SUMMARY
 from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
 from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.engine import Compared
-from drivegate.studies.compare.plan import EFFORTS, PlannedRun, planned_runs
+from drivegate.studies.compare.plan import PlannedRun, planned_runs
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_cases.scenario.scenario import load_scenario
@@ -47,6 +47,7 @@ BROWSER_OPTIONS = [
 ]
 DRIVE, CYCLE = load_drive("paper-5-phase"), load_drive_cycle("ece-15")
 PLAN = planned_runs(DRIVE, CYCLE, "quick", 0)
+SPEEDS_RPM = tuple(dict.fromkeys(run.speed_rpm for run in PLAN if run.group == "points"))
 
 
 def _check(identifier: str, **changes: Any) -> Document:
@@ -263,7 +264,7 @@ def _made_up_comparison(
         "least_current_sums_a": [20.0, 30.0],
         "least_input_powers_w": [900.0, 1000.0],
     }
-    envelope = [{"speed_rpm": speed, "torque_nm": 1e4 / speed} for speed in EFFORTS["quick"].speeds_rpm]
+    envelope = [{"speed_rpm": speed, "torque_nm": 1e4 / speed} for speed in SPEEDS_RPM]
     return comparison_document(
         everybody,
         plan,

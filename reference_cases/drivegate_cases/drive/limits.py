@@ -10,6 +10,8 @@ from typing import Final
 from drivegate_cases.drive.drive_document import RPM, DriveDocument
 from drivegate_cases.drive.requirements import RequiredPoint
 
+POINT_POWER_SHARE: Final = 1.02625
+"""Power at the required point over rated power, where none is stated: 9.8 N·m at 1500 rpm over 1.5 kW (1)."""
 SPEED_TOLERANCE_SHARE: Final = 0.01
 """Speed tolerance k1 over base speed, where none is stated (1)."""
 MECHANICAL_TIMES: Final = 11.0
@@ -73,7 +75,7 @@ def limits_of(drive: DriveDocument) -> Limits:
     """
     stated, rating = drive.requirements, drive.rating
     tolerance, settling = stated.speed_tolerance_rpm, stated.settling_s
-    torque = rating.rated_power_w / (rating.highest_speed_rpm * RPM)
+    torque = POINT_POWER_SHARE * rating.rated_power_w / (rating.highest_speed_rpm * RPM)
     at_highest = RequiredPoint(speed_rpm=rating.highest_speed_rpm, torque_n_m=rounded(torque, 3))
     return Limits(
         speed_tolerance_rpm=SPEED_TOLERANCE_SHARE * rating.base_speed_rpm if tolerance is None else tolerance,

@@ -66,7 +66,7 @@ class Requirements(Section):
         default=(),
         max_length=20,
         description="list of points at which the ripple is required, each a table [[requirements.point]], by default "
-        "the rated power at the highest speed",
+        "2.6 % above rated power at the highest speed, as in the paper's Fig. 6",
     )
 
     @field_validator("settling_s")

@@ -20,10 +20,10 @@ _PANELS: Final = (
     ("drawn", "current_sum_a", "Σ|i|, drawn plants", "A"),
     ("drive cycle", "energy_wh_per_km", "energy, drive cycle", "Wh/km"),
 )
-_HELD_RPM: Final = 5.0
 _SHOWN_BEFORE_S: Final = 1.0
 _SHOWN_AFTER_S: Final = 6.0
-_CHANGE_S: Final = 10.0
+_USUAL_HELD_RPM: Final = 5.0
+_USUAL_CHANGE_S: Final = 10.0
 _ERROR_TICKS: Final = (-1000.0, -200.0, -50.0, -15.0, -5.0, 0.0, 5.0, 15.0, 50.0, 200.0, 1000.0)
 
 
@@ -171,8 +171,19 @@ def _legend(figure: Figure, inks: Mapping[str, Ink]) -> None:
     )
 
 
+def held_rpm(document: Mapping[str, Any]) -> float:
+    """k1: the speed error within which a speed counts as held (rpm)."""
+    return float(document["drive"].get("speed_tolerance_rpm", _USUAL_HELD_RPM))
+
+
+def change_s(document: Mapping[str, Any]) -> float:
+    """Time at which a disturbance comes (s)."""
+    return float(document["drive"].get("change_s", _USUAL_CHANGE_S))
+
+
 def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: str) -> Figure:
     """Draw what follows a disturbance, all candidates overlaid."""
+    held, change = held_rpm(document), change_s(document)
     figure, panels = new_figure(5.6, 3, (1.2, 1.0, 1.0))
     keys = ("speed_error_rpm", "advance_deg", "current_sum_a")
     entries = [
@@ -181,7 +192,7 @@ def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: 
     for entry in entries:
         look = inks[entry["candidate"]]
         times = np.array(entry["time_s"])
-        shown = (times >= _CHANGE_S - _SHOWN_BEFORE_S) & (times <= _CHANGE_S + _SHOWN_AFTER_S)
+        shown = (times >= change - _SHOWN_BEFORE_S) & (times <= change + _SHOWN_AFTER_S)
         for panel, key in zip(panels, keys, strict=True):
             panel.plot(
                 times[shown],
@@ -190,9 +201,9 @@ def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: 
                 linestyle=look.dash,
                 linewidth=1.5,
             )
-    for level in (-_HELD_RPM, _HELD_RPM):
+    for level in (-held, held):
         panels[0].axhline(level, color=ink(GREY), linewidth=0.8, linestyle=":")
-    panels[0].set_yscale("symlog", linthresh=_HELD_RPM, linscale=1.0)
+    panels[0].set_yscale("symlog", linthresh=held, linscale=1.0)
     low, high = panels[0].get_ylim()
     ticks = [tick for tick in _ERROR_TICKS if low <= tick <= high]
     panels[0].set_yticks(ticks, [f"{tick:g}".replace("-", "−") for tick in ticks])
@@ -201,7 +212,7 @@ def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: 
         panels, ("speed error (rpm)", "advance angle (el. deg)", "Σ|i| (A)"), strict=True
     ):
         panel.set_ylabel(words)
-        panel.set_xlim(_CHANGE_S - _SHOWN_BEFORE_S, _CHANGE_S + _SHOWN_AFTER_S)
+        panel.set_xlim(change - _SHOWN_BEFORE_S, change + _SHOWN_AFTER_S)
     panels[-1].set_xlabel("time (s)")
     _legend(figure, {entry["candidate"]: inks[entry["candidate"]] for entry in entries})
     return figure

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate_reports.comparison.cells import name, written
 from drivegate_reports.comparison.curves import (
+    change_s,
     draw_cycle,
     draw_differences,
     draw_disturbance,
     draw_over_speed,
+    held_rpm,
     loads_shown,
     measured_differences,
 )
@@ -144,7 +146,8 @@ def _disturbances(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Seque
             lambda run=run: draw_disturbance(document, inks, run),  # type: ignore[misc]
             f"Speed error, advance angle and current sum of each candidate over time in the run '{run}'.",
             "Largest speed error of each 50 ms, advance angle, and mean Σ|i| of each 50 ms, all candidates overlaid; "
-            "the disturbance comes at 10 s. The dotted lines are the 5 rpm within which a speed counts as held.",
+            f"the disturbance comes at {change_s(document):g} s. The dotted lines are the "
+            f"{held_rpm(document):g} rpm within which a speed counts as held.",
         )
         for number, run in enumerate(runs[:SHOWN_DISTURBANCES], start=1)
     ]

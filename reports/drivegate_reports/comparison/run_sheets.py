@@ -78,7 +78,7 @@ def disturbance_sheet(document: Row) -> Sheet:
         "Σ|i| in the end (A)",
     )
     caption = (
-        "Time from the end of the disturbance until the speed stays within 5 rpm, and means of the last 4 s. "
+        "Time from the end of the disturbance until the speed stays within k1, and means of the last 4 s. "
         "A step of the speed reference is a speed error at once."
     )
     return Sheet("disturbances", caption, heads, rows)

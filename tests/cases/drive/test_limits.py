@@ -28,7 +28,9 @@ def test_what_is_left_out_follows_from_the_rating() -> None:
     fast = UNSTATED.replaced(base_speed_rpm=1000.0, highest_speed_rpm=1800.0, rated_power_w=3000.0)
     limits = limits_of(fast)
     assert limits.speed_tolerance_rpm == 10.0, "1 % of base speed"
-    assert limits.points == (RequiredPoint(speed_rpm=1800.0, torque_n_m=15.915),), "3 kW at the highest speed"
+    assert limits.points == (RequiredPoint(speed_rpm=1800.0, torque_n_m=16.333),), (
+        "2.6 % above 3 kW at the highest speed"
+    )
 
 
 def test_a_stated_limit_holds_whatever_the_rating() -> None:
@@ -75,3 +77,7 @@ def test_a_point_at_a_speed_without_a_search_is_refused(speed: float) -> None:
 def test_a_settling_time_is_a_whole_number_of_tenths() -> None:
     with pytest.raises(InputError, match="must be a whole number of tenths"):
         PAPER.replaced(settling_s=1.25)
+
+
+def test_the_rules_give_the_paper_s_own_limits() -> None:
+    assert limits_of(UNSTATED) == limits_of(PAPER)

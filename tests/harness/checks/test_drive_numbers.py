@@ -4,12 +4,18 @@ import re
 
 import pytest
 
+from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.drive_numbers import TEXTS, on_drive
 from drivegate.checks.traceability import traced_checks
+from drivegate.drives.running import run_scenario
+from drivegate.runs.record import RunRecord
+from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.requirements import RequiredPoint
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_models.units import RADIANS_PER_RPM
 
 PAPER = load_drive("paper-5-phase")
@@ -45,7 +51,7 @@ def test_the_numbers_are_the_drive_s() -> None:
     assert rows["CMD-1"]["limit"] == "0 to 7.5 A"
     assert rows["ADV-1"]["limit"] == "exactly 0° below 3000 rpm"
     assert rows["CNV-1"]["limit"] == "k1 = 30 rpm, k2 = 0.5 % of Σ|i|, 1°"
-    assert rows["RIP-1"]["requirement"].startswith("Torque ripple at 8000 rpm and 0.0716 N·m,")
+    assert rows["RIP-1"]["requirement"].startswith("Torque ripple at 8000 rpm and 0.0735 N·m,")
 
 
 def test_the_paper_s_texts_are_as_published() -> None:
@@ -86,3 +92,35 @@ def test_the_ripple_is_judged_at_every_required_point(record, scenario, checks) 
     torque = run.load.torque_nm
     point = RequiredPoint(speed_rpm=1200.0, torque_n_m=torque)
     assert checks["RIP-1"].evaluate(record(run.replaced(drive=PAPER.replaced(point=(point,))))) is not None
+
+
+@pytest.mark.parametrize("name", ["lock-up", "700rpm-1500W", "1150rpm-1500W"])
+def test_a_drive_of_twice_the_voltage_is_judged_like_the_paper_s(name: str) -> None:
+    """All of it is the same in shares of its rating: so are scenarios, currents and margins."""
+    twice = PAPER.replaced(
+        name="twice",
+        supply_voltage_v=96.0,
+        resistance_ohm=0.16,
+        inductance_h=5.76e-3,
+        emf_constant_v_s_per_rad=0.678,
+        core_loss_conductance_s=1.5e-3,
+        inertia_kg_m2=0.1,
+        rated_power_w=3000.0,
+        requirements={},
+    )
+    place = [scenario.name for scenario in fixed_scenarios(PAPER)].index(name)
+    on_paper, on_twice = (
+        {check.id: check.evaluate(record) for check in CHECKS}
+        for drive in (PAPER, twice)
+        for record in [made(fixed_scenarios(drive)[place])]
+    )
+    for check in ("ADV-2", "CMD-1", "RIP-1", "CNV-1", "CNV-2", "CNV-3", "CPW-1"):
+        one, other = on_paper[check], on_twice[check]
+        assert (one is None) == (other is None), f"{check} judges one of them alone"
+        if one is not None and other is not None:
+            assert other.value == pytest.approx(one.value, abs=0.02), f"{check}: {one} and {other}"
+
+
+def made(scenario: Scenario) -> RunRecord:
+    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
+    return RunRecord(scenario, run, Declaration(estimates_power=True))

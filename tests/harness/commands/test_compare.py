@@ -8,7 +8,7 @@ import pytest
 from drivegate.studies.compare import plan as comparison_plan
 from drivegate.studies.compare.compare_all import table_text
 
-SMALL = comparison_plan.ComparisonEffort((700.0, 1500.0), (0.25, 1.0), 1, 1, 3)
+SMALL = comparison_plan.ComparisonEffort((0.2, 1.0), (0.25, 1.0), 1, 1, 3)
 CYCLE = "time_s,speed_km_h\n0,0\n1,0\n5,15\n7,15\n11,0\n12,0\n"
 
 

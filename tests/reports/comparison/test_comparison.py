@@ -12,7 +12,6 @@ import pytest
 from drivegate.checks.feasible_angles import FEASIBLE
 from drivegate.output.console import console_for
 from drivegate.studies.compare.display import show_comparison
-from drivegate.studies.compare.plan import EFFORTS
 from drivegate_models.errors import InputError
 from drivegate_reports.comparison.cells import written
 from drivegate_reports.comparison.curves import (
@@ -103,7 +102,7 @@ def test_figures_show_the_document_s_numbers(document):
     with house_style():
         speed = draw_over_speed(document, inks, (50.0, 100.0))
         line = speed.axes[0].lines[1]
-        assert line.get_xdata().tolist() == list(EFFORTS["quick"].speeds_rpm)
+        assert line.get_xdata().tolist() == [550.0, 1000.0, 1500.0, 2000.0]
         assert line.get_ydata().tolist() == [30.0] * 4
         lost = speed.axes[1].lines[-1].get_ydata()
         assert np.isnan(lost).all(), "a lost point is no point of a line"

@@ -9,6 +9,7 @@ from typing import Any, Final
 from drivegate.candidates.fault import Fault, bounded_line
 from drivegate.results.provenance import hash_of_content, provenance
 from drivegate.results.result import finite
+from drivegate.scenarios.drive_scale import scale_of
 from drivegate.studies.compare.differences import difference_rows
 from drivegate.studies.compare.drive_cycle_run import TOLERANCE_KM_H, VEHICLE
 from drivegate.studies.compare.engine import CHECKS_EFFORT, Compared
@@ -31,6 +32,7 @@ from drivegate.studies.compare.tables import (
     repeated_rows,
 )
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.drive_cycle import DriveCycle
 
 SCHEMA: Final = 1
@@ -68,6 +70,8 @@ def comparison_document(
             **drive.identity(),
             "base_speed_rpm": drive.rating.base_speed_rpm,
             "rated_power_w": drive.rating.rated_power_w,
+            "speed_tolerance_rpm": limits_of(drive).speed_tolerance_rpm,
+            "change_s": scale_of(drive).change_s,
         },
         "size": _size(effort, plan),
         "cycle": _cycle(cycle),

@@ -12,12 +12,12 @@ from drivegate.studies.compare.statistics import LEAST_EFFECT
 Row = dict[str, Any]
 
 RULE: Final = (
-    "Fewest required checks failed, then most operating points held within 5 rpm, then least mean true input power "
+    "Fewest required checks failed, then most operating points held within k1, then least mean true input power "
     "over the points that all equals hold; means within 0.1 % share a place."
 )
 """The rule in words."""
 RULE_WITHOUT_CHECKS: Final = (
-    "Most operating points held within 5 rpm, then least mean true input power over the points that all equals hold; "
+    "Most operating points held within k1, then least mean true input power over the points that all equals hold; "
     "means within 0.1 % share a place."
 )
 """The same where no checks were made."""

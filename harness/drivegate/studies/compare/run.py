@@ -14,15 +14,12 @@ from drivegate.runs.timed_steps import senses_of_run, step_seconds
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate.studies.compare.drive_cycle_run import cycle_figures
 from drivegate.studies.compare.plan import PlannedRun
+from drivegate_cases.drive.limits import Limits, limits_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop import observation
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.units import RADIANS_PER_RPM
 
-HOLDS_RPM: Final = 5.0
-"""k1: greatest speed error at which an operating point counts as held (rpm)."""
-SETTLED_DEG: Final = 1.0
-"""Distance from its last mean within which the angle has converged (electrical degrees)."""
 TRACE_EVERY: Final = 20
 """Control periods from one kept row of a trace to the next: 10 ms."""
 SHOWN_EVERY_S: Final = 0.05
@@ -38,24 +35,25 @@ def measured(loaded: JudgedCandidate, planned: PlannedRun) -> Figures:
     run = run_scenario(planned.scenario, loaded.controller(), trace_every=every)
     if planned.group == "cycle":
         return cycle_figures(planned.scenario, run)
-    figures = steady_figures(run)
+    limits = limits_of(planned.scenario.drive)
+    figures = steady_figures(run, limits)
     columns = _columns(run)
     if planned.group == "disturbances" and planned.change_s is not None:
         begins = scale_of(planned.scenario.drive).change_s
         return (
             figures
-            | recovery_figures(columns, begins, planned.change_s)
+            | recovery_figures(columns, begins, planned.change_s, limits)
             | {"trajectory": _trajectory(columns)}
         )
-    return figures | {"converged_after_s": converged_after(columns, figures)}
+    return figures | {"converged_after_s": converged_after(columns, figures, limits)}
 
 
-def steady_figures(run: ClosedLoopRun) -> Figures:
-    """Tell what the last steady stretch of a run came to."""
+def steady_figures(run: ClosedLoopRun, limits: Limits) -> Figures:
+    """Tell what the last steady stretch of a run came to; it is held within k1."""
     row = run.windows[-1]
     error = row.speed_error / RADIANS_PER_RPM
     return {
-        "held": error <= HOLDS_RPM,
+        "held": error <= limits.speed_tolerance_rpm,
         "speed_error_rpm": error,
         "speed_mean_rpm": row.speed / RADIANS_PER_RPM,
         "torque_mean_nm": row.torque,
@@ -67,23 +65,29 @@ def steady_figures(run: ClosedLoopRun) -> Figures:
     }
 
 
-def converged_after(columns: dict[str, NDArray[np.float64]], figures: Figures) -> float | None:
+def converged_after(
+    columns: dict[str, NDArray[np.float64]], figures: Figures, limits: Limits
+) -> float | None:
     """Tell when a run had converged: from then on the speed is held and the angle stays near its last mean."""
     error = np.abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
     moved = np.abs(columns["advance_deg"] - figures["advance_deg"])
-    return _settled(columns["time_s"], (error > HOLDS_RPM) | (moved > SETTLED_DEG))
+    return _settled(
+        columns["time_s"], (error > limits.speed_tolerance_rpm) | (moved > limits.angle_tolerance_deg)
+    )
 
 
-def recovery_figures(columns: dict[str, NDArray[np.float64]], begins_s: float, change_s: float) -> Figures:
+def recovery_figures(
+    columns: dict[str, NDArray[np.float64]], begins_s: float, change_s: float, limits: Limits
+) -> Figures:
     """Tell how a candidate got over a disturbance, from when it begins and when it is over."""
     times = columns["time_s"]
     error = np.abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
     after = times >= change_s
     since = times >= change_s - 1.0
     before = (times >= begins_s - 1.0) & (times < begins_s)
-    recovered = _settled(times[after], error[after] > HOLDS_RPM)
+    recovered = _settled(times[after], error[after] > limits.speed_tolerance_rpm)
     return {
-        "held_before": bool((error[before] <= HOLDS_RPM).all()),
+        "held_before": bool((error[before] <= limits.speed_tolerance_rpm).all()),
         "worst_error_rpm": float(error[since].max()),
         "recovery_s": None if recovered is None else max(recovered - change_s, 0.0),
     }
