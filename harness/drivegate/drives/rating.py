@@ -11,6 +11,7 @@ from drivegate.drives.drive_kind import Drive, Oracle
 from drivegate.drives.kinds import kind_of
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import Limits, limits_of
 from drivegate_models.units import RADIANS_PER_RPM
 
 MOST_CHOPS: Final = 500.0
@@ -58,6 +59,8 @@ class RatedDrive:
         The same with the ideal current regulator.
     rating : Rating
         What it is rated for.
+    limits : Limits
+        What its controllers are judged by.
     has_band : bool
         Whether the document's band is in the constants, or none was given.
     """
@@ -67,6 +70,7 @@ class RatedDrive:
     constants: Drive
     ideal: Drive
     rating: Rating
+    limits: Limits
     has_band: bool = True
 
     def demanded_torque(self, speed: float) -> float:
@@ -98,6 +102,7 @@ def rated_drive(document: DriveDocument) -> RatedDrive:
         constants=own if has_band else ideal,
         ideal=ideal,
         rating=rating,
+        limits=limits_of(document),
         has_band=has_band,
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import floor, isnan, log10
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from drivegate.drives.drive_kind import FloatArray
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.drives.rating import RatedDrive, rated_drive
+from drivegate.drives.required_ripple import UnreachableRipple, unreachable_ripple
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
@@ -100,6 +101,10 @@ class UnreachableRating:
         }
 
 
+Unreachable: TypeAlias = UnreachableRating | UnreachableRipple
+"""What no controller can meet, with a sentence about it."""
+
+
 def power_in_words(power: float) -> str:
     """Write a power to three digits."""
     return f"{power / _KILO:.3g} kW" if power >= _KILO else f"{power:.3g} W"
@@ -144,13 +149,18 @@ def unreachable_ratings(drive: RatedDrive) -> tuple[UnreachableRating, ...]:
     )
 
 
+def unreachable(drive: RatedDrive) -> tuple[Unreachable, ...]:
+    """Find all of a drive's rating and requirements that no controller can meet."""
+    return (*unreachable_ratings(drive), *unreachable_ripple(drive))
+
+
 def refuse_unreachable(document: DriveDocument) -> None:
-    """Refuse a drive whose rating no controller can meet: no candidate is to be failed for it."""
+    """Refuse a drive whose rating or requirements no controller can meet: no candidate is to be failed for it."""
     if document == load_drive(DEFAULT_DRIVE):
         return
-    for rating in unreachable_ratings(rated_drive(document)):
+    for found in unreachable(rated_drive(document)):
         raise InputError(
-            f"no controller can meet the rating of the drive '{document.name}': {rating.sentence()}"
+            f"no controller can meet what the drive '{document.name}' requires: {found.sentence()}"
         )
 
 

@@ -34,7 +34,7 @@ def test_a_rating_that_no_controller_can_meet_is_refused_before_any_run(refused,
     weak = load_drive("paper-5-phase").replaced(name="weak", current_limit_a=20.0)
     (tmp_path / "weak.json").write_text(weak.to_json(), encoding="utf-8")
     told = refused(name, "initial", "--drive", "weak.json", "--effort", "quick")
-    assert "no controller can meet the rating of the drive 'weak': 1.5 kW needs 26.0 N·m at 550 rpm" in told
+    assert "no controller can meet what the drive 'weak' requires: 1.5 kW needs 26.0 N·m at 550 rpm" in told
     assert "what can be met is 1.32 kW from 550 to 1500 rpm" in told
 
 

@@ -8,7 +8,7 @@ from math import degrees
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.drives.rating import RatedDrive, Rating
-from drivegate.drives.reach import UnreachableRating
+from drivegate.drives.reach import Unreachable
 from drivegate.studies.drive.envelope import SpeedPoint
 from drivegate.studies.drive.time_scales import TimeScales
 from drivegate_models.units import RADIANS_PER_RPM
@@ -23,7 +23,7 @@ def drive_document(
     drive: RatedDrive,
     line: AdvanceLine,
     points: Sequence[SpeedPoint],
-    unreachable: Sequence[UnreachableRating],
+    unreachable: Sequence[Unreachable],
     scales: TimeScales,
     without_advance: float | None,
 ) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from drivegate.drives.rating import RatedDrive, Rating
+from drivegate.drives.required_ripple import ideal_ripple
 
 if TYPE_CHECKING:
     from drivegate.drives.drive_kind import AdvanceLine
@@ -139,15 +140,3 @@ def speed_point(drive: RatedDrive, line: AdvanceLine, speed: float) -> SpeedPoin
         line_advance=advance,
         line_torque=float(at_line) if isfinite(advance) else nan,
     )
-
-
-def ideal_ripple(drive: RatedDrive, speed: float, torque: float, advance: float) -> float:
-    """Compute the ripple with the ideal regulator at an angle, or at its own feasible edge where that is higher."""
-    if not isfinite(advance):
-        return nan
-    # An optimum on the edge may lie a little below that of the regulator without a band.
-    edge = drive.oracle.feasible_edge(drive.ideal, speed, torque)
-    if not isfinite(edge):
-        return nan
-    point = drive.oracle.point_at_torque(drive.ideal, speed, max(advance, edge), torque)
-    return (point.torque_highest - point.torque_lowest) / point.torque

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from drivegate.drives.rating import rated_drive
-from drivegate.drives.reach import unreachable_ratings
+from drivegate.drives.reach import unreachable
 from drivegate.output.progress import progress_on, with_rate
 from drivegate.studies.drive.document import drive_document
 from drivegate.studies.drive.envelope import (
@@ -30,7 +30,7 @@ def studied_drive(chosen: DriveDocument, *, plot: Path | None = None) -> dict[st
     drive = rated_drive(chosen)
     with progress_on(sys.stderr) as display:
         report_progress = with_rate(display, drive.name, len(speeds_of(drive.rating)), unit="speeds")
-        unreachable = unreachable_ratings(drive)
+        out_of_reach = unreachable(drive)
         line = recommended_line(drive)
         report_progress(0, 0)
         points = []
@@ -38,7 +38,7 @@ def studied_drive(chosen: DriveDocument, *, plot: Path | None = None) -> dict[st
             points.append(point)
             report_progress(len(points), 0)
     document = drive_document(
-        drive, line, points, unreachable, time_scales(drive, points), speed_without_advance(drive)
+        drive, line, points, out_of_reach, time_scales(drive, points), speed_without_advance(drive)
     )
     if plot is not None:
         write_figure(document, plot)

@@ -1,0 +1,139 @@
+"""Points at which a torque ripple is required that no controller at the least current sum can have."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, degrees, inf, isfinite, nan, radians
+from typing import Final
+
+from drivegate.drives.rating import RatedDrive
+from drivegate_models.units import RADIANS_PER_RPM
+
+_STEP: Final = radians(0.25)
+_MOST_STEPS: Final = 80
+
+
+@dataclass(frozen=True)
+class UnreachableRipple:
+    """A required point whose ripple, or torque, is out of reach.
+
+    Attributes
+    ----------
+    speed_rpm : float
+        Speed of the point (rpm).
+    torque_nm : float
+        Its torque (N·m).
+    limit : float
+        Limit of the ripple with the ideal regulator, peak to peak over mean (1).
+    least : float
+        Least ripple at the angles that CNV-2 allows (1); NaN where the torque is out of reach.
+    advance : float
+        Angle of the least ripple (rad electrical).
+    tolerance : float
+        Excess of the current sum that CNV-2 allows (1).
+    greatest_torque : float
+        Greatest torque at the speed (N·m).
+    """
+
+    speed_rpm: float
+    torque_nm: float
+    limit: float
+    least: float
+    advance: float
+    tolerance: float
+    greatest_torque: float
+
+    def sentence(self) -> str:
+        """Tell what is out of reach, and the nearest that is not."""
+        point = f"{self.torque_nm:.3g} N·m at {self.speed_rpm:g} rpm"
+        if not isfinite(self.least):
+            given = max(self.greatest_torque, 0.0)
+            return f"the required point of {point} is out of reach: this drive gives {given:.3g} N·m there at best"
+        return (
+            f"a torque ripple below {100.0 * self.limit:g} % is required for {point}, but within "
+            f"{100.0 * self.tolerance:g} % of the least current sum it is {100.0 * self.least:.1f} % at best, at "
+            f"{degrees(self.advance):.1f}°; what can be met is requirements.ripple_percent = {self.nearest_percent}"
+        )
+
+    @property
+    def nearest_percent(self) -> int:
+        """Limit of the ripple, in whole percent, that can be met with a little in hand."""
+        return ceil(102.0 * self.least) if isfinite(self.least) else 0
+
+    def document(self) -> dict[str, object]:
+        """Give what is out of reach as plain data, in people's units."""
+        found = isfinite(self.least)
+        return {
+            "key": "requirements.ripple_percent" if found else "requirements.point",
+            "message": self.sentence(),
+            "speed_rpm": self.speed_rpm,
+            "torque_nm": self.torque_nm,
+            "least_ripple_percent": 100.0 * self.least if found else None,
+            "nearest_ripple_percent": self.nearest_percent if found else None,
+            "greatest_torque_nm": self.greatest_torque,
+        }
+
+
+def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
+    """Find the required points whose torque ripple or torque no controller can have.
+
+    Parameters
+    ----------
+    drive : RatedDrive
+        The drive with its rating and limits.
+
+    Returns
+    -------
+    tuple of UnreachableRipple
+        Points at which every angle that gives the torque with the current sum that `CNV-2` allows has more ripple with
+        the ideal regulator than the limit; empty where all can be met.
+    """
+    limits = drive.limits
+    found = []
+    for point in limits.points:
+        speed = point.speed_rpm * RADIANS_PER_RPM
+        least, advance = _least_ripple(drive, speed, point.torque_n_m)
+        if not least < limits.ripple:
+            found.append(
+                UnreachableRipple(
+                    speed_rpm=point.speed_rpm,
+                    torque_nm=point.torque_n_m,
+                    limit=limits.ripple,
+                    least=least,
+                    advance=advance,
+                    tolerance=limits.optimum_tolerance,
+                    greatest_torque=drive.oracle.greatest_torque_at_limit(drive.constants, speed).torque,
+                )
+            )
+    return tuple(found)
+
+
+def _least_ripple(drive: RatedDrive, speed: float, torque: float) -> tuple[float, float]:
+    """Find the least ripple from the optimum up to the angle at which the current sum is no longer allowed."""
+    best = drive.oracle.least_current_sum(drive.constants, speed, torque)
+    if not isfinite(best.advance):
+        return nan, nan
+    allowed = (1.0 + drive.limits.optimum_tolerance) * best.current_sum
+    least, angle = inf, best.advance
+    for step in range(_MOST_STEPS):
+        advance = best.advance + step * _STEP
+        point = drive.oracle.point_at_torque(drive.constants, speed, advance, torque)
+        # The optimum itself counts, whatever its last digits.
+        if step > 0 and not point.current_sum <= allowed:
+            break
+        ripple = ideal_ripple(drive, speed, torque, advance)
+        if ripple < least:
+            least, angle = ripple, advance
+    return least, angle
+
+
+def ideal_ripple(drive: RatedDrive, speed: float, torque: float, advance: float) -> float:
+    """Compute the ripple with the ideal regulator at an angle, or at its own feasible edge where that is higher."""
+    if not isfinite(advance):
+        return nan
+    # An optimum on the edge may lie a little below that of the regulator without a band.
+    edge = drive.oracle.feasible_edge(drive.ideal, speed, torque)
+    if not isfinite(edge):
+        return nan
+    point = drive.oracle.point_at_torque(drive.ideal, speed, max(advance, edge), torque)
+    return (point.torque_highest - point.torque_lowest) / point.torque
