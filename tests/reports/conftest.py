@@ -81,6 +81,7 @@ def _document(**changes: Any) -> Document:
             "hash": "0123abcd",
             "declaration": {"profile": "outcome", "estimates_power": True},
         },
+        "drive": {"name": "paper-5-phase", "kind": "half-bridge", "hash": "5eed"},
         "verdict": "pass",
         "exit_code": 0,
         "seed": 7,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, log
+from decimal import Decimal
 from random import Random
 from types import MappingProxyType
 from typing import Final
@@ -44,7 +44,9 @@ class Bound:
     def between(self, source: Random, lowest: float, highest: float) -> float:
         """Draw a value from a part of the range."""
         if self.by_ratio:
-            return rounded(exp(source.uniform(log(lowest), log(highest))))
+            # A decimal's logarithm is the same on every processor, a library's may not be.
+            first, last = Decimal(lowest).ln(), Decimal(highest).ln()
+            return rounded(float((first + (last - first) * Decimal(source.random())).exp()))
         return rounded(source.uniform(lowest, highest))
 
     def drawn_whole(self, source: Random) -> int:

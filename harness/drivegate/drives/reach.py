@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import floor, isnan, log10
+from math import floor, isnan
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -14,6 +14,7 @@ from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.drives.rating import RatedDrive, rated_drive
 from drivegate.drives.required_ripple import UnreachableRipple, unreachable_ripple
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.limits import decimal_exponent
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -215,7 +216,7 @@ def _rounded(value: float, *, up: bool) -> float:
     """Round to three digits, up or down."""
     if value <= 0.0 or isnan(value):
         return 0.0
-    unit = 10.0 ** (floor(log10(value)) - _DIGITS + 1)
+    unit = float(f"1e{decimal_exponent(value) - _DIGITS + 1}")
     whole = floor(value / unit * (1.0 + (-_ROUNDING if up else _ROUNDING))) + (1 if up else 0)
     return float(f"{whole * unit:.{_DIGITS}g}")
 

@@ -117,12 +117,17 @@ def nearest_step(value: float) -> float:
     """Give the nearest of 1, 2, 5 times a power of ten, which people read easily; 0 of 0."""
     if value <= 0.0:
         return 0.0
-    exponent = math.floor(math.log10(value))
+    exponent = decimal_exponent(value)
     steps = [float(f"{digit}e{exponent}") for digit in (1, 2, 5)] + [float(f"1e{exponent + 1}")]
-    return min(steps, key=lambda step: abs(math.log(step / value)))
+    return min(steps, key=lambda step: max(step / value, value / step))
+
+
+def decimal_exponent(value: float) -> int:
+    """Give the power of ten of a number's first digit, without a logarithm, which differs between processors."""
+    return int(f"{value:.17e}".partition("e")[2])
 
 
 def rounded(value: float, digits: int) -> float:
     """Round to decimals, or to as many significant digits where that would lose what there is."""
     few = round(value, digits)
-    return few if abs(few) >= 10.0 ** (2 - digits) else float(f"{value:.{digits}g}")
+    return few if abs(few) >= float(f"1e{2 - digits}") else float(f"{value:.{digits}g}")
