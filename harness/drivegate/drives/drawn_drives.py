@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil, floor
 from random import Random
@@ -12,6 +12,7 @@ from typing import Any, Final
 from drivegate.drives.drawn_bounds import BOUNDS, DIGITS, SINES, Bound, rounded
 from drivegate.drives.rating import rated_drive
 from drivegate.drives.reach import rating_is_met
+from drivegate.drives.required_ripple import UnreachableRipple, unreachable_ripple
 from drivegate_cases.drive.drive_document import RPM, DriveDocument
 from drivegate_cases.drive.provenance import Provenance
 from drivegate_models.errors import HarnessFault
@@ -52,11 +53,22 @@ def drawn_drive(seed: int, number: int) -> DrawnDrive:
         The drive, and how many were drawn before it that no controller could be judged on.
     """
     for rejected, document in zip(range(MOST_DRAWS), draws(seed, number), strict=False):
-        if rating_is_met(rated_drive(document)):
-            return DrawnDrive(document, rejected)
+        drive = rated_drive(document)
+        missed = unreachable_ripple(drive)
+        if rating_is_met(drive) and all(point.nearest_percent for point in missed):
+            return DrawnDrive(_with_ripple(document, missed), rejected)
     raise HarnessFault(
         f"none of {MOST_DRAWS} drives drawn with seed {seed} for number {number} meets its rating"
     )
+
+
+def _with_ripple(document: DriveDocument, missed: Sequence[UnreachableRipple]) -> DriveDocument:
+    """Require the ripple that the drive can have, where it cannot have the paper's."""
+    if not missed:
+        return document
+    allowed = float(max(point.nearest_percent for point in missed))
+    told = {"ripple_percent": "computed: the least in whole percent that can be met at the least current sum"}
+    return document.replaced(ripple_percent=allowed, provenance={**document.provenance, "requirements": told})
 
 
 def draws(seed: int, number: int) -> Iterator[DriveDocument]:

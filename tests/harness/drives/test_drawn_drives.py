@@ -8,7 +8,7 @@ from drivegate.drives import drawn_drives
 from drivegate.drives.drawn_bounds import BOUNDS
 from drivegate.drives.drawn_drives import drawn_drive, draws, per_unit_values
 from drivegate.drives.rating import rated_drive
-from drivegate.drives.reach import unreachable_ratings
+from drivegate.drives.reach import unreachable
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.usual_values import unusual_values
 from drivegate_models.errors import HarnessFault
@@ -75,9 +75,17 @@ def test_a_drive_whose_rating_cannot_be_met_is_rejected() -> None:
     drawn = next(found for number in range(1, 30) if (found := drawn_drive(0, number)).rejected)
     number = int(drawn.document.name.rpartition("-")[2])
     before = list(islice(draws(0, number), drawn.rejected + 1))
-    assert before[-1] == drawn.document
-    assert all(unreachable_ratings(rated_drive(drive)) for drive in before[:-1])
-    assert unreachable_ratings(rated_drive(drawn.document)) == ()
+    assert before[-1].rating == drawn.document.rating
+    assert all(unreachable(rated_drive(drive)) for drive in before[:-1])
+
+
+def test_what_is_required_of_a_drawn_drive_can_be_met() -> None:
+    drawn = [drawn_drive(0, number).document for number in range(1, 9)]
+    for drive in drawn:
+        assert unreachable(rated_drive(drive)) == (), drive.name
+    assert any(drive.requirements.ripple_percent > 13.0 for drive in drawn), (
+        "some cannot have the paper's ripple"
+    )
 
 
 def test_bounds_that_no_drive_can_meet_are_a_fault_of_the_harness(monkeypatch: pytest.MonkeyPatch) -> None:
