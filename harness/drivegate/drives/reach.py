@@ -14,12 +14,14 @@ from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.drives.rating import RatedDrive, rated_drive
 from drivegate.drives.required_ripple import UnreachableRipple, unreachable_ripple
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
-from drivegate_cases.drive.limits import decimal_exponent
+from drivegate_cases.drive.limits import decimal_exponent, time_unit
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
 SPEEDS: Final = 21
 """Speeds from the lowest loaded to the highest at which rated power is looked for."""
+LONGEST_TIME_UNIT_S: Final = 600.0
+"""Longest unit of the times in which a drive is run (s): a search then has an hour to converge."""
 _DIGITS: Final = 3
 _ROUNDING: Final = 1e-9
 _MORE_CURRENT: Final = (1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0)
@@ -159,6 +161,12 @@ def refuse_unreachable(document: DriveDocument) -> None:
     """Refuse a drive whose rating or requirements no controller can meet: no candidate is to be failed for it."""
     if document == load_drive(DEFAULT_DRIVE):
         return
+    if (unit := time_unit(document)) > LONGEST_TIME_UNIT_S:
+        raise InputError(
+            f"the drive '{document.name}' is too slow to be checked: it takes {unit:g} s from change to change, "
+            f"and at most {LONGEST_TIME_UNIT_S:g} s are taken; its inertia_kg_m2 is "
+            f"{document.machine.inertia_kg_m2:g}, its rated power {document.rating.rated_power_w:g} W"
+        )
     for found in unreachable(rated_drive(document)):
         raise InputError(
             f"no controller can meet what the drive '{document.name}' requires: {found.sentence()}"

@@ -1,10 +1,14 @@
 """The table `[rating]` of a drive: what it is made for."""
 
-from typing import Self
+import math
+from typing import Final, Self
 
 from pydantic import Field, model_validator
 
 from drivegate_cases.documents.document import Section
+
+GREATEST_TORQUE_NM: Final = 1e6
+"""Greatest torque of rated power at base speed that is taken for one (N·m)."""
 
 
 class Rating(Section):
@@ -33,5 +37,14 @@ class Rating(Section):
             raise ValueError(
                 f"the key 'overspeed_rpm' is {self.overspeed_rpm:g}, but must be at least the "
                 f"highest speed of {self.highest_speed_rpm:g} rpm"
+            )
+        return self._with_a_torque_in_range()
+
+    def _with_a_torque_in_range(self) -> Self:
+        torque = self.rated_power_w / math.radians(6.0 * self.base_speed_rpm)
+        if torque > GREATEST_TORQUE_NM:
+            raise ValueError(
+                f"the key 'rated_power_w' is {self.rated_power_w:g}, which takes {torque:.3g} N·m at "
+                f"{self.base_speed_rpm:g} rpm, but must take at most {GREATEST_TORQUE_NM:g} N·m"
             )
         return self

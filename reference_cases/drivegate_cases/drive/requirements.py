@@ -12,7 +12,7 @@ class RequiredPoint(Section):
     """An operating point at which the torque ripple is required to stay below its limit."""
 
     speed_rpm: float = Field(gt=0.0, le=1e6, description="speed, in turns a minute")
-    torque_n_m: float = Field(gt=0.0, le=1e6, description="torque of the load, in newton metres")
+    torque_n_m: float = Field(gt=0.0, le=2e6, description="torque of the load, in newton metres")
 
 
 class Requirements(Section):

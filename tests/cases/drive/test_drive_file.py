@@ -26,7 +26,7 @@ STRANGE = 'a "name" with \\ and é, Ω, \x7f and\ta tab'
         {"start_deg": 33.0, "slope_deg_per_rpm": 0.025},
         {"name": STRANGE, "provenance": {"machine": {"phases": STRANGE}}},
         {"provenance": {}},
-        {"turn_on_energy_j": 1e-7, "rated_power_w": 1e9},
+        {"turn_on_energy_j": 1e-7, "rated_power_w": 1e7},
     ],
 )
 def test_what_is_written_is_read_back_as_the_same_drive(changes: dict[str, Any]) -> None:

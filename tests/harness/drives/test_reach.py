@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 
 from drivegate.drives.rating import RatedDrive, rated_drive
-from drivegate.drives.reach import UnreachableRating, unreachable_ratings
+from drivegate.drives.reach import UnreachableRating, refuse_unreachable, unreachable_ratings
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
 
@@ -81,3 +82,16 @@ def test_its_plain_data_has_peoples_units_and_finite_numbers() -> None:
     assert document["nearest_range_rpm"] == pytest.approx([692.5, 1500.0])
     numbers = [value for value in document.values() if isinstance(value, float)]
     assert all(map(math.isfinite, numbers))
+
+
+def test_a_drive_that_would_take_for_ever_is_refused_with_what_makes_it_slow() -> None:
+    slow = load_drive("paper-5-phase").replaced(inertia_kg_m2=1e6)
+    with pytest.raises(
+        InputError, match=r"'paper-5-phase' is too slow to be checked: .* its inertia_kg_m2 is 1e\+06"
+    ):
+        refuse_unreachable(slow)
+
+
+def test_a_rated_torque_beyond_all_machines_is_refused() -> None:
+    with pytest.raises(InputError, match=r"takes 1.91e\+07 N·m at 500 rpm, but must take at most 1e\+06 N·m"):
+        load_drive("paper-5-phase").replaced(rated_power_w=1e9)
