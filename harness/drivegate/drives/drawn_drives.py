@@ -13,9 +13,10 @@ from drivegate.drives.drawn_bounds import BOUNDS, DIGITS, SINES, Bound, rounded
 from drivegate.drives.rating import rated_drive
 from drivegate.drives.reach import rating_is_met
 from drivegate.drives.required_ripple import UnreachableRipple, unreachable_ripple
-from drivegate_cases.drive.drive_document import RPM, DriveDocument
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.provenance import Provenance
 from drivegate_models.errors import HarnessFault
+from drivegate_models.units import RADIANS_PER_RPM
 
 MOST_DRAWS: Final = 1000
 """Draws after which the bounds, not chance, must be what is wrong."""
@@ -54,8 +55,10 @@ def drawn_drive(seed: int, number: int) -> DrawnDrive:
     """
     for rejected, document in zip(range(MOST_DRAWS), draws(seed, number), strict=False):
         drive = rated_drive(document)
+        if not rating_is_met(drive):
+            continue
         missed = unreachable_ripple(drive)
-        if rating_is_met(drive) and all(point.nearest_percent for point in missed):
+        if all(point.nearest_percent for point in missed):
             return DrawnDrive(_with_ripple(document, missed), rejected)
     raise HarnessFault(
         f"none of {MOST_DRAWS} drives drawn with seed {seed} for number {number} meets its rating"
@@ -93,7 +96,7 @@ def per_unit_values(drive: DriveDocument) -> dict[str, float]:
         at base speed, and the rest as `drivegate.drives.drawn_bounds.BOUNDS` has it under the same name.
     """
     machine, inverter, rating = drive.machine, drive.inverter, drive.rating
-    speed = rating.base_speed_rpm * RPM
+    speed = rating.base_speed_rpm * RADIANS_PER_RPM
     torque = rating.rated_power_w / speed
     impedance = inverter.supply_voltage_v / rating.current_limit_a
     emf = machine.emf_constant_v_s_per_rad * speed
@@ -132,7 +135,7 @@ def _document(name: str, source: Random) -> DriveDocument:
     window = rounded(180.0 * conducting / phases)
     shape = _shape(source, window)
 
-    speed = base_speed * RPM
+    speed = base_speed * RADIANS_PER_RPM
     torque = power / speed
     emf = draw["emf"](source)
     rated_current = power / (conducting * emf * supply)

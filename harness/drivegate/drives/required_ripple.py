@@ -114,14 +114,16 @@ def _least_ripple(drive: RatedDrive, speed: float, torque: float) -> tuple[float
     if not isfinite(best.advance):
         return nan, nan
     allowed = (1.0 + drive.limits.optimum_tolerance) * best.current_sum
+    edge = drive.oracle.feasible_edge(drive.ideal, speed, torque)
     least, angle = inf, best.advance
     for step in range(_MOST_STEPS):
         advance = best.advance + step * _STEP
-        point = drive.oracle.point_at_torque(drive.constants, speed, advance, torque)
         # The optimum itself counts, whatever its last digits.
-        if step > 0 and not point.current_sum <= allowed:
-            break
-        ripple = ideal_ripple(drive, speed, torque, advance)
+        if step > 0:
+            point = drive.oracle.point_at_torque(drive.constants, speed, advance, torque)
+            if not point.current_sum <= allowed:
+                break
+        ripple = _ripple_from_edge(drive, speed, torque, advance, edge)
         if ripple < least:
             least, angle = ripple, advance
     return least, angle
@@ -131,9 +133,13 @@ def ideal_ripple(drive: RatedDrive, speed: float, torque: float, advance: float)
     """Compute the ripple with the ideal regulator at an angle, or at its own feasible edge where that is higher."""
     if not isfinite(advance):
         return nan
-    # An optimum on the edge may lie a little below that of the regulator without a band.
     edge = drive.oracle.feasible_edge(drive.ideal, speed, torque)
+    return _ripple_from_edge(drive, speed, torque, advance, edge)
+
+
+def _ripple_from_edge(drive: RatedDrive, speed: float, torque: float, advance: float, edge: float) -> float:
     if not isfinite(edge):
         return nan
+    # An optimum on the edge may lie a little below that of the regulator without a band.
     point = drive.oracle.point_at_torque(drive.ideal, speed, max(advance, edge), torque)
     return (point.torque_highest - point.torque_lowest) / point.torque

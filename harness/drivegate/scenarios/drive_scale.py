@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.limits import limits_of, nearest_step, time_unit
+from drivegate_cases.drive.limits import limits_of, mechanical_time, nearest_step, time_unit
 from drivegate_models.units import RADIANS_PER_RPM
 
 _KEPT: Final = 100
@@ -181,7 +181,6 @@ def scale_of(drive: DriveDocument) -> DriveScale:
     lowest = base + 0.05 * (highest - base)
     whole = tidy(round(lowest / grain) * grain)
     torque = power / (base * RADIANS_PER_RPM)
-    mechanical = drive.machine.inertia_kg_m2 * base * RADIANS_PER_RPM / torque
     unit = time_unit(drive)
     return DriveScale(
         base_speed_rpm=base,
@@ -202,7 +201,7 @@ def scale_of(drive: DriveDocument) -> DriveScale:
         time_unit_s=unit,
         settling_s=limits_of(drive).settling_s,
         shortest_window_s=3.0 * unit,
-        dropout_step_s=min(max(nearest_step(0.011 * mechanical), 0.0005), 0.001),
+        dropout_step_s=min(max(nearest_step(0.011 * mechanical_time(drive)), 0.0005), 0.001),
     )
 
 

@@ -21,13 +21,13 @@ from drivegate_cases.drive.provenance import Provenance, check_provenance
 from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.requirements import NO_REQUIREMENTS, Requirements, check_points
 from drivegate_cases.drive.scales import NOMINAL, Scales
+from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate_models.contract.outer_loop.signals import Nameplate
     from drivegate_models.half_bridge.plant.drive import Drive
 
 HIGHEST_CHOPPING_FREQUENCY_HZ = 10e6
-RPM = 2.0 * math.pi / 60.0
 
 _TABLES: Final[Mapping[str, type[Section]]] = {
     "machine": Machine,
@@ -223,7 +223,7 @@ class DriveDocument(Document):
             phases=self.machine.phases,
             pole_pairs=self.machine.pole_pairs,
             half_supply_voltage=self.inverter.supply_voltage_v,
-            base_speed=self.rating.base_speed_rpm * RPM,
+            base_speed=self.rating.base_speed_rpm * RADIANS_PER_RPM,
             rated_power=self.rating.rated_power_w,
             current_limit=self.rating.current_limit_a,
             control_period=control_period,
@@ -237,7 +237,7 @@ class DriveDocument(Document):
             conducting_phases=self.machine.phases * window / math.pi,
             advance_start=start,
             advance_slope=slope,
-            highest_speed=self.rating.highest_speed_rpm * RPM,
+            highest_speed=self.rating.highest_speed_rpm * RADIANS_PER_RPM,
         )
 
 

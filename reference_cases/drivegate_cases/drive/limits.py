@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
-from drivegate_cases.drive.drive_document import RPM, DriveDocument
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.requirements import RequiredPoint
+from drivegate_models.units import RADIANS_PER_RPM
 
 POINT_POWER_SHARE: Final = 1.02625
 """Power at the required point over rated power, where none is stated: 9.8 N·m at 1500 rpm over 1.5 kW (1)."""
@@ -75,7 +76,7 @@ def limits_of(drive: DriveDocument) -> Limits:
     """
     stated, rating = drive.requirements, drive.rating
     tolerance, settling = stated.speed_tolerance_rpm, stated.settling_s
-    torque = POINT_POWER_SHARE * rating.rated_power_w / (rating.highest_speed_rpm * RPM)
+    torque = POINT_POWER_SHARE * rating.rated_power_w / (rating.highest_speed_rpm * RADIANS_PER_RPM)
     at_highest = RequiredPoint(speed_rpm=rating.highest_speed_rpm, torque_n_m=rounded(torque, 3))
     return Limits(
         speed_tolerance_rpm=SPEED_TOLERANCE_SHARE * rating.base_speed_rpm if tolerance is None else tolerance,
@@ -106,11 +107,16 @@ def time_unit(drive: DriveDocument) -> float:
     float
         The unit (s).
     """
-    speed = drive.rating.base_speed_rpm * RPM
-    mechanical = drive.machine.inertia_kg_m2 * speed * speed / drive.rating.rated_power_w
+    speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
     electrical = 2.0 * math.pi / (drive.machine.pole_pairs * speed)
-    wanted = max(MECHANICAL_TIMES * mechanical, ELECTRICAL_PERIODS * electrical)
+    wanted = max(MECHANICAL_TIMES * mechanical_time(drive), ELECTRICAL_PERIODS * electrical)
     return max(nearest_step(wanted), SHORTEST_TIME_UNIT_S)
+
+
+def mechanical_time(drive: DriveDocument) -> float:
+    """Give the time in which rated torque accelerates the shaft to base speed, J·ω/T (s)."""
+    speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
+    return drive.machine.inertia_kg_m2 * speed * speed / drive.rating.rated_power_w
 
 
 def nearest_step(value: float) -> float:

@@ -1,11 +1,11 @@
 """The table `[rating]` of a drive: what it is made for."""
 
-import math
 from typing import Final, Self
 
 from pydantic import Field, model_validator
 
 from drivegate_cases.documents.document import Section
+from drivegate_models.units import RADIANS_PER_RPM
 
 GREATEST_TORQUE_NM: Final = 1e6
 """Greatest torque of rated power at base speed that is taken for one (N·m)."""
@@ -41,7 +41,7 @@ class Rating(Section):
         return self._with_a_torque_in_range()
 
     def _with_a_torque_in_range(self) -> Self:
-        torque = self.rated_power_w / math.radians(6.0 * self.base_speed_rpm)
+        torque = self.rated_power_w / (self.base_speed_rpm * RADIANS_PER_RPM)
         if torque > GREATEST_TORQUE_NM:
             raise ValueError(
                 f"the key 'rated_power_w' is {self.rated_power_w:g}, which takes {torque:.3g} N·m at "

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from drivegate_cases.drive.drive_document import RPM, DriveDocument
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_models.units import RADIANS_PER_RPM
 
 _MILLI = 1e-3
-_PER_1000_RPM = 1.0 / (1000.0 * RPM)
+_PER_1000_RPM = 1.0 / (1000.0 * RADIANS_PER_RPM)
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,7 @@ def _of_its_power(drive: DriveDocument) -> tuple[UsualRange, ...]:
 
 def _of_its_kind(drive: DriveDocument) -> tuple[UsualRange, ...]:
     """Give the ranges of what follows from the kind of drive, each as a share of what its ratings make of it."""
-    speed = drive.rating.base_speed_rpm * RPM
+    speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
     impedance = drive.inverter.supply_voltage_v / drive.rating.current_limit_a
     inductance = impedance / (drive.machine.pole_pairs * speed)
     emf = drive.inverter.supply_voltage_v / speed

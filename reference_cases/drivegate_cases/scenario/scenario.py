@@ -3,20 +3,19 @@
 import math
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
-from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Document
 from drivegate_cases.documents.packaged import load_named, packaged_names
-from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.drive_reference import DriveReference
 from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
 from drivegate_cases.scenario.load import ConstantPowerLoad, Load, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, check_times, value_from, value_until
 from drivegate_cases.scenario.sensors import IDEAL, Sensors
 from drivegate_models.contract.outer_loop.signals import Nameplate
-from drivegate_models.errors import InputError
 
 LONGEST_CONTROL_PERIOD_S = 0.0005
 SHORTEST_CONTROL_PERIOD_S = 1e-6
@@ -27,16 +26,6 @@ _LATEST_START_S = 1e7
 _STEADY: Profile = ((0.0, 1.0),)
 
 
-def _drive_by_name(value: Any, info: ValidationInfo) -> Any:
-    """Take a motor from the package or a file where a scenario only names it."""
-    if not isinstance(value, str):
-        return value
-    try:
-        return load_drive(value, beside=(info.context or {}).get("folder"))
-    except InputError as error:
-        raise ValueError(str(error)) from error
-
-
 class Scenario(Document):
     """A run of a candidate against the plant, fully resolved: its drive is in it, not just named."""
 
@@ -44,7 +33,7 @@ class Scenario(Document):
 
     name: str = Field(min_length=1, max_length=200, description="name of the scenario")
     description: str = Field(default="", max_length=2000, description="what the run shows")
-    drive: Annotated[DriveDocument, BeforeValidator(_drive_by_name)] = Field(
+    drive: DriveReference = Field(
         description="nominal drive: the name of one, the path of its file, or a table of its keys"
     )
     scales: Scales = Field(

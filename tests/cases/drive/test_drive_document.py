@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.drive.drive_document import RPM, DriveDocument, drive_names, load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, drive_names, load_drive
 from drivegate_cases.drive.scales import Scales
 from drivegate_models.half_bridge.steady.torque_limit import torques_at_limit
+from drivegate_models.units import RADIANS_PER_RPM
 
 PAPER = load_drive("paper-5-phase")
 
@@ -310,7 +311,7 @@ def test_each_packaged_drive_keeps_rated_power_along_its_line(name: str) -> None
         angle = nameplate.advance_start + nameplate.advance_slope * (speed - nameplate.base_speed)
         power = torques_at_limit(plant, float(speed), [angle])[0] * speed
         assert power >= nameplate.rated_power, (
-            f"{name} gives {power:.5g} W at {speed / RPM:.0f} rpm and {math.degrees(angle):.1f} deg"
+            f"{name} gives {power:.5g} W at {speed / RADIANS_PER_RPM:.0f} rpm and {math.degrees(angle):.1f} deg"
         )
 
 
@@ -326,7 +327,7 @@ def test_the_made_up_drives_have_the_shares_of_the_paper_drive(name: str) -> Non
 def shares(drive: DriveDocument) -> dict[str, float]:
     """Measure a drive by its own supply, current limit and base speed."""
     impedance = drive.inverter.supply_voltage_v / drive.rating.current_limit_a
-    speed = drive.rating.base_speed_rpm * RPM
+    speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
     return {
         "resistance": drive.machine.resistance_ohm / impedance,
         "reactance": drive.machine.pole_pairs * speed * drive.machine.inductance_h / impedance,

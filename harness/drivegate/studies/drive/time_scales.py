@@ -9,9 +9,8 @@ from typing import Final
 
 from drivegate.drives.rating import RatedDrive
 from drivegate.studies.drive.envelope import SpeedPoint
+from drivegate_cases.drive.limits import SPEED_TOLERANCE_SHARE
 
-SPEED_TOLERANCE: Final = 0.01
-"""Error of the speed up to which a drive counts as steady, over base speed: the paper's k1 of 5 rpm (1)."""
 CYCLES_A_DECISION: Final = 5
 """Electrical cycles at base speed over which a search at least takes the mean of Σ|i|."""
 FIRST_STEP_DEG: Final = 1.0
@@ -39,7 +38,7 @@ class TimeScales:
     half_cycle : float
         Half an electrical cycle there, in which a command reaches each phase once (s).
     drift : float
-        Time in which the shaft loses `SPEED_TOLERANCE` when it loses rated torque at base speed (s).
+        Time in which the shaft, at base speed, loses `SPEED_TOLERANCE_SHARE` of it without rated torque (s).
     decision : float
         Time for which a search watches Σ|i| before it moves again (s).
     search : float
@@ -82,7 +81,7 @@ def time_scales(drive: RatedDrive, points: Sequence[SpeedPoint]) -> TimeScales:
         run_up=constants.inertia * (rating.highest_speed**2 - rating.base_speed**2) / (2.0 * rating.power),
         electrical_frequency=frequency,
         half_cycle=0.5 / frequency,
-        drift=SPEED_TOLERANCE * at_base,
+        drift=SPEED_TOLERANCE_SHARE * at_base,
         decision=decision,
         search=decision * _decisions(drive, points),
     )
