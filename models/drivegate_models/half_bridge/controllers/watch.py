@@ -190,6 +190,28 @@ def is_creeping(state: Any, power: float) -> bool:
 
 
 @inlined
+def differs(state: Any, power: float, known: float, share: float, either_way: float) -> bool:
+    """Return whether a current sum is another one than a known one.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power, known : float
+        Mean current sum of the decision interval, and the one that it is compared with (A).
+    share, either_way : float
+        Difference that means nothing: a share of the current sum, and one of the greatest current sum (1).
+
+    Returns
+    -------
+    bool
+        Whether they differ by more than both together.
+    """
+    differ: bool = abs(power - known) > share * power + either_way * greatest_current_sum(state)
+    return differ
+
+
+@inlined
 def load_has_changed(state: Any, power: float, fall: float, rise: float) -> bool:
     """Return whether the current sum differs from that of the last good angle by more than angles explain.
 
@@ -210,8 +232,7 @@ def load_has_changed(state: Any, power: float, fall: float, rise: float) -> bool
     # Farther off, the angle alone may explain the difference.
     near = abs(state.offset - state.good_offset) <= 3.0 * state.first_step
     share = fall if power < state.good_power else rise
-    slack = _EITHER_WAY_NEAR * greatest_current_sum(state)
-    changed: bool = near and abs(power - state.good_power) > share * power + slack
+    changed: bool = near and differs(state, power, state.good_power, share, _EITHER_WAY_NEAR)
     return changed and state.good_power < inf
 
 
@@ -231,9 +252,7 @@ def is_another_load(state: Any, power: float, known: float) -> bool:
     bool
         Whether they differ by more than a steady load's do.
     """
-    slack = _EITHER_WAY_STEADY * greatest_current_sum(state)
-    changed: bool = abs(power - known) > _CHANGED * power + slack
-    return changed
+    return differs(state, power, known, _CHANGED, _EITHER_WAY_STEADY)
 
 
 @inlined
@@ -253,8 +272,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         state.rest_power = power
     # A load that comes or goes slowly moves `held_power` along, step off the edge by step.
     share = _LESS if power < state.rest_power else _MORE
-    slack = _EITHER_WAY * greatest_current_sum(state)
-    moved_on = state.rest_power < inf and abs(power - state.rest_power) > share * power + slack
+    moved_on = state.rest_power < inf and differs(state, power, state.rest_power, share, _EITHER_WAY)
     changed = moved_on or is_another_load(state, power, state.held_power)
     if is_creeping(state, power):
         state.integral = state.good_integral

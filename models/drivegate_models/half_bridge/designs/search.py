@@ -13,6 +13,7 @@ from drivegate_models.half_bridge.controllers.watch import (
     LOAD_CHANGED,
     WAITING,
     begin_holding,
+    differs,
     greatest_current_sum,
     is_uneasy,
     watch_search,
@@ -231,8 +232,7 @@ def conclude(state: Any) -> None:
     controller = state.controller
     power = controller.last_power
     there = abs(controller.offset - state.best_offset) < OFF_EDGE
-    slack = _SMALLEST_CHANGE * greatest_current_sum(controller)
-    changed = there and abs(power - state.best_power) > _LOAD_CHANGED * power + slack
+    changed = there and differs(controller, power, state.best_power, _LOAD_CHANGED, _SMALLEST_CHANGE)
     if changed and state.decisions < MOST_DECISIONS:
         settle_for(state, go_on(state))
     elif stands_still(state):
