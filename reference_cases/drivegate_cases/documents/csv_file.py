@@ -9,6 +9,7 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import Final
 
+from drivegate_cases.documents.file_bytes import file_bytes
 from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
 from drivegate_models.errors import InputError
 
@@ -61,18 +62,10 @@ def read_columns(
 
 
 def _text_of(path: Path, required: Sequence[str], where: str, what: str) -> str:
-    try:
-        if path.is_dir():
-            raise InputError(f"{where} is a folder, but must be a CSV file with {' and '.join(required)}")
-        with path.open("rb") as stream:
-            data = stream.read(_LARGEST_FILE_BYTES + 1)
-    except FileNotFoundError as error:
-        raise InputError(f"{where} does not exist; name an existing CSV file") from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{where} cannot be read: {one_line(reason)}; name a readable CSV file") from error
-    if len(data) > _LARGEST_FILE_BYTES:
-        raise InputError(f"{where} is larger than {_LARGEST_FILE_BYTES // 1024**2} MB, the most for {what}")
+    columns = f" with {' and '.join(required)}"
+    data = file_bytes(
+        path, "CSV file", most=_LARGEST_FILE_BYTES, limit=f"the most for {what}", having=columns
+    )
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

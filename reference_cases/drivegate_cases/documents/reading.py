@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
+from drivegate_cases.documents.file_bytes import file_bytes
 from drivegate_cases.documents.wording import one_line, shown, shown_path
 from drivegate_models.errors import InputError
 
@@ -29,26 +30,9 @@ def _bytes_of(path: str | Path, where: str) -> bytes:
         raise InputError(
             f"{where} is neither a TOML nor a JSON file by its name, which must end in .toml or .json"
         )
-    try:
-        place = Path(path)
-        if place.is_dir():
-            raise InputError(f"{where} is a folder, but must be a TOML or JSON file")
-        if place.exists() and not place.is_file():
-            raise InputError(f"{where} is not a regular file, but must be a TOML or JSON file")
-        with place.open("rb") as stream:
-            data = stream.read(LARGEST_FILE_BYTES + 1)
-    except FileNotFoundError as error:
-        raise InputError(f"{where} does not exist; name an existing TOML or JSON file") from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(
-            f"{where} cannot be read: {one_line(reason)}; name a readable TOML or JSON file"
-        ) from error
-    if len(data) > LARGEST_FILE_BYTES:
-        raise InputError(
-            f"{where} is larger than {LARGEST_FILE_BYTES // 1024**2} MB, the most that a document may have"
-        )
-    return data
+    return file_bytes(
+        path, "TOML or JSON file", most=LARGEST_FILE_BYTES, limit="the most that a document may have"
+    )
 
 
 def _decoded(data: bytes, where: str) -> str:

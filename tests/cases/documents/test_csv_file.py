@@ -1,5 +1,6 @@
 """CSV files of numbers, with columns that must be there and others that may."""
 
+import os
 from math import isnan
 
 import pytest
@@ -40,3 +41,11 @@ def test_what_is_wrong_is_told_with_its_place(tmp_path, text, reason):
     with pytest.raises(InputError) as refused:
         rows(tmp_path, text)
     assert reason in str(refused.value)
+
+
+def test_a_pipe_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "own.csv")
+    with pytest.raises(
+        InputError, match=r"is not a regular file, but must be a CSV file with speed and torque"
+    ):
+        read_columns(tmp_path / "own.csv", ("speed", "torque"), what="points")
