@@ -63,7 +63,7 @@ def base_speed_scenario(
         initial_speed_rpm=start_rpm,
         speed_rpm=(
             (0.0, start_rpm),
-            (scale.load_ramp_s, start_rpm),
+            (tidy(2.0 * scale.tenth_s), start_rpm),
             (rise_until, top_rpm),
             *fall,
         ),

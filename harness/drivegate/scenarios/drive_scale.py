@@ -15,6 +15,8 @@ from drivegate_cases.drive.limits import limits_of, mechanical_time, nearest_ste
 from drivegate_models.units import RADIANS_PER_RPM
 
 _KEPT: Final = 100
+# What a bandwidth of 0.139 and an integral's rate of 0.026 of the electrical frequency give (rad²).
+_RAMP_ANGLE: Final = 1.0 / (0.05 * 0.139 * 0.026)
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,10 @@ class DriveScale:
         Drag area of a vehicle (m²), in proportion to rated power.
     time_unit_s : float
         The unit of time (s), in which a search decides at least ten times.
+    load_ramp_s : float
+        Time in which a load comes on, so that a run starts in a true steady state, unloaded at speed (s): a fifth of a
+        unit, and where torque is large for the inertia and for what an electrical period lets a speed regulator do,
+        as long as it takes to lose no more than 5 % of base speed.
     settling_s : float
         Time within which a search has to converge at a steady speed reference (s).
     shortest_window_s : float
@@ -85,6 +91,7 @@ class DriveScale:
     gear_unit: float
     drag_area_m2: float
     time_unit_s: float
+    load_ramp_s: float
     settling_s: float
     shortest_window_s: float
     dropout_step_s: float
@@ -93,11 +100,6 @@ class DriveScale:
     def friction_claimed_nm(self) -> float:
         """Greatest friction that is added to the drive's own (N m)."""
         return tidy(5 * self.torque_step_nm)
-
-    @property
-    def load_ramp_s(self) -> float:
-        """Time in which a load comes on, so that a run starts in a true steady state, unloaded at speed (s)."""
-        return 0.2 * self.time_unit_s
 
     @property
     def dwell_s(self) -> float:
@@ -199,10 +201,21 @@ def scale_of(drive: DriveDocument) -> DriveScale:
         gear_unit=two_digits(highest / 1500.0),
         drag_area_m2=two_digits(power / 2500.0),
         time_unit_s=unit,
+        load_ramp_s=max(0.2 * unit, nearest_step(_load_ramp(drive))),
         settling_s=limits_of(drive).settling_s,
         shortest_window_s=3.0 * unit,
         dropout_step_s=min(max(nearest_step(0.011 * mechanical_time(drive)), 0.0005), 0.001),
     )
+
+
+def _load_ramp(drive: DriveDocument) -> float:
+    """Give the time of a ramp to rated torque that costs a twentieth of base speed (s).
+
+    Against a ramp, a proportional-integral regulator is off by the ramp's slope over inertia and both its rates, and
+    these are shares of the electrical frequency: beyond, torque ripple would be taken for speed.
+    """
+    frequency = drive.machine.pole_pairs * drive.rating.base_speed_rpm * RADIANS_PER_RPM
+    return _RAMP_ANGLE / (frequency * frequency * mechanical_time(drive))
 
 
 def scale_of_mapping(drive: Mapping[str, Any]) -> DriveScale:

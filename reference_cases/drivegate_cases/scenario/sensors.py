@@ -18,6 +18,7 @@ class Mcs96Sensors(Section):
 
     The speed comes from encoder edges timed by the high-speed inputs' clock, the currents and the supply through
     an analogue-to-digital converter. Each phase's gain and offset are drawn once a run from the scenario's seed.
+    Ranges and errors that are left out are those of converters chosen for the drive.
     """
 
     kind: Literal["mcs96"] = Field(description="kind of sensors")
@@ -30,23 +31,38 @@ class Mcs96Sensors(Section):
     clock_s: float = Field(
         default=1e-6, gt=0.0, le=1e-3, description="resolution of the edges' times, in seconds"
     )
-    current_range_a: float = Field(
-        default=40.0, gt=0.0, le=1e6, description="greatest current that the converter shows, in amperes"
+    current_range_a: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=1e6,
+        description="greatest current that the converter shows, in amperes, by default 1.54 times the current limit",
     )
     current_gain_spread: float = Field(
         default=0.005, ge=0.0, le=0.5, description="greatest error of a current sensor's gain, as a share"
     )
-    current_offset_a: float = Field(
-        default=0.05, ge=0.0, le=1e3, description="greatest offset of a current sensor, in amperes"
+    current_offset_a: float | None = Field(
+        default=None,
+        ge=0.0,
+        le=1e3,
+        description="greatest offset of a current sensor, in amperes, by default 0.19 % of the current limit",
     )
-    current_noise_a: float = Field(
-        default=0.02, ge=0.0, le=1e3, description="standard deviation of a current sensor's noise, in amperes"
+    current_noise_a: float | None = Field(
+        default=None,
+        ge=0.0,
+        le=1e3,
+        description="standard deviation of a current sensor's noise, in amperes, by default 0.077 % of the limit",
     )
-    voltage_range_v: float = Field(
-        default=100.0, gt=0.0, le=1e6, description="greatest half-supply voltage shown, in volts"
+    voltage_range_v: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=1e6,
+        description="greatest half-supply voltage shown, in volts, by default 2.08 times the supply",
     )
-    voltage_noise_v: float = Field(
-        default=0.02, ge=0.0, le=1e3, description="standard deviation of the voltage's noise, in volts"
+    voltage_noise_v: float | None = Field(
+        default=None,
+        ge=0.0,
+        le=1e3,
+        description="standard deviation of the voltage's noise, in volts, by default 0.042 % of the supply",
     )
     converter_bits: int = Field(default=10, ge=4, le=24, description="bits of the converter")
 
