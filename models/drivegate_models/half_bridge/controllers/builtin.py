@@ -33,6 +33,11 @@ SEARCHES: Final = MappingProxyType({"initial": NO_SEARCH, "published": FLOWCHART
 _TUNED_FREQUENCY = 575.9586531581288
 # But no faster than a control period can follow (s).
 _FASTEST = 1e-3
+# A shaft that rated power accelerates to base speed sooner (s) is regulated faster in proportion, up to these times the
+# electrical frequency's rate, and twice what the drive tuned on has.
+_TUNED_TIME = 0.0913
+_FASTEST_OF_FREQUENCY = 3.5
+_FASTEST_REGULATOR = 2.0
 # Both (1/s) no higher: an encoder's speed comes in steps, and the regulator turns each into current.
 _BANDWIDTH = 80.0
 _INTEGRAL_RATE = 15.0
@@ -80,8 +85,10 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.window = nameplate.window
     state.conducting_phases = nameplate.conducting_phases
     torque_per_ampere = state.conducting_phases * nameplate.emf_constant
-    state.proportional = nameplate.inertia * (_BANDWIDTH * rate) / torque_per_ampere
-    state.integral_step = state.proportional * (_INTEGRAL_RATE * rate) * nameplate.control_period
+    sooner = _TUNED_TIME * nameplate.rated_power / (nameplate.inertia * nameplate.base_speed * nameplate.base_speed)
+    regulation = max(rate, min(sooner, _FASTEST_OF_FREQUENCY * rate, _FASTEST_REGULATOR))
+    state.proportional = nameplate.inertia * (_BANDWIDTH * regulation) / torque_per_ampere
+    state.integral_step = state.proportional * (_INTEGRAL_RATE * regulation) * nameplate.control_period
     # k1 and k2 of Fig. 4.
     state.speed_tolerance = _FLOWCHART_TOLERANCE if published else _SPEED_TOLERANCE * nameplate.base_speed
     state.power_tolerance = 0.001
