@@ -24,6 +24,9 @@ SHORTEST_TIME_UNIT_S: Final = 1.0
 SETTLING_UNITS: Final = 6.0
 """Units of time in which a search has to converge, where no time is stated (1)."""
 _KEPT: Final = 100
+_STEPS: Final = ("1", "2", "5")
+# Closer to each other: a search that has a third less time than it needs fails.
+_STEPS_OF_TIME: Final = ("1", "1.5", "2", "3", "5", "7")
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,7 @@ def limits_of(drive: DriveDocument) -> Limits:
 
 
 def time_unit(drive: DriveDocument) -> float:
-    """Give the unit of the times in which a drive is run: 1 s, or 2, 5, 10 s … for one that is slower.
+    """Give the unit of the times in which a drive is run: 1 s, or 1.5, 2, 3, 5, 7, 10 s … for one that is slower.
 
     The speed moves in mechanical time constants, J·ω/T at base speed and rated torque, and currents and torque repeat
     in electrical periods; the slower one rules. A drive that is faster gets no shorter times, since convergence is
@@ -110,7 +113,7 @@ def time_unit(drive: DriveDocument) -> float:
     speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
     electrical = 2.0 * math.pi / (drive.machine.pole_pairs * speed)
     wanted = max(MECHANICAL_TIMES * mechanical_time(drive), ELECTRICAL_PERIODS * electrical)
-    return max(nearest_step(wanted), SHORTEST_TIME_UNIT_S)
+    return max(nearest_step(wanted, _STEPS_OF_TIME), SHORTEST_TIME_UNIT_S)
 
 
 def mechanical_time(drive: DriveDocument) -> float:
@@ -119,13 +122,13 @@ def mechanical_time(drive: DriveDocument) -> float:
     return drive.machine.inertia_kg_m2 * speed * speed / drive.rating.rated_power_w
 
 
-def nearest_step(value: float) -> float:
-    """Give the nearest of 1, 2, 5 times a power of ten, which people read easily; 0 of 0."""
+def nearest_step(value: float, steps: tuple[str, ...] = _STEPS) -> float:
+    """Give the nearest of 1, 2, 5 times a power of ten, or of other steps that people read easily; 0 of 0."""
     if value <= 0.0:
         return 0.0
     exponent = decimal_exponent(value)
-    steps = [float(f"{digit}e{exponent}") for digit in (1, 2, 5)] + [float(f"1e{exponent + 1}")]
-    return min(steps, key=lambda step: max(step / value, value / step))
+    nearby = [float(f"{step}e{exponent}") for step in steps] + [float(f"1e{exponent + 1}")]
+    return min(nearby, key=lambda step: max(step / value, value / step))
 
 
 def decimal_exponent(value: float) -> int:

@@ -85,7 +85,11 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.window = nameplate.window
     state.conducting_phases = nameplate.conducting_phases
     torque_per_ampere = state.conducting_phases * nameplate.emf_constant
-    sooner = _TUNED_TIME * nameplate.rated_power / (nameplate.inertia * nameplate.base_speed * nameplate.base_speed)
+    sooner = (
+        _TUNED_TIME
+        * nameplate.rated_power
+        / (nameplate.inertia * nameplate.base_speed * nameplate.base_speed)
+    )
     regulation = max(rate, min(sooner, _FASTEST_OF_FREQUENCY * rate, _FASTEST_REGULATOR))
     state.proportional = nameplate.inertia * (_BANDWIDTH * regulation) / torque_per_ampere
     state.integral_step = state.proportional * (_INTEGRAL_RATE * regulation) * nameplate.control_period

@@ -14,7 +14,6 @@ from drivegate_models.half_bridge.controllers.protection import (
     SMALLEST_STEP,
     begin_settling,
     forget_other_load,
-    rearm,
     take_step,
 )
 from drivegate_models.half_bridge.controllers.watch import (
@@ -24,7 +23,9 @@ from drivegate_models.half_bridge.controllers.watch import (
     WAITING,
     begin_holding,
     is_uneasy,
+    may_step_farther,
     noise_of_power,
+    rearm_unless_repeated,
     watch_search,
 )
 
@@ -132,9 +133,9 @@ def decide_guarded(state: Any) -> None:
         state.worse = 0
     else:
         state.worse += 1
-    if state.worse >= _WORSE and power > _GROWN * state.worse_from and not is_uneasy(state):
-        # Whichever way the steps go, it gets worse, and no torque is being lost: it is the load that grows.
-        rearm(state)
+    grown = state.worse >= _WORSE and power > _GROWN * state.worse_from and not is_uneasy(state)
+    # Whichever way the steps go, it gets worse, and no torque is being lost: it is the load that grows.
+    if grown and rearm_unless_repeated(state):
         return
     # Less than noise makes of the sum is no slope.
     if abs(change) <= max(state.power_tolerance * power, noise_of_power(state)):
@@ -152,7 +153,11 @@ def decide_guarded(state: Any) -> None:
             state.step = 0.5 * state.step
             state.improvements = 0
         # At light load the optimum is 40 degrees or more away, too far for steps of one.
-        elif state.improvements >= _IMPROVEMENTS and state.step < 2.0 * state.first_step:
+        elif (
+            state.improvements >= _IMPROVEMENTS
+            and state.step < 2.0 * state.first_step
+            and may_step_farther(state, power, change)
+        ):
             state.step = 2.0 * state.step
             state.improvements = 0
     move(state, power, change)

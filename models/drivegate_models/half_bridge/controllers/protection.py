@@ -69,6 +69,7 @@ def begin_settling(state: Any) -> None:
     state.saturated = 0
     state.saturated_run = 0
     state.starved_run = 0
+    state.waited = 0
 
 
 @inlined
@@ -92,6 +93,7 @@ def rearm(state: Any) -> None:
     state.regained = -inf
     state.calm_error = inf
     state.confirmed = 0
+    state.jolted_at = inf
     begin_settling(state)
 
 

@@ -77,6 +77,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("worse", np.int64),
         ("worse_from", np.float64),
         ("confirmed", np.int64),
+        ("jolted_at", np.float64),
+        ("waited", np.int64),
     ],
     align=True,
 )

@@ -292,6 +292,73 @@ def decide_holding(state: Any, power: float, change: float) -> None:
 
 
 @inlined
+def is_jolted(state: Any, jolt: float) -> bool:
+    """Return whether the speed is off by more than a step of the search makes of it.
+
+    A step that costs speed is given back at once; any other jolt is the load's.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    jolt : float
+        Speed that one step of this search costs at most, as a share of k1.
+
+    Returns
+    -------
+    bool
+        False unless the search moves.
+    """
+    jolted: bool = state.worst_error > jolt * state.speed_tolerance + _CALM * state.calm_error
+    return jolted and state.mode == SEARCHING
+
+
+@inlined
+def rearm_unless_repeated(state: Any) -> bool:
+    """Start anew since the load seems to have changed, unless that was so at this angle, or beyond, before.
+
+    A load changes at any angle. What happens again where the search has been is what the steps there do.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+
+    Returns
+    -------
+    bool
+        Whether the search starts anew.
+    """
+    offset = state.offset
+    if state.moved != 0.0 and offset >= state.jolted_at - 1.5 * state.first_step:
+        return False
+    rearm(state)
+    state.jolted_at = offset
+    return True
+
+
+@inlined
+def may_step_farther(state: Any, power: float, change: float) -> bool:
+    """Return whether twice the last step would still be told from another load.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power, change : float
+        Mean current sum of the decision interval, and its change by the step (A).
+
+    Returns
+    -------
+    bool
+        By what the step has done to current sum and speed, which are in proportion to it.
+    """
+    calm = min(state.calm_error, state.worst_error)
+    jolts = 2.0 * state.worst_error - calm > JOLT * state.speed_tolerance + _CALM * calm
+    return not jolts and 2.0 * abs(change) <= LOAD_CHANGED * power
+
+
+@inlined
 def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int, float]:
     """Make the part of a decision that is the same for every search.
 
@@ -343,18 +410,13 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         begin_settling(state)
         return WAITING, change
     settled = abs(change) <= _SETTLED * power
-    if (settled or state.mode != SETTLING) and load_has_changed(state, power, fall, rise):
-        rearm(state)
-        return WAITING, change
     # Back at the last good angle, the angle explains no more than while one is held.
     back = abs(state.offset - state.good_offset) <= 0.5 * state.first_step and state.good_power < inf
     if state.mode == SETTLING and settled and back and is_another_load(state, power, state.good_power):
         rearm(state)
         return WAITING, change
-    # A step of the search that costs speed is given back at once; any other jolt is the load's.
-    explained = jolt * state.speed_tolerance + _CALM * state.calm_error
-    if state.mode == SEARCHING and state.worst_error > explained:
-        rearm(state)
+    seems = (settled or state.mode != SETTLING) and load_has_changed(state, power, fall, rise)
+    if (seems or is_jolted(state, jolt)) and rearm_unless_repeated(state):
         return WAITING, change
     if state.mode == SETTLING:
         # A load that is still coming on would be taken for the effect of the first step.
@@ -367,4 +429,10 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         state.climb = 0.5 * state.first_step
         state.regained = -inf
         return BEGINNING, change
+    # While the speed still comes back from a step, the current sum is not that of the load.
+    if state.waited == 0 and is_uneasy(state):
+        state.waited = 1
+        state.old_power = power - change
+        return WAITING, change
+    state.waited = 0
     return CONTINUING, change
