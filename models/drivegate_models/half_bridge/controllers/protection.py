@@ -66,6 +66,7 @@ def begin_settling(state: Any) -> None:
     state.count = 0
     state.power_sum = 0.0
     state.worst_error = 0.0
+    state.worst_sag = 0.0
     state.saturated = 0
     state.saturated_run = 0
     state.starved_run = 0

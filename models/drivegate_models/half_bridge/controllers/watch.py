@@ -314,6 +314,27 @@ def is_jolted(state: Any, jolt: float) -> bool:
 
 
 @inlined
+def is_read_too_soon(state: Any, power: float, change: float) -> bool:
+    """Return whether the current sum may mislead, since the speed still comes back from a step.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power, change : float
+        Mean current sum of the decision interval, and its change by the step (A).
+
+    Returns
+    -------
+    bool
+        False where the sum falls while there is more torque than the load takes: it will fall further.
+    """
+    falling = change < -max(state.power_tolerance * power, noise_of_power(state))
+    sags = state.worst_sag > _UNEASY * state.speed_tolerance + _CALM * state.calm_error
+    return is_uneasy(state) and (sags or not falling)
+
+
+@inlined
 def rearm_unless_repeated(state: Any) -> bool:
     """Start anew since the load seems to have changed, unless that was so at this angle, or beyond, before.
 
@@ -429,8 +450,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         state.climb = 0.5 * state.first_step
         state.regained = -inf
         return BEGINNING, change
-    # While the speed still comes back from a step, the current sum is not that of the load.
-    if state.waited == 0 and is_uneasy(state):
+    if state.waited == 0 and is_read_too_soon(state, power, change):
         state.waited = 1
         state.old_power = power - change
         return WAITING, change
