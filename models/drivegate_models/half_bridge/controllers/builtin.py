@@ -230,9 +230,7 @@ def observe(state: Any, sense: Any, reference: float) -> bool:
     """
     state.count += 1
     state.power_sum += sense.current_magnitude_sum
-    sag = sense.speed_reference - sense.speed
-    state.worst_error = max(state.worst_error, abs(sag))
-    state.worst_sag = max(state.worst_sag, sag)
+    state.worst_error = max(state.worst_error, abs(sense.speed_reference - sense.speed))
     if reference >= state.current_limit:
         state.saturated += 1
     if state.search == GUARDED:
@@ -261,7 +259,6 @@ def begin_interval(state: Any) -> None:
     state.count = 0
     state.power_sum = 0.0
     state.worst_error = 0.0
-    state.worst_sag = 0.0
     state.saturated = 0
 
 

@@ -22,6 +22,7 @@ from drivegate_models.half_bridge.controllers.watch import (
     LOAD_CHANGED,
     WAITING,
     begin_holding,
+    is_another_load,
     is_uneasy,
     may_step_farther,
     noise_of_power,
@@ -33,7 +34,6 @@ _IMPROVEMENTS = 3
 _WORSE = 3
 # First steps from the initial angle within which a rest is confirmed.
 _NEAR_THE_START = 3.5
-_GROWN = 1.02
 
 
 @inlined
@@ -133,7 +133,7 @@ def decide_guarded(state: Any) -> None:
         state.worse = 0
     else:
         state.worse += 1
-    grown = state.worse >= _WORSE and power > _GROWN * state.worse_from and not is_uneasy(state)
+    grown = state.worse >= _WORSE and is_another_load(state, power, state.worse_from) and not is_uneasy(state)
     # Whichever way the steps go, it gets worse, and no torque is being lost: it is the load that grows.
     if grown and rearm_unless_repeated(state):
         return

@@ -18,6 +18,9 @@ SEARCHING: Final = 1
 HOLDING: Final = 2
 """Mode: the optimum is found; wait for a change."""
 
+STEPPED_OFF: Final = -1
+"""Count of quiet intervals while holding, right after a step off the edge."""
+
 SMALLEST_STEP: Final = radians(0.24)
 """Least step of a search (rad electrical)."""
 MARGIN: Final = radians(0.2)
@@ -66,7 +69,6 @@ def begin_settling(state: Any) -> None:
     state.count = 0
     state.power_sum = 0.0
     state.worst_error = 0.0
-    state.worst_sag = 0.0
     state.saturated = 0
     state.saturated_run = 0
     state.starved_run = 0
@@ -107,7 +109,9 @@ def forbid(state: Any) -> None:
     state : record of CONTROLLER_STATE
         Updated.
     """
-    state.forbidden = max(state.forbidden, state.offset)
+    # A step just made off the edge while holding is not to blame for what came before it.
+    blamed = state.offset - (SMALLEST_STEP if state.mode == HOLDING and state.quiet == STEPPED_OFF else 0.0)
+    state.forbidden = max(state.forbidden, blamed)
     # What has been held is known better than the interval in which it was lost.
     state.forbidden_power = state.held_power if state.mode == HOLDING else state.last_power
 

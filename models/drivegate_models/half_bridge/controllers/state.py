@@ -49,7 +49,6 @@ CONTROLLER_STATE: Final = np.dtype(
         ("count", np.int64),
         ("power_sum", np.float64),
         ("worst_error", np.float64),
-        ("worst_sag", np.float64),
         ("saturated", np.int64),
         # The guarded search only.
         ("mode", np.int64),

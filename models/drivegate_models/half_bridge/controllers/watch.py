@@ -16,6 +16,7 @@ from drivegate_models.half_bridge.controllers.protection import (
     SLACK,
     SMALLEST_STEP,
     STARVED,
+    STEPPED_OFF,
     begin_settling,
     forbid,
     rearm,
@@ -268,7 +269,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
     """
     uneasy = is_uneasy(state)
     # While the speed comes back from the last step, the current sum is not yet that of the rest.
-    if state.rest_power == inf and state.quiet != 0 and not uneasy:
+    if state.rest_power == inf and state.quiet > 0 and not uneasy:
         state.rest_power = power
     # A load that comes or goes slowly moves `held_power` along, step off the edge by step.
     share = _LESS if power < state.rest_power else _MORE
@@ -277,7 +278,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
     if is_creeping(state, power):
         state.integral = state.good_integral
         walk_back(state, state.first_step if uneasy else SMALLEST_STEP, True)
-    elif state.quiet == 0:
+    elif state.quiet <= 0:
         # The interval of its own last step is not judged.
         state.quiet = 1
         if not changed:
@@ -288,7 +289,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         # The optimum may lie on the edge itself: a little above it costs less than a new search.
         forbid(state)
         state.offset += SMALLEST_STEP
-        state.quiet = 0
+        state.quiet = STEPPED_OFF
 
 
 @inlined
@@ -327,11 +328,12 @@ def is_read_too_soon(state: Any, power: float, change: float) -> bool:
     Returns
     -------
     bool
-        False where the sum falls while there is more torque than the load takes: it will fall further.
+        False where the sum falls anyway, which leads on.
     """
     falling = change < -max(state.power_tolerance * power, noise_of_power(state))
-    sags = state.worst_sag > _UNEASY * state.speed_tolerance + _CALM * state.calm_error
-    return is_uneasy(state) and (sags or not falling)
+    # Small steps do not disturb the speed; after one of them unrest is a sign of the edge.
+    large = abs(state.moved) >= state.first_step
+    return large and not falling and is_uneasy(state)
 
 
 @inlined
