@@ -101,6 +101,15 @@ def test_a_rating_out_of_reach_is_named_and_shown_all_the_same(command):
     assert row_at(document, 1500.0)["edge_deg"] == pytest.approx(50.8, abs=0.1)
 
 
+def test_a_ripple_out_of_reach_leads_to_the_one_that_is_not(command):
+    ended = command("drive", *QUICK, "--set", "ripple_percent=3")
+    (row,) = command("drive", *QUICK, "--set", "ripple_percent=3", "--json").document["unreachable"]
+    nearest = row["nearest_ripple_percent"]
+    assert 3 < nearest < 20
+    assert f"next: put ripple_percent = {nearest} into [requirements]" in ended.out
+    assert "out of reach" not in command("drive", *QUICK, "--set", f"ripple_percent={nearest}").out
+
+
 def test_a_drive_that_can_do_nothing_of_its_rating_is_shown(command):
     ended = command("drive", "--set", "current_limit_a=2")
     assert ended.code == 0

@@ -72,6 +72,9 @@ def _title(document: dict[str, Any]) -> str:
 
 
 def _next(document: dict[str, Any], name: str) -> str:
+    ripples = [row.get("nearest_ripple_percent") for row in document["unreachable"]]
+    if ripples and all(ripples):
+        return f"next: put ripple_percent = {max(ripples)} into [requirements], and closed_loop_ripple_percent above it"
     if document["unreachable"]:
         return "next: try a rating with --set rated_power_w=…, or another limit with --set current_limit_a=…"
     if not document["files"]:
