@@ -26,6 +26,7 @@ _COLUMNS: Final = (
     ("ripple_percent", "ripple %", "ripple", 1),
 )
 """Keys of a point, with their heads, those for a narrow console, which has no room for all, and their digits."""
+_SMALL_ONES: Final = ("_nm", "_w")
 _WIDTH: Final = 116
 _SHOWN: Final = (0, 2, 4, 5, 8, 12, 16, 20, 24, 29, 34)
 """Places of the points that the table has; all are in the document."""
@@ -40,9 +41,13 @@ def show_drive(console: Console, document: dict[str, Any], name: str, required: 
     ]
     heads = [head for _, head, _ in columns]
     listed = table(*heads, right=tuple(heads), title=_title(document))
+    finer = _finer(document)
     for place in _SHOWN:
         point = document["points"][place]
-        listed.add_row(*(number(point[key], digits) for key, _, digits in columns))
+        shown = (
+            (point[key], digits + (finer if key.endswith(_SMALL_ONES) else 0)) for key, _, digits in columns
+        )
+        listed.add_row(*(number(value, digits) for value, digits in shown))
     console.print(listed)
     console.print(
         plain(
@@ -61,6 +66,12 @@ def show_drive(console: Console, document: dict[str, Any], name: str, required: 
     for path in document["files"]:
         console.print(plain(f"written: {path}"))
     console.print(plain(_next(document, name), "dim"))
+
+
+def _finer(document: dict[str, Any]) -> int:
+    """Count the further digits that torque and power of a small drive take to be told apart."""
+    torque = document["points"][0]["rated_torque_nm"]
+    return sum(torque < least for least in (1.0, 0.1, 0.01))
 
 
 def _title(document: dict[str, Any]) -> str:
