@@ -74,8 +74,8 @@ class SpeedPointSection(Section):
 class EnvelopeSection(Section):
     """What the drive can do over speed, whoever controls it."""
 
-    rating: RatingSection = Field(description="what it is rated for")
-    has_band: bool = Field(description="false where the band is so narrow that it is taken as none")
+    rating: RatingSection = Field(description="rating of the drive")
+    has_band: bool = Field(description="flag that is false where the band is so narrow that it is taken as none")
     line: LineSection = Field(description="the recommended line of initial angles")
     rated_torque_without_advance_up_to_rpm: Number = Field(
         description="speed up to which rated torque takes no advance; null where it always does"
