@@ -75,7 +75,9 @@ class EnvelopeSection(Section):
     """What the drive can do over speed, whoever controls it."""
 
     rating: RatingSection = Field(description="rating of the drive")
-    has_band: bool = Field(description="flag that is false where the band is so narrow that it is taken as none")
+    has_band: bool = Field(
+        description="flag that is false where the band is so narrow that it is taken as none"
+    )
     line: LineSection = Field(description="the recommended line of initial angles")
     rated_torque_without_advance_up_to_rpm: Number = Field(
         description="speed up to which rated torque takes no advance; null where it always does"
