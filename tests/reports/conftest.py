@@ -14,9 +14,11 @@ from playwright.sync_api import Browser, sync_playwright
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.drives.envelope_document import envelope_of
 from drivegate.drives.running import run_scenario
 from drivegate.gate.recording import thinned
 from drivegate.output.result_reports import report_formats, write_result
+from drivegate.results.result import finite
 from drivegate.studies.campaign.manifest import MANIFEST
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate.studies.campaign.summary import SUMMARY
@@ -152,7 +154,7 @@ def lock_up() -> dict[str, list[float]]:
 @pytest.fixture(scope="session")
 def recorded(lock_up: dict[str, list[float]]) -> Document:
     """Return a result of schema 2 with margins and recordings: one check fails, another is met in the same run."""
-    scenario = load_scenario("lock-up").to_mapping()
+    scenario, drive = load_scenario("lock-up").to_mapping(), load_drive("paper-5-phase")
     recording = {"trace": 0, "start_s": 6.2, "end_s": scenario["duration_s"]}
     shared = {"scenario": scenario, "recording": recording, "waiver": None}
     failed = _check(
@@ -175,6 +177,8 @@ def recorded(lock_up: dict[str, list[float]]) -> Document:
         exit_code=1,
         checks=[failed, met, waived],
         traces=[lock_up],
+        drive={**drive.identity(), "specification": None, "document": drive.to_mapping()},
+        envelope=finite(envelope_of(drive)),
         corpus_runs=0,
         fixed=[],
         baseline=None,

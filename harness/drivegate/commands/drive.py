@@ -66,9 +66,10 @@ def command(
     document = studied_drive(chosen, plot=plot)
 
     def show(console: Console) -> None:
+        from drivegate.drives.envelope_words import required
         from drivegate.studies.drive.display import show_drive
 
-        show_drive(console, document, quote(drive))
+        show_drive(console, document, quote(drive), required(chosen))
 
     return Outcome(document, show)
 

@@ -34,7 +34,8 @@ def command(kind: str, name: str, output: Path | None, drive: str | None) -> Out
     """Write a small controller called NAME into a new folder, with manifest, test, waivers and a workflow for CI.
 
     The kind drive is no controller: NAME is then a new file such as my-drive.toml, with a comment for each key, and has
-    the values of the paper's drive, or of that of --drive, to be replaced by one's own.
+    the values of the paper's drive, or of that of --drive, to be replaced by one's own; what follows from them is left
+    out.
 
     All other kinds have the same algorithm: a speed regulator, and a line of angles. It meets the contract and most
     checks; what it fails is waived for 90 days and is the exercise. With --drive its manifest names that drive, whose
@@ -71,7 +72,7 @@ def _new_drive(file: Path, output: Path | None, start: str | None) -> Outcome:
     from drivegate.studies.new.drive import write_drive
 
     written = write_drive(file, drive_for(None, named_drive(start)))
-    look = f"drivegate check reference --drive {quote(str(file))}"
+    look = f"drivegate drive {quote(str(file))}"
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "kind": "new",

@@ -27,6 +27,7 @@ _ROUNDING: Final = 1e-9
 _MORE_CURRENT: Final = (1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0)
 _STEPS: Final = 8
 _KILO: Final = 1000.0
+_LARGE_TORQUE: Final = 10.0
 
 
 @dataclass(frozen=True)
@@ -71,8 +72,8 @@ class UnreachableRating:
         """Tell what is out of reach, and what is not."""
         given = max(self.greatest_torque, 0.0)
         return (
-            f"{power_in_words(self.rated_power)} needs {self.needed_torque:.1f} N·m at {_rpm(self.speed)} rpm; "
-            f"at the current limit of {self.current_limit:g} A this drive gives {given:.1f} N·m "
+            f"{power_in_words(self.rated_power)} needs {_torque(self.needed_torque)} N·m at {_rpm(self.speed)} rpm; "
+            f"at the current limit of {self.current_limit:g} A this drive gives {_torque(given)} N·m "
             f"({power_in_words(given * self.speed)}) at best; {self._nearest()}"
         )
 
@@ -231,3 +232,8 @@ def _rounded(value: float, *, up: bool) -> float:
 
 def _rpm(speed: float) -> str:
     return f"{speed / RADIANS_PER_RPM:.4g}"
+
+
+def _torque(torque: float) -> str:
+    """Write a torque to a tenth, and to three digits where it is small."""
+    return f"{torque:.1f}" if torque >= _LARGE_TORQUE else f"{torque:#.3g}"

@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from drivegate.results.envelope_section import EnvelopeSection
 from drivegate.results.result import RESULT_SCHEMA
 from drivegate_cases.documents.document import Document, Section
 
@@ -33,6 +34,9 @@ class DriveSection(Section):
     specification: Text | None = Field(
         default=None,
         description="the string that named it on the command line; null where a manifest or nothing did",
+    )
+    document: Table | None = Field(
+        default=None, description="the drive, fully resolved; null in results of earlier versions"
     )
 
 
@@ -151,6 +155,11 @@ class ResultDocument(Document):
     candidate: CandidateSection = Field(description="who was checked")
     drive: DriveSection | None = Field(
         default=None, description="the drive that it was checked on; left out in results of earlier versions"
+    )
+    envelope: EnvelopeSection | None = Field(
+        default=None,
+        description="what the drive can do, as 'drivegate drive --json' tells it, at fewer speeds; null in results of "
+        "earlier versions",
     )
     verdict: Text = Field(description="verdict on the candidate")
     exit_code: int = Field(ge=0, le=3, description="exit code of the check")

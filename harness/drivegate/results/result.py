@@ -215,6 +215,8 @@ class CheckResult:
         ended with the first failure; None for a whole check.
     drive_named : str or None
         The string that named the drive; None where the candidate's manifest or nothing did.
+    envelope : dict or None
+        What the drive can do; None where nobody computed it.
     """
 
     candidate: Candidate
@@ -236,6 +238,7 @@ class CheckResult:
     traces: tuple[dict[str, list[float]], ...] = ()
     focus: dict[str, Any] | None = None
     drive_named: str | None = None
+    envelope: dict[str, Any] | None = None
 
     def document(self) -> dict[str, Any]:
         """Write the result as plain data."""
@@ -250,7 +253,12 @@ class CheckResult:
                 "hash": candidate.content_hash,
                 "declaration": asdict(candidate.declaration),
             },
-            "drive": {**self.drive.identity(), "specification": self.drive_named},
+            "drive": {
+                **self.drive.identity(),
+                "specification": self.drive_named,
+                "document": self.drive.to_mapping(),
+            },
+            "envelope": self.envelope,
             "verdict": self.verdict,
             "exit_code": self.exit_code,
             "seed": self.seed,

@@ -2,10 +2,31 @@
 
 from __future__ import annotations
 
-from pydantic import Field, field_validator
+from typing import Any, Final
+
+from pydantic import Field, ValidationInfo, field_validator
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.rating import Rating
+
+_SUMS: Final = "the plant's sums are exact to 1e-9 of themselves"
+LEAST: Final[dict[str, tuple[float, str]]] = {
+    "speed_tolerance_rpm": (
+        1e-6,
+        "the speed is a sum over some hundred thousand steps, each of them rounded",
+    ),
+    "power_tolerance_percent": (1e-7, _SUMS),
+    "angle_tolerance_deg": (1e-4, "the feasible edge is located to 1e-4 degree"),
+    "optimum_tolerance_percent": (1e-3, "the angle of the least current sum is located to 1e-3 degree"),
+    "ripple_percent": (1e-7, _SUMS),
+    "closed_loop_ripple_percent": (1e-7, _SUMS),
+}
+"""Least value of each limit, and why a finer one would judge rounding instead of a candidate."""
+
+
+def _from_least(key: str) -> dict[str, Any]:
+    """Tell the JSON Schema the least value, which a validator refuses with its reason."""
+    return {"minimum": LEAST[key][0]}
 
 
 class RequiredPoint(Section):
@@ -20,19 +41,19 @@ class Requirements(Section):
 
     speed_tolerance_rpm: float | None = Field(
         default=None,
-        gt=0.0,
+        json_schema_extra=_from_least("speed_tolerance_rpm"),
         le=1e6,
         description="greatest speed error k1 of a search that has converged, by default 1 % of base speed",
     )
     power_tolerance_percent: float = Field(
         default=0.5,
-        gt=0.0,
+        json_schema_extra=_from_least("power_tolerance_percent"),
         le=100.0,
         description="greatest variation k2 of the current sum of a search that has converged, in percent",
     )
     angle_tolerance_deg: float = Field(
         default=1.0,
-        gt=0.0,
+        json_schema_extra=_from_least("angle_tolerance_deg"),
         le=90.0,
         description="greatest movement of the advance angle of a search that has converged, in electrical degrees",
     )
@@ -46,19 +67,19 @@ class Requirements(Section):
     )
     optimum_tolerance_percent: float = Field(
         default=2.0,
-        gt=0.0,
+        json_schema_extra=_from_least("optimum_tolerance_percent"),
         le=1000.0,
         description="greatest excess of the current sum over the least one, in percent",
     )
     ripple_percent: float = Field(
         default=13.0,
-        gt=0.0,
+        json_schema_extra=_from_least("ripple_percent"),
         le=1000.0,
         description="limit of the torque ripple with the ideal regulator, peak to peak over mean, in percent",
     )
     closed_loop_ripple_percent: float = Field(
         default=20.0,
-        gt=0.0,
+        json_schema_extra=_from_least("closed_loop_ripple_percent"),
         le=1000.0,
         description="limit of the torque ripple with band and speed regulator, peak to peak over mean, in percent",
     )
@@ -68,6 +89,15 @@ class Requirements(Section):
         description="list of points at which the ripple is required, each a table [[requirements.point]], by default "
         "2.6 % above rated power at the highest speed, as in the paper's Fig. 6",
     )
+
+    @field_validator(*LEAST)
+    @classmethod
+    def _can_be_resolved(cls, value: float | None, info: ValidationInfo) -> float | None:
+        """A limit is no finer than what the plant and its oracle can tell."""
+        least, reason = LEAST[str(info.field_name)]
+        if value is not None and not value >= least:
+            raise ValueError(f"must be at least {least:g}, since {reason}")
+        return value
 
     @field_validator("settling_s")
     @classmethod

@@ -66,11 +66,12 @@ class FactRow:
 
 
 def drive_of(document: Mapping[str, Any]) -> DriveDocument:
-    """Find the drive of a result in its first run; the default one where nothing was run."""
+    """Read the drive of a result; of one of earlier versions, which does not have it, that of its first run."""
     runs = document.get("fixed") or ()
-    if not runs:
+    values = (document.get("drive") or {}).get("document") or (runs[0]["scenario"]["drive"] if runs else None)
+    if values is None:
         return load_drive(DEFAULT_DRIVE)
-    return parse_document(runs[0]["scenario"]["drive"], DriveDocument, "the result's drive")
+    return parse_document(values, DriveDocument, "the result's drive")
 
 
 def evidence_of(check: str, drive: DriveDocument) -> Evidence | None:

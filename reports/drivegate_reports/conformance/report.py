@@ -23,6 +23,7 @@ def page(document: Mapping[str, Any]) -> str:
     """Make the page."""
     from drivegate_cases.publication.facts import facts, open_assumptions
     from drivegate_reports.conformance.coverage import coverage_gaps, drive_of, evidence_of, fact_rows
+    from drivegate_reports.conformance.drive import shown_drive
     from drivegate_reports.conformance.runs import margin_figure, shown_runs
     from drivegate_reports.conformance.view import view_of
     from drivegate_reports.page.page import page_text
@@ -35,6 +36,7 @@ def page(document: Mapping[str, Any]) -> str:
     return page_text(
         "conformance.html.j2",
         result=view,
+        drive=shown_drive(document, drive),
         runs=shown_runs(document),
         margins=margin_figure(document),
         evidence={row.id: evidence_of(row.id, drive) for row in view.checks},

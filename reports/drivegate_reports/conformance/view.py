@@ -253,7 +253,7 @@ def _provenance(document: Mapping[str, Any], times: Mapping[str, Any]) -> tuple[
         ),
     ]
     drive = document.get("drive") or {}
-    entries += [(f"drive's {key}", value) for key, value in drive.items() if value]
+    entries += [(f"drive's {key}", value) for key, value in drive.items() if isinstance(value, str)]
     for section in (document.get("provenance", {}), {key: times[key] for key in times if key != "checks"}):
         for key, value in section.items():
             items = value.items() if isinstance(value, Mapping) else [("", value)]

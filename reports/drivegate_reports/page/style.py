@@ -103,6 +103,15 @@ def new_figure(
     return figure, list(panels[:, 0])
 
 
+def new_grid(height: float, rows: int, columns: int) -> Figure:
+    """Make a figure of panels beside and below each other, with an axis of its own each; in `house_style`."""
+    from matplotlib.figure import Figure as NewFigure
+
+    figure = NewFigure(figsize=(WIDTH_INCH, height), layout="constrained")
+    figure.subplots(rows, columns)
+    return figure
+
+
 def ink(colour: str) -> str:
     """Return the darker shade of a colour in which text is readable on white."""
     return _INK[colour]

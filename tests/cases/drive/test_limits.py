@@ -3,6 +3,7 @@
 import pytest
 
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_file import drive_schema
 from drivegate_cases.drive.limits import Limits, limits_of, nearest_step, rounded, time_unit
 from drivegate_cases.drive.requirements import RequiredPoint
 from drivegate_models.errors import InputError
@@ -77,6 +78,28 @@ def test_a_point_at_a_speed_without_a_search_is_refused(speed: float) -> None:
 def test_a_settling_time_is_a_whole_number_of_tenths() -> None:
     with pytest.raises(InputError, match="must be a whole number of tenths"):
         PAPER.replaced(settling_s=1.25)
+
+
+@pytest.mark.parametrize(
+    ("key", "least"),
+    [
+        ("speed_tolerance_rpm", "1e-06"),
+        ("power_tolerance_percent", "1e-07"),
+        ("angle_tolerance_deg", "0.0001"),
+        ("optimum_tolerance_percent", "0.001"),
+        ("ripple_percent", "1e-07"),
+        ("closed_loop_ripple_percent", "1e-07"),
+    ],
+)
+def test_a_limit_that_would_judge_rounding_is_refused_with_the_least_and_the_reason(
+    key: str, least: str
+) -> None:
+    for value in (1e-300, 0.0, -1.0, 0.999 * float(least)):
+        with pytest.raises(InputError) as refused:
+            PAPER.replaced(**{key: value})
+        assert f"{key}' is {value!r}, but must be at least {least}, since " in str(refused.value)
+    assert PAPER.replaced(**{key: float(least)}).value(key) == float(least)
+    assert drive_schema()["$defs"]["Requirements"]["properties"][key]["minimum"] == float(least)
 
 
 def test_the_rules_give_the_paper_s_own_limits() -> None:

@@ -101,6 +101,26 @@ def test_a_rating_out_of_reach_is_named_and_shown_all_the_same(command):
     assert row_at(document, 1500.0)["edge_deg"] == pytest.approx(50.8, abs=0.1)
 
 
+def test_torques_of_a_small_drive_keep_their_digits(command):
+    small = ("drive", "fan-3-phase")
+    document = command(*small, "--json").document
+    at_highest = row_at(document, 6000.0)
+    told = command(*small).out
+    assert f" {at_highest['rated_torque_nm']:.3f} " in told
+    assert f" {at_highest['greatest_torque_nm']:.3f} " in told
+    weak = command(*small, "--set", "current_limit_a=4").out
+    assert "100 W needs 0.434 N·m at 2200 rpm; at the current limit of 4 A this drive gives 0.301 N·m" in weak
+
+
+def test_a_ripple_out_of_reach_leads_to_the_one_that_is_not(command):
+    ended = command("drive", *QUICK, "--set", "ripple_percent=3")
+    (row,) = command("drive", *QUICK, "--set", "ripple_percent=3", "--json").document["unreachable"]
+    nearest = row["nearest_ripple_percent"]
+    assert 3 < nearest < 20
+    assert f"next: put ripple_percent = {nearest} into [requirements]" in ended.out
+    assert "out of reach" not in command("drive", *QUICK, "--set", f"ripple_percent={nearest}").out
+
+
 def test_a_drive_that_can_do_nothing_of_its_rating_is_shown(command):
     ended = command("drive", "--set", "current_limit_a=2")
     assert ended.code == 0

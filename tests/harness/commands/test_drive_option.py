@@ -3,6 +3,7 @@
 import pytest
 
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.limits import limits_of
 
 POINT = ["--speed-rpm", "700", "--advance-deg", "30", "--current-a", "10"]
 COMMANDS = {
@@ -64,16 +65,34 @@ def test_a_map_is_of_the_drive_that_the_candidate_s_manifest_names(command, tmp_
 def test_a_new_drive_is_written_with_a_comment_for_each_key_and_taken_as_it_is(command, tmp_path):
     ended = command("new", "drive", "my-drive.toml")
     assert ended.code == 0
-    assert (
-        "next: put your values into my-drive.toml, then drivegate check reference --drive my-drive.toml"
-        in ended.out
-    )
-    written = load_drive(tmp_path / "my-drive.toml")
+    assert "next: put your values into my-drive.toml, then drivegate drive my-drive.toml" in ended.out
+    written, paper = load_drive(tmp_path / "my-drive.toml"), load_drive("paper-5-phase")
     assert written.name == "my-drive"
-    assert written.values_hash == load_drive("paper-5-phase").values_hash
-    assert set(written.provenance["machine"].values()) == {"as in paper-5-phase"}
+    assert (written.machine, written.inverter, written.rating) == (
+        paper.machine,
+        paper.inverter,
+        paper.rating,
+    )
+    assert limits_of(written) == limits_of(paper)
+    (sentence,) = set(written.provenance["machine"].values())
+    assert sentence == "not stated; as in paper-5-phase until it is changed"
     again = command("new", "drive", "other.toml", "--drive", "my-drive.toml", "--json").document
     assert again["drive"] == load_drive(tmp_path / "other.toml").identity()
+
+
+def test_a_new_drive_keeps_no_number_that_follows_from_those_that_are_to_be_changed(command, tmp_path):
+    command("new", "drive", "mine.toml")
+    text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(
+        text.replace("base_speed_rpm = 500.0", "base_speed_rpm = 3000.0")
+        .replace("highest_speed_rpm = 1500.0", "highest_speed_rpm = 6000.0")
+        .replace("overspeed_rpm = 2000.0", "overspeed_rpm = 8000.0"),
+        encoding="utf-8",
+    )
+    mine = load_drive(tmp_path / "mine.toml")
+    assert mine.advance is None
+    assert limits_of(mine).speed_tolerance_rpm == 30.0
+    assert [point.speed_rpm for point in limits_of(mine).points] == [6000.0]
 
 
 @pytest.mark.parametrize(

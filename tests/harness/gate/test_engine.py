@@ -8,12 +8,16 @@ from typing import Any
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.drives.envelope_document import envelope_of
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished, CheckStarted, RunDone, Shrinking
 from drivegate.gate.shrinking import size_of
-from drivegate.results.result import CheckResult
+from drivegate.output.result_file import as_json
+from drivegate.results.document import ResultDocument
+from drivegate.results.result import CheckResult, finite
 from drivegate.scenarios.fixed import fixed_scenarios
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.documents.document import parse_document
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
@@ -90,6 +94,20 @@ def test_the_initial_angle_alone_converges_but_misses_the_optimum(initial: Check
     found = verdicts(initial)
     assert found["CNV-2"] == "fail", found
     assert found["CNV-1"] == found["CNV-3"] == found["CPW-1"] == "pass", found
+
+
+def test_the_result_has_its_drive_and_what_that_can_do(initial: CheckResult) -> None:
+    document = parse_document(json.loads(as_json(initial.document())), ResultDocument, "the result")
+    drive = load_drive("paper-5-phase")
+    assert document.drive is not None
+    assert parse_document(document.drive.document, DriveDocument, "the drive") == drive
+    assert document.envelope is not None
+    assert document.envelope.model_dump() == as_read(finite(envelope_of(drive)))
+
+
+def as_read(written: dict[str, Any]) -> dict[str, Any]:
+    """Lists of a document are read as tuples."""
+    return written | {"points": tuple(written["points"])}
 
 
 def test_the_result_does_not_depend_on_the_number_of_workers(initial: CheckResult) -> None:

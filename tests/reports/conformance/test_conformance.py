@@ -164,8 +164,8 @@ def test_a_recorded_run_is_drawn_accounted_for_and_can_be_repeated(recorded_page
         "a known weakness",
     ):
         assert said in text, f"the page does not say '{said}'"
-    assert recorded_page.count("<figcaption>") == 2, (
-        "the distribution of margins, and one run that two checks share"
+    assert recorded_page.count("<figcaption>") == 3, (
+        "the distribution of margins, one run that two checks share, and the drive"
     )
     assert 'href="#run-1"' in recorded_page, "the second check refers to the figure of the first"
 
@@ -218,9 +218,9 @@ def test_the_page_is_accessible(recorded_page: str) -> None:
     assert {"header", "nav", "main", "footer"} <= set(elements.tags), "a landmark is missing"
     assert elements.tags["h1"] == 1
     drawings = [value for _, name, value in elements.attributes if (name, value) == ("role", "img")]
-    assert len(drawings) == 2, "each figure is one image"
+    assert len(drawings) == 3, "each figure is one image"
     labels = [value for tag, name, value in elements.attributes if (tag, name) == ("div", "aria-label")]
-    assert len([label for label in labels if len(label) > 80]) == 2, "each figure is described in words"
+    assert len([label for label in labels if len(label) > 80]) == 3, "each figure is described in words"
     assert ("html", "lang", "en") in elements.attributes
 
 
@@ -249,14 +249,14 @@ def test_a_recording_that_is_none_is_left_out(recorded: dict[str, Any], recordin
     changed = copy.deepcopy(recorded)
     for check in changed["checks"]:
         check["recording"] = recording
-    assert page(changed).count("<figcaption>") == 1, "only the margins are drawn"
+    assert page(changed).count("<figcaption>") == 2, "only margins and drive are drawn"
 
 
 @pytest.mark.parametrize("values", [HOSTILE, ["1", "2"], [1.0], [0.0, 1e300], [None, 1.0], [0.0] * 400])
 def test_signals_that_are_none_are_left_out(recorded: dict[str, Any], values: object) -> None:
     changed = copy.deepcopy(recorded)
     changed["traces"][0]["speed_rpm"] = values
-    assert page(changed).count("<figcaption>") == 1, "only the margins are drawn"
+    assert page(changed).count("<figcaption>") == 2, "only margins and drive are drawn"
 
 
 def test_a_megabyte_of_message_stays_readable(make_document: Factory, make_check: Factory) -> None:

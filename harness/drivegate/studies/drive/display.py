@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
+from drivegate.drives.envelope_words import facts
 from drivegate.output.console import number, plain, table
 
 if TYPE_CHECKING:
@@ -24,13 +26,14 @@ _COLUMNS: Final = (
     ("ripple_percent", "ripple %", "ripple", 1),
 )
 """Keys of a point, with their heads, those for a narrow console, which has no room for all, and their digits."""
+_SMALL_ONES: Final = ("_nm", "_w")
 _WIDTH: Final = 116
 _SHOWN: Final = (0, 2, 4, 5, 8, 12, 16, 20, 24, 29, 34)
 """Places of the points that the table has; all are in the document."""
 
 
-def show_drive(console: Console, document: dict[str, Any], name: str) -> None:
-    """Print what a drive can do over speed, what it is too little for, and what it means for a controller."""
+def show_drive(console: Console, document: dict[str, Any], name: str, required: Sequence[str]) -> None:
+    """Print what a drive can do over speed, what it is too little for, and what is required of its controllers."""
     columns = [
         (key, head if console.width >= _WIDTH else short, digits)
         for key, head, short, digits in _COLUMNS
@@ -38,9 +41,13 @@ def show_drive(console: Console, document: dict[str, Any], name: str) -> None:
     ]
     heads = [head for _, head, _ in columns]
     listed = table(*heads, right=tuple(heads), title=_title(document))
+    finer = _finer(document)
     for place in _SHOWN:
         point = document["points"][place]
-        listed.add_row(*(number(point[key], digits) for key, _, digits in columns))
+        shown = (
+            (point[key], digits + (finer if key.endswith(_SMALL_ONES) else 0)) for key, _, digits in columns
+        )
+        listed.add_row(*(number(value, digits) for value, digits in shown))
     console.print(listed)
     console.print(
         plain(
@@ -50,7 +57,7 @@ def show_drive(console: Console, document: dict[str, Any], name: str) -> None:
             "dim",
         )
     )
-    for words in _facts(document):
+    for words in (*facts(document), *required):
         console.print(plain(words))
     if not document["has_band"]:
         console.print(plain("the band is so narrow that it is taken as none, which the means do not show"))
@@ -61,6 +68,12 @@ def show_drive(console: Console, document: dict[str, Any], name: str) -> None:
     console.print(plain(_next(document, name), "dim"))
 
 
+def _finer(document: dict[str, Any]) -> int:
+    """Count the further digits that torque and power of a small drive take to be told apart."""
+    torque = document["points"][0]["rated_torque_nm"]
+    return sum(torque < least for least in (1.0, 0.1, 0.01))
+
+
 def _title(document: dict[str, Any]) -> str:
     rating = document["rating"]
     return (
@@ -69,70 +82,10 @@ def _title(document: dict[str, Any]) -> str:
     )
 
 
-def _facts(document: dict[str, Any]) -> list[str]:
-    return [_line(document), _without_advance(document), _times(document), _meaning(document)]
-
-
-def _line(document: dict[str, Any]) -> str:
-    line, base = document["line"], document["rating"]["base_speed_rpm"]
-    if line["least_in_hand_percent"] is None:
-        return "line of initial angles: none, since rated power is out of reach at every speed"
-    in_hand, where = line["least_in_hand_percent"], line["least_in_hand_at_rpm"]
-    least = (
-        f"it leaves the least torque in hand at {where:g} rpm, {in_hand:.1f} %"
-        if in_hand >= 0.0
-        else f"it misses rated torque most at {where:g} rpm, by {-in_hand:.1f} %"
-    )
-    return (
-        f"line of initial angles: 0° below {base:g} rpm, then {line['start_deg']:.1f}° + "
-        f"{line['slope_deg_per_rpm']:.3g}° per rpm above; {least}"
-    )
-
-
-def _without_advance(document: dict[str, Any]) -> str:
-    highest = document["rated_torque_without_advance_up_to_rpm"]
-    base = document["rating"]["base_speed_rpm"]
-    where = "at no speed" if highest is None else f"up to {highest:.0f} rpm"
-    return f"rated torque without advance: {where}; base speed is {base:g} rpm"
-
-
-def _times(document: dict[str, Any]) -> str:
-    times = {key: _seconds(value) for key, value in document["time_scales"].items() if key.endswith("_s")}
-    return (
-        f"times: L/R {times['electrical_s']}, current up to its limit {times['current_rise_s']}, "
-        f"J·ω/T {times['mechanical_at_base_s']} at base speed and {times['mechanical_at_highest_s']} at the highest, "
-        f"base to highest speed with rated power {times['run_up_s']}"
-    )
-
-
-def _meaning(document: dict[str, Any]) -> str:
-    scales = document["time_scales"]
-    half_cycle, drift = scales["half_cycle_s"], scales["drift_s"]
-    reason = (
-        "half an electrical cycle at highest speed"
-        if half_cycle <= drift
-        else "in which a lost rated torque costs 1 % of base speed"
-    )
-    search = scales["search_s"]
-    settling = (
-        ""
-        if search != search
-        else f"; a search from the line to the least Σ|i| takes about {_seconds(search)}, "
-        f"{_seconds(scales['decision_s'])} a decision"
-    )
-    return (
-        f"control period: {scales['electrical_frequency_hz']:.3g} Hz at highest speed, so at most "
-        f"{_seconds(scales['largest_control_period_s'])}, {reason}{settling}"
-    )
-
-
-def _seconds(value: float) -> str:
-    if value == float("inf"):
-        return "endless"
-    return f"{value:.3g} s" if value >= 1.0 else f"{1e3 * value:.3g} ms"
-
-
 def _next(document: dict[str, Any], name: str) -> str:
+    ripples = [row.get("nearest_ripple_percent") for row in document["unreachable"]]
+    if ripples and all(ripples):
+        return f"next: put ripple_percent = {max(ripples)} into [requirements], and closed_loop_ripple_percent above it"
     if document["unreachable"]:
         return "next: try a rating with --set rated_power_w=…, or another limit with --set current_limit_a=…"
     if not document["files"]:

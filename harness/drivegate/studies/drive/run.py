@@ -5,41 +5,43 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
+from drivegate.drives.envelope import envelope, recommended_line, speeds_of
+from drivegate.drives.envelope_document import envelope_document
 from drivegate.drives.rating import rated_drive
 from drivegate.drives.reach import unreachable
 from drivegate.output.progress import progress_on, with_rate
-from drivegate.studies.drive.document import drive_document
-from drivegate.studies.drive.envelope import (
-    envelope,
-    recommended_line,
-    speed_without_advance,
-    speeds_of,
-)
 from drivegate.studies.drive.figure import write_figure
 from drivegate.studies.drive.fit import fit_document
 from drivegate.studies.drive.measured import read_measured
-from drivegate.studies.drive.time_scales import time_scales
 from drivegate_cases.documents.wording import counted
 from drivegate_cases.drive.drive_document import DriveDocument
+
+SCHEMA: Final = 1
+"""Version of the document."""
 
 
 def studied_drive(chosen: DriveDocument, *, plot: Path | None = None) -> dict[str, Any]:
     """Compute what a drive can do, and draw it."""
     drive = rated_drive(chosen)
+    speeds = speeds_of(drive.rating)
     with progress_on(sys.stderr) as display:
-        report_progress = with_rate(display, drive.name, len(speeds_of(drive.rating)), unit="speeds")
+        report_progress = with_rate(display, drive.name, len(speeds), unit="speeds")
         out_of_reach = unreachable(drive)
         line = recommended_line(drive)
         report_progress(0, 0)
         points = []
-        for point in envelope(drive, line):
+        for point in envelope(drive, line, speeds):
             points.append(point)
             report_progress(len(points), 0)
-    document = drive_document(
-        drive, line, points, out_of_reach, time_scales(drive, points), speed_without_advance(drive)
-    )
+    document = {
+        "schema": SCHEMA,
+        "kind": "drive",
+        "drive": drive.name,
+        "unreachable": [row.document() for row in out_of_reach],
+        **envelope_document(drive, line, points),
+    }
     if plot is not None:
         write_figure(document, plot)
     return document | {"files": [] if plot is None else [str(plot)]}

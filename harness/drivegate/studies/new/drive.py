@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Final
 
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import shown_path
@@ -11,22 +12,31 @@ from drivegate_cases.drive.drive_file import drive_toml
 from drivegate_models.errors import InputError
 
 SUFFIX = ".toml"
+_FOLLOWING: Final = {"speed_tolerance_rpm": None, "settling_s": None, "point": ()}
+"""Requirements that follow from the rating, as they are left out."""
 
 
 def write_drive(file: Path, start: DriveDocument) -> DriveDocument:
-    """Write a drive with the values of another, named after its file; nothing is ever overwritten."""
+    """Write a drive with the values of another, named after its file; nothing is ever overwritten.
+
+    What follows from the values is left out, since of other values it would be wrong.
+    """
     if file.suffix != SUFFIX:
         raise InputError(f"{shown_path(file)} is no name for a drive's file, which ends in {SUFFIX}")
     if file.is_symlink() or file.exists():
         raise InputError(
             f"{shown_path(file)} exists already, and nothing is ever overwritten; name another file"
         )
-    drive = start.replaced(name=file.stem, provenance=_as_in(start))
+    drive = start.replaced(name=file.stem, advance=None, provenance=_not_stated(start), **_FOLLOWING)
     write_atomically(file, drive_toml(drive))
     return drive
 
 
-def _as_in(start: DriveDocument) -> dict[str, dict[str, str]]:
-    """Say of each value that it is not one's own yet."""
-    sentence = f"as in {start.name}"[:200]
-    return {table: dict.fromkeys(sentences, sentence) for table, sentences in start.provenance.items()}
+def _not_stated(start: DriveDocument) -> dict[str, dict[str, str]]:
+    """Say of each value that nobody has said where it is from, which stays true when it is changed."""
+    sentence = f"not stated; as in {start.name} until it is changed"[:200]
+    return {
+        table: {key: sentence for key in sentences if key not in _FOLLOWING}
+        for table, sentences in start.provenance.items()
+        if table != "advance"
+    }

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from math import ceil, degrees, inf, isfinite, pi
 from typing import Final
 
+from drivegate.drives.envelope import SpeedPoint
 from drivegate.drives.rating import RatedDrive
-from drivegate.studies.drive.envelope import SpeedPoint
 from drivegate_cases.drive.limits import SPEED_TOLERANCE_SHARE
 
 CYCLES_A_DECISION: Final = 5

@@ -4,36 +4,47 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import lru_cache
 from math import degrees
 from typing import TYPE_CHECKING, Any, Final
 
-from drivegate.drives.rating import RatedDrive, Rating
-from drivegate.drives.reach import Unreachable
-from drivegate.studies.drive.envelope import SpeedPoint
-from drivegate.studies.drive.time_scales import TimeScales
+from drivegate.drives.envelope import (
+    SpeedPoint,
+    envelope,
+    few_speeds_of,
+    least_in_hand,
+    recommended_line,
+    speed_without_advance,
+)
+from drivegate.drives.rating import RatedDrive, Rating, rated_drive
+from drivegate.drives.time_scales import TimeScales, time_scales
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate.drives.drive_kind import AdvanceLine
 
-SCHEMA: Final = 1
+_KEPT: Final = 100
 
 
-def drive_document(
-    drive: RatedDrive,
-    line: AdvanceLine,
-    points: Sequence[SpeedPoint],
-    unreachable: Sequence[Unreachable],
-    scales: TimeScales,
-    without_advance: float | None,
-) -> dict[str, Any]:
-    """Put together what a drive can do."""
+@lru_cache(maxsize=_KEPT)
+def envelope_of(document: DriveDocument) -> dict[str, Any]:
+    """Compute what a drive can do at a few speeds, as the results of its candidates tell it."""
+    drive = rated_drive(document)
+    line = recommended_line(drive)
+    points = tuple(envelope(drive, line, few_speeds_of(drive.rating)))
+    return envelope_document(drive, line, points)
+
+
+def envelope_document(drive: RatedDrive, line: AdvanceLine, points: Sequence[SpeedPoint]) -> dict[str, Any]:
+    """Put together what a drive can do at some speeds, those of `few_speeds_of` among them."""
     rating = drive.rating
-    loaded = [point for point in points if _is_loaded(point, rating)]
+    # Of the same speeds whatever else there is, so that a result and `drivegate drive` tell the same.
+    few = few_speeds_of(rating)
+    shared = [point for point in points if point.speed in few]
+    loaded = [point for point in shared if _is_loaded(point, rating)]
+    without_advance = speed_without_advance(drive)
     return {
-        "schema": SCHEMA,
-        "kind": "drive",
-        "drive": drive.name,
         "rating": {
             "base_speed_rpm": _rpm(rating.base_speed),
             "highest_speed_rpm": _rpm(rating.highest_speed),
@@ -42,17 +53,16 @@ def drive_document(
             "current_limit_a": drive.constants.current_limit,
         },
         "has_band": drive.has_band,
-        "unreachable": [row.document() for row in unreachable],
         "line": {
             "start_deg": degrees(line.start),
             "slope_deg_per_rpm": degrees(line.slope) * RADIANS_PER_RPM,
-            **_least_in_hand(loaded),
+            **_least_in_hand(drive, line),
         },
         "rated_torque_without_advance_up_to_rpm": None if without_advance is None else _rpm(without_advance),
         "greatest_ripple_percent": max(
             (100.0 * point.ripple for point in loaded if point.ripple == point.ripple), default=None
         ),
-        "time_scales": _time_scales(scales),
+        "time_scales": _time_scales(time_scales(drive, shared)),
         "points": [_point(point) for point in points],
     }
 
@@ -73,16 +83,13 @@ def _is_loaded(point: SpeedPoint, rating: Rating) -> bool:
     return rating.lowest_speed - rounding <= point.speed <= rating.highest_speed + rounding
 
 
-def _least_in_hand(loaded: Sequence[SpeedPoint]) -> dict[str, float | None]:
+def _least_in_hand(drive: RatedDrive, line: AdvanceLine) -> dict[str, float | None]:
     """Tell how much torque the line has in hand over rated torque where it is least."""
-    known = [point for point in loaded if point.line_torque == point.line_torque]
-    if not known:
+    found = least_in_hand(drive, line)
+    if found is None:
         return {"least_in_hand_percent": None, "least_in_hand_at_rpm": None}
-    worst = min(known, key=lambda point: point.line_torque / point.rated_torque)
-    return {
-        "least_in_hand_percent": 100.0 * (worst.line_torque / worst.rated_torque - 1.0),
-        "least_in_hand_at_rpm": _rpm(worst.speed),
-    }
+    speed, in_hand = found
+    return {"least_in_hand_percent": 100.0 * in_hand, "least_in_hand_at_rpm": _rpm(speed)}
 
 
 def _point(point: SpeedPoint) -> dict[str, float]:

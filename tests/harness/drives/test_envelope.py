@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.drives.rating import RatedDrive, rated_drive
-from drivegate.studies.drive.envelope import (
+from drivegate.drives.envelope import (
     BELOW_BASE,
     BEYOND,
     CONSTANT_POWER,
@@ -18,7 +17,8 @@ from drivegate.studies.drive.envelope import (
     speed_without_advance,
     speeds_of,
 )
-from drivegate.studies.drive.time_scales import time_scales
+from drivegate.drives.rating import RatedDrive, rated_drive
+from drivegate.drives.time_scales import time_scales
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.half_bridge.steady.oracle import least_current_sum, point_at_torque
 from drivegate_models.half_bridge.steady.steady_state import steady_state

@@ -1,0 +1,86 @@
+"""What a drive can do, and what is required of its controllers, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf
+from typing import Any
+
+from drivegate.checks.drive_numbers import drive_numbers
+from drivegate_cases.drive.drive_document import DriveDocument
+
+
+def facts(document: Mapping[str, Any]) -> list[str]:
+    """Tell the line of initial angles, the speed up to which none is needed, the times and what they mean."""
+    return [_line(document), _without_advance(document), _times(document), _meaning(document)]
+
+
+def required(drive: DriveDocument) -> list[str]:
+    """Tell what is required of the controllers of a drive, in its own numbers."""
+    numbers = drive_numbers(drive)
+    return [
+        "required of a search: from {settling} after a change on the speed stays within {k1} (k1), Σ|i| within {k2} "
+        "(k2) and the angle within {angle}; Σ|i| at most {optimum} above the least".format_map(numbers),
+        "required of the torque: a ripple below {ripple} with the ideal regulator at {points}, and below "
+        "{closed_loop_ripple} in the closed loop".format_map(numbers),
+    ]
+
+
+def _line(document: Mapping[str, Any]) -> str:
+    line, base = document["line"], document["rating"]["base_speed_rpm"]
+    if line["least_in_hand_percent"] is None:
+        return "line of initial angles: none, since rated power is out of reach at every speed"
+    in_hand, where = line["least_in_hand_percent"], line["least_in_hand_at_rpm"]
+    least = (
+        f"it leaves the least torque in hand at {where:g} rpm, {in_hand:.1f} %"
+        if in_hand >= 0.0
+        else f"it misses rated torque most at {where:g} rpm, by {-in_hand:.1f} %"
+    )
+    return (
+        f"line of initial angles: 0° below {base:g} rpm, then {line['start_deg']:.1f}° + "
+        f"{line['slope_deg_per_rpm']:.3g}° per rpm above; {least}"
+    )
+
+
+def _without_advance(document: Mapping[str, Any]) -> str:
+    highest = document["rated_torque_without_advance_up_to_rpm"]
+    base = document["rating"]["base_speed_rpm"]
+    where = "at no speed" if highest is None else f"up to {highest:.0f} rpm"
+    return f"rated torque without advance: {where}; base speed is {base:g} rpm"
+
+
+def _times(document: Mapping[str, Any]) -> str:
+    times = {key: _seconds(value) for key, value in document["time_scales"].items() if key.endswith("_s")}
+    return (
+        f"times: L/R {times['electrical_s']}, current up to its limit {times['current_rise_s']}, "
+        f"J·ω/T {times['mechanical_at_base_s']} at base speed and {times['mechanical_at_highest_s']} at the highest, "
+        f"base to highest speed with rated power {times['run_up_s']}"
+    )
+
+
+def _meaning(document: Mapping[str, Any]) -> str:
+    scales = document["time_scales"]
+    half_cycle, drift = scales["half_cycle_s"], scales["drift_s"]
+    reason = (
+        "half an electrical cycle at highest speed"
+        if half_cycle <= drift
+        else "in which a lost rated torque costs 1 % of base speed"
+    )
+    search = scales["search_s"]
+    settling = (
+        ""
+        if search is None or search != search
+        else f"; a search from the line to the least Σ|i| takes about {_seconds(search)}, "
+        f"{_seconds(scales['decision_s'])} a decision"
+    )
+    return (
+        f"control period: {scales['electrical_frequency_hz']:.3g} Hz at highest speed, so at most "
+        f"{_seconds(scales['largest_control_period_s'])}, {reason}{settling}"
+    )
+
+
+def _seconds(value: float | None) -> str:
+    # A result writes null for it.
+    if value is None or value == inf:
+        return "endless"
+    return f"{value:.3g} s" if value >= 1.0 else f"{1e3 * value:.3g} ms"
