@@ -21,10 +21,13 @@ from drivegate.studies.campaign.manifest import MANIFEST
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate.studies.campaign.summary import SUMMARY
 from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
+from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.document import comparison_document
+from drivegate.studies.compare.drive_comparison import drive_comparison_document
 from drivegate.studies.compare.engine import Compared
+from drivegate.studies.compare.per_unit import drive_labels
 from drivegate.studies.compare.plan import PlannedRun, planned_runs
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
@@ -46,8 +49,7 @@ BROWSER_OPTIONS = [
     "--disable-sync",
 ]
 DRIVE, CYCLE = load_drive("paper-5-phase"), load_drive_cycle("ece-15")
-PLAN = planned_runs(DRIVE, CYCLE, "quick", 0)
-SPEEDS_RPM = tuple(dict.fromkeys(run.speed_rpm for run in PLAN if run.group == "points"))
+FAN = load_drive("fan-3-phase")
 
 
 def _check(identifier: str, **changes: Any) -> Document:
@@ -244,7 +246,24 @@ def _figures_of(planned: PlannedRun, extra_w: float, held: bool) -> dict[str, An
 def _made_up_comparison(
     names: Sequence[str] = ("thrifty", "wasteful", "loses"), *, faulted: bool = False
 ) -> Document:
-    plan = PLAN
+    document = _made_up_drive(DRIVE, names, faulted=faulted).document
+    assert document is not None, "there are candidates"
+    return document
+
+
+def _made_up_drives(
+    names: Sequence[str] = ("thrifty", "wasteful", "loses"),
+    *,
+    drives: Sequence[DriveDocument] = (DRIVE, FAN),
+    faulted: bool = False,
+) -> Document:
+    made = [_made_up_drive(drive, names, faulted=faulted) for drive in drives]
+    timing = {"started_utc": "2030-01-01", "seconds": 1.0}
+    return drive_comparison_document(drive_labels(drives), made, effort="quick", seed=0, timing=timing)
+
+
+def _made_up_drive(drive: DriveDocument, names: Sequence[str], *, faulted: bool) -> ComparedDrive:
+    plan = planned_runs(drive, CYCLE, "quick", 0)
     everybody = []
     for place, name in enumerate(names):
         made = Compared(name, name, resolve_candidate("initial"))
@@ -265,18 +284,20 @@ def _made_up_comparison(
         "least_current_sums_a": [20.0, 30.0],
         "least_input_powers_w": [900.0, 1000.0],
     }
-    envelope = [{"speed_rpm": speed, "torque_nm": 1e4 / speed} for speed in SPEEDS_RPM]
-    return comparison_document(
+    speeds = dict.fromkeys(run.speed_rpm for run in plan if run.group == "points" and run.speed_rpm)
+    envelope = [{"speed_rpm": speed, "torque_nm": 1e4 / speed} for speed in speeds]
+    document = comparison_document(
         everybody,
         plan,
         {"points": [best] * count, "envelope": envelope},
-        drive=DRIVE,
+        drive=drive,
         cycle=CYCLE,
         effort="quick",
         seed=0,
         checks=False,
         timing={"started_utc": "2030-01-01", "seconds": 1.0},
     )
+    return ComparedDrive(drive, plan, everybody, document)
 
 
 @pytest.fixture(scope="session")
@@ -290,6 +311,12 @@ def reproduction(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Docume
 def made_up() -> Callable[..., Document]:
     """Return the factory of comparison documents; it takes the candidates' names."""
     return _made_up_comparison
+
+
+@pytest.fixture(scope="session")
+def made_up_drives() -> Callable[..., Document]:
+    """Return the factory of comparisons of drives; it takes the candidates' names, and the drives."""
+    return _made_up_drives
 
 
 def _campaign_check(identifier: str, *, violated: bool, **changes: Any) -> Document:
