@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from drivegate.drives.constant_power import constant_power
+from drivegate.drives.rating import rated_drive
 from drivegate.results.provenance import hash_of_content, provenance
 from drivegate.results.result import finite
 from drivegate.studies.compare.compared_drive import ComparedDrive
@@ -53,6 +55,8 @@ def drive_comparison_document(
         ``parts``.
     """
     points = operating_rows(labels, made, effort)
+    drives = [one.drive for one in made]
+    ranges = [constant_power(rated_drive(drive)) for drive in drives]
     parts = [one.document for one in made if one.document is not None]
     content: dict[str, Any] = {
         "schema": SCHEMA,
@@ -76,9 +80,9 @@ def drive_comparison_document(
         ],
         "tables": {
             "summary": summary_rows(labels, made, points),
-            "drives": drive_rows(labels, made),
+            "drives": drive_rows(labels, drives, ranges),
             "operating_points": points,
-            "greatest_power": power_rows(labels, made),
+            "greatest_power": power_rows(labels, drives, ranges),
         },
         "parts": parts,
         "provenance": provenance(),

@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
-from drivegate.drives.constant_power import constant_power
-from drivegate.drives.rating import rated_drive
+from drivegate.drives.constant_power import ConstantPower
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.per_unit import Bases, bases_of
 from drivegate.studies.compare.plan import EFFORTS, PlannedRun, operating_speed
 from drivegate.studies.compare.ranking import Row, status_of
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -32,39 +32,41 @@ _MEANS: Final = (
 _FULL_PERCENT: Final = 100.0
 
 
-def drive_rows(labels: Sequence[str], made: Sequence[ComparedDrive]) -> list[Row]:
+def drive_rows(
+    labels: Sequence[str], drives: Sequence[DriveDocument], ranges: Sequence[ConstantPower]
+) -> list[Row]:
     """List the drives with their bases, and how far they keep rated power."""
-    return [_drive_row(label, one) for label, one in zip(labels, made, strict=True)]
+    return [_drive_row(*row) for row in zip(labels, drives, ranges, strict=True)]
 
 
-def _drive_row(label: str, made: ComparedDrive) -> Row:
-    rating, machine = made.drive.rating, made.drive.machine
-    reached = constant_power(rated_drive(made.drive)).reached
+def _drive_row(label: str, drive: DriveDocument, power: ConstantPower) -> Row:
+    rating, bases = drive.rating, bases_of(drive)
+    reached_rpm = None if power.reached is None else round(power.reached / RADIANS_PER_RPM, 6)
     return {
         "drive": label,
-        "hash": made.drive.values_hash,
-        "phases": machine.phases,
-        "supply_voltage_v": made.drive.inverter.supply_voltage_v,
+        "hash": drive.values_hash,
+        "phases": drive.machine.phases,
+        "supply_voltage_v": drive.inverter.supply_voltage_v,
         "rated_power_w": rating.rated_power_w,
         "current_limit_a": rating.current_limit_a,
         "base_speed_rpm": rating.base_speed_rpm,
         "highest_speed_rpm": rating.highest_speed_rpm,
         "overspeed_rpm": rating.overspeed_rpm,
-        "base_torque_nm": bases_of(made.drive).torque_nm,
-        "base_current_sum_a": bases_of(made.drive).current_sum_a,
-        "constant_power_up_to_rpm": None if reached is None else round(reached / RADIANS_PER_RPM, 6),
-        "constant_power_up_to_pu": None
-        if reached is None
-        else round(reached / RADIANS_PER_RPM / rating.base_speed_rpm, 6),
+        "base_torque_nm": bases.torque_nm,
+        "base_current_sum_a": bases.current_sum_a,
+        "constant_power_up_to_rpm": reached_rpm,
+        "constant_power_up_to_pu": None if reached_rpm is None else round(reached_rpm / bases.speed_rpm, 6),
     }
 
 
-def power_rows(labels: Sequence[str], made: Sequence[ComparedDrive]) -> list[Row]:
+def power_rows(
+    labels: Sequence[str], drives: Sequence[DriveDocument], ranges: Sequence[ConstantPower]
+) -> list[Row]:
     """List the greatest power of each drive over speed, whatever the controller."""
     rows: list[Row] = []
-    for label, one in zip(labels, made, strict=True):
-        bases, reach = bases_of(one.drive), constant_power(rated_drive(one.drive))
-        for speed, power in zip(reach.speeds, reach.powers, strict=True):
+    for label, drive, found in zip(labels, drives, ranges, strict=True):
+        bases = bases_of(drive)
+        for speed, power in zip(found.speeds, found.powers, strict=True):
             rpm = round(speed / RADIANS_PER_RPM, 6)
             rows.append(
                 {
