@@ -21,6 +21,7 @@ from drivegate.studies.campaign.manifest import MANIFEST
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate.studies.campaign.summary import SUMMARY
 from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
+from drivegate.studies.compare.compare_drives import write_drive_comparison
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.drive_comparison import drive_comparison_document
@@ -33,6 +34,7 @@ from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_reports.campaign import report as campaign
+from drivegate_reports.comparison import drive_report
 from drivegate_reports.comparison import report as comparison
 from drivegate_reports.conformance.report import page
 from drivegate_reports.paper.report import PAGE_FILE, reproduce
@@ -399,6 +401,7 @@ def pages(
     recorded: dict[str, Any],
     reproduction: tuple[Path, dict[str, Any]],
     made_up: Callable[..., dict[str, Any]],
+    made_up_drives: Callable[..., dict[str, Any]],
 ) -> dict[str, Path]:
     """Return each page that is written."""
     folder = tmp_path_factory.mktemp("pages")
@@ -408,6 +411,10 @@ def pages(
     document = json.loads(json.dumps(made_up(faulted=True)))
     write_tables(document, folder)
     (folder / COMPARISON_FILE).write_text(json.dumps(document), encoding="utf-8")
+    across = json.loads(json.dumps(made_up_drives(faulted=True)))
+    drives = folder / "drives"
+    drives.mkdir()
+    write_drive_comparison(across, drives)
     summary = _made_up_campaign()
     for name in (SUMMARY, MANIFEST):
         (folder / name).write_text(json.dumps(summary), encoding="utf-8")
@@ -415,5 +422,6 @@ def pages(
         "conformance": conformance / page,
         "reproduction": reproduction[0] / PAGE_FILE,
         "comparison": comparison.write(document, folder),
+        "drives": drives / drive_report.REPORT_FILE,
         "campaign": campaign.write(summary, folder),
     }

@@ -62,7 +62,7 @@ def compare_drives(
                 if made[-1].document is None:
                     return ComparisonEnding(None, (), _refused(labels, made, resolved))
         document = _document(labels, made, options, time.monotonic() - began)
-        pages = _write(document, folder.staging)
+        pages = write_drive_comparison(document, folder.staging)
         folder.commit()
     return ComparisonEnding(
         document, tuple(output / page for page in pages), _refused(labels, made, resolved)
@@ -93,7 +93,7 @@ def _document(
     return drive_comparison_document(labels, made, effort=options.effort, seed=options.seed, timing=timing)
 
 
-def _write(document: dict[str, Any], folder: Path) -> tuple[Path, ...]:
+def write_drive_comparison(document: dict[str, Any], folder: Path) -> tuple[Path, ...]:
     """Write the report of the drives, and that of each drive into a folder of its own."""
     for entry, part in zip(document["drives"], document["parts"], strict=True):
         own = folder / entry["folder"]
