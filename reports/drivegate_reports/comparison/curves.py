@@ -24,7 +24,8 @@ _SHOWN_BEFORE: Final = 0.1
 _SHOWN_AFTER: Final = 0.6
 _USUAL_HELD_RPM: Final = 5.0
 _USUAL_CHANGE_S: Final = 10.0
-_ERROR_TICKS: Final = (-1000.0, -200.0, -50.0, -15.0, -5.0, 0.0, 5.0, 15.0, 50.0, 200.0, 1000.0)
+# In units of k1, from which on the axis is logarithmic.
+_ERROR_TICKS: Final = (-200.0, -40.0, -10.0, -3.0, -1.0, 0.0, 1.0, 3.0, 10.0, 40.0, 200.0)
 
 
 @dataclass(frozen=True)
@@ -206,7 +207,7 @@ def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: 
         panels[0].axhline(level, color=ink(GREY), linewidth=0.8, linestyle=":")
     panels[0].set_yscale("symlog", linthresh=held, linscale=1.0)
     low, high = panels[0].get_ylim()
-    ticks = [tick for tick in _ERROR_TICKS if low <= tick <= high]
+    ticks = [tick * held for tick in _ERROR_TICKS if low <= tick * held <= high]
     panels[0].set_yticks(ticks, [f"{tick:g}".replace("-", "−") for tick in ticks])
     panels[0].minorticks_off()
     for panel, words in zip(
