@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from drivegate_reports.comparison.cells import Cell, Sheet, figure, name, written
+from drivegate_reports.comparison.cells import Cell, Sheet, absolute, figure, name, written
 from drivegate_reports.page.printable import clean
 
 Row = Mapping[str, Any]
@@ -31,11 +31,11 @@ def summary_sheet(document: Row) -> Sheet:
             Cell(str(row["points_shared"]), is_number=True),
             figure(row["efficiency_percent"], 2),
             figure(row["input_power_pu"], 4),
-            figure(row["input_power_w"], 1),
+            absolute(row["input_power_w"]),
             figure(row["losses_pu"], 4),
-            figure(row["losses_w"], 1),
+            absolute(row["losses_w"]),
             figure(row["current_sum_pu"], 3),
-            figure(row["current_sum_a"], 2),
+            absolute(row["current_sum_a"]),
             figure(row["ripple_full_load_percent"], 1),
             figure(row["rated_power_held_up_to_rpm"], 0),
             figure(row["rated_power_held_up_to_pu"], 2),
@@ -73,12 +73,12 @@ def drive_sheet(document: Row) -> Sheet:
         (
             Cell(name(row["drive"])),
             Cell(str(row["phases"]), is_number=True),
-            figure(row["supply_voltage_v"], 0),
-            figure(row["rated_power_w"], 0),
-            figure(row["current_limit_a"], 1),
+            absolute(row["supply_voltage_v"]),
+            absolute(row["rated_power_w"]),
+            absolute(row["current_limit_a"]),
             figure(row["base_speed_rpm"], 0),
-            figure(row["base_torque_nm"], 2),
-            figure(row["base_current_sum_a"], 1),
+            absolute(row["base_torque_nm"]),
+            absolute(row["base_current_sum_a"]),
             figure(row["highest_speed_rpm"], 0),
             figure(row["overspeed_rpm"], 0),
             figure(row["constant_power_up_to_rpm"], 0),
@@ -118,16 +118,16 @@ def drive_point_sheet(document: Row) -> Sheet:
             figure(row["speed_rpm"], 0),
             figure(row["speed_pu"], 2),
             figure(row["load_percent"], 0),
-            figure(row["torque_nm"], 3),
+            absolute(row["torque_nm"]),
             figure(row["torque_pu"], 3),
             Cell("yes" if row["held"] else "no", "" if row["held"] else "fail"),
             figure(row["ripple_percent"], 1),
-            figure(row["current_sum_a"], 2),
+            absolute(row["current_sum_a"]),
             figure(row["current_sum_pu"], 3),
-            figure(row["input_power_w"], 1),
+            absolute(row["input_power_w"]),
             figure(row["input_power_pu"], 4),
             figure(row["efficiency_percent"], 2),
-            figure(row["losses_w"], 2),
+            absolute(row["losses_w"]),
             figure(row["losses_pu"], 4),
             figure(row["electrical_losses_pu"], 4),
             figure(row["mechanical_losses_pu"], 4),

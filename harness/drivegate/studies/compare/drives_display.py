@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from drivegate.output.console import number, plain, table
+from drivegate_cases.documents.wording import figure
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -38,9 +39,9 @@ def show_drive_comparison(console: Console, document: dict[str, Any], pages: Seq
             str(row["points_shared"]),
             number(row["efficiency_percent"], 2),
             number(row["losses_pu"], 4),
-            number(row["losses_w"], 1),
+            _absolute(row["losses_w"]),
             number(row["current_sum_pu"], 3),
-            number(row["current_sum_a"], 2),
+            _absolute(row["current_sum_a"]),
             number(row["ripple_full_load_percent"], 1),
             number(row["rated_power_held_up_to_pu"], 2),
         )
@@ -62,6 +63,10 @@ def show_drive_comparison(console: Console, document: dict[str, Any], pages: Seq
     _show_faults(console, document)
     for page in pages:
         console.print(plain(f"report: {page}"))
+
+
+def _absolute(value: float | None) -> str:
+    return "–" if value is None else figure(value)
 
 
 def _show_faults(console: Console, document: dict[str, Any]) -> None:
