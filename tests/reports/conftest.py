@@ -23,15 +23,20 @@ from drivegate.studies.campaign.manifest import MANIFEST
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate.studies.campaign.summary import SUMMARY
 from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
+from drivegate.studies.compare.compare_drives import write_drive_comparison
+from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.document import comparison_document
+from drivegate.studies.compare.drive_comparison import drive_comparison_document
 from drivegate.studies.compare.engine import Compared
+from drivegate.studies.compare.per_unit import drive_labels
 from drivegate.studies.compare.plan import PlannedRun, planned_runs
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_reports.campaign import report as campaign
+from drivegate_reports.comparison import drive_report
 from drivegate_reports.comparison import report as comparison
 from drivegate_reports.conformance.report import page
 from drivegate_reports.paper.report import PAGE_FILE, reproduce
@@ -48,8 +53,7 @@ BROWSER_OPTIONS = [
     "--disable-sync",
 ]
 DRIVE, CYCLE = load_drive("paper-5-phase"), load_drive_cycle("ece-15")
-PLAN = planned_runs(DRIVE, CYCLE, "quick", 0)
-SPEEDS_RPM = tuple(dict.fromkeys(run.speed_rpm for run in PLAN if run.group == "points"))
+FAN = load_drive("fan-3-phase")
 
 
 def _check(identifier: str, **changes: Any) -> Document:
@@ -248,7 +252,24 @@ def _figures_of(planned: PlannedRun, extra_w: float, held: bool) -> dict[str, An
 def _made_up_comparison(
     names: Sequence[str] = ("thrifty", "wasteful", "loses"), *, faulted: bool = False
 ) -> Document:
-    plan = PLAN
+    document = _made_up_drive(DRIVE, names, faulted=faulted).document
+    assert document is not None, "there are candidates"
+    return document
+
+
+def _made_up_drives(
+    names: Sequence[str] = ("thrifty", "wasteful", "loses"),
+    *,
+    drives: Sequence[DriveDocument] = (DRIVE, FAN),
+    faulted: bool = False,
+) -> Document:
+    made = [_made_up_drive(drive, names, faulted=faulted) for drive in drives]
+    timing = {"started_utc": "2030-01-01", "seconds": 1.0}
+    return drive_comparison_document(drive_labels(drives), made, effort="quick", seed=0, timing=timing)
+
+
+def _made_up_drive(drive: DriveDocument, names: Sequence[str], *, faulted: bool) -> ComparedDrive:
+    plan = planned_runs(drive, CYCLE, "quick", 0)
     everybody = []
     for place, name in enumerate(names):
         made = Compared(name, name, resolve_candidate("initial"))
@@ -269,18 +290,20 @@ def _made_up_comparison(
         "least_current_sums_a": [20.0, 30.0],
         "least_input_powers_w": [900.0, 1000.0],
     }
-    envelope = [{"speed_rpm": speed, "torque_nm": 1e4 / speed} for speed in SPEEDS_RPM]
-    return comparison_document(
+    speeds = dict.fromkeys(run.speed_rpm for run in plan if run.group == "points" and run.speed_rpm)
+    envelope = [{"speed_rpm": speed, "torque_nm": 1e4 / speed} for speed in speeds]
+    document = comparison_document(
         everybody,
         plan,
         {"points": [best] * count, "envelope": envelope},
-        drive=DRIVE,
+        drive=drive,
         cycle=CYCLE,
         effort="quick",
         seed=0,
         checks=False,
         timing={"started_utc": "2030-01-01", "seconds": 1.0},
     )
+    return ComparedDrive(drive, plan, everybody, document)
 
 
 @pytest.fixture(scope="session")
@@ -294,6 +317,12 @@ def reproduction(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Docume
 def made_up() -> Callable[..., Document]:
     """Return the factory of comparison documents; it takes the candidates' names."""
     return _made_up_comparison
+
+
+@pytest.fixture(scope="session")
+def made_up_drives() -> Callable[..., Document]:
+    """Return the factory of comparisons of drives; it takes the candidates' names, and the drives."""
+    return _made_up_drives
 
 
 def _campaign_check(identifier: str, *, violated: bool, **changes: Any) -> Document:
@@ -376,6 +405,7 @@ def pages(
     recorded: dict[str, Any],
     reproduction: tuple[Path, dict[str, Any]],
     made_up: Callable[..., dict[str, Any]],
+    made_up_drives: Callable[..., dict[str, Any]],
 ) -> dict[str, Path]:
     """Return each page that is written."""
     folder = tmp_path_factory.mktemp("pages")
@@ -385,6 +415,10 @@ def pages(
     document = json.loads(json.dumps(made_up(faulted=True)))
     write_tables(document, folder)
     (folder / COMPARISON_FILE).write_text(json.dumps(document), encoding="utf-8")
+    across = json.loads(json.dumps(made_up_drives(faulted=True)))
+    drives = folder / "drives"
+    drives.mkdir()
+    write_drive_comparison(across, drives)
     summary = _made_up_campaign()
     for name in (SUMMARY, MANIFEST):
         (folder / name).write_text(json.dumps(summary), encoding="utf-8")
@@ -392,5 +426,6 @@ def pages(
         "conformance": conformance / page,
         "reproduction": reproduction[0] / PAGE_FILE,
         "comparison": comparison.write(document, folder),
+        "drives": drives / drive_report.REPORT_FILE,
         "campaign": campaign.write(summary, folder),
     }

@@ -89,7 +89,7 @@ def whole_pass(tmp_path_factory: pytest.TempPathFactory, recorded: dict[str, Any
 
 
 @pytest.mark.parametrize("paper", ["A4", "Letter"])
-@pytest.mark.parametrize("name", ["whole", "conformance", "reproduction", "comparison", "campaign"])
+@pytest.mark.parametrize("name", ["whole", "conformance", "reproduction", "comparison", "drives", "campaign"])
 def test_paper_shows_it_as_a_review_would_want(
     browser: Browser, pages: dict[str, Path], whole_pass: Path, name: str, paper: str
 ) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import drive_option, json_option, named_drive
+from drivegate.commands.options import drives_option, json_option, named_drive
 from drivegate.output.failure import ExitCode, Failure, complain, failure_of
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ DEFAULT_OUTPUT = "drivegate-comparison"
     metavar="DIR",
     help="Folder of the report.",
 )
-@drive_option
+@drives_option
 @click.option(
     "--effort",
     type=click.Choice(["quick", "default", "nightly"]),
@@ -62,7 +62,7 @@ DEFAULT_OUTPUT = "drivegate-comparison"
 def command(
     candidates: tuple[str, ...],
     output: Path,
-    drive: str | None,
+    drives: tuple[str, ...],
     effort: str,
     seed: int,
     workers: int | None,
@@ -72,13 +72,22 @@ def command(
     """Compare every CANDIDATE over the same operating points, disturbances, noise and drive cycle.
 
     The report ranks them, and tells who wins where and by how much. A CANDIDATE is whatever drivegate check takes.
+    With more than one --drive, the same candidates run on each at the same shares of its range and rating, and the
+    report puts the drives side by side, absolute and per unit.
     The exit code is 0 when the report is complete, whatever the candidates do, 2 when one is refused, 3 after a
     fault of drivegate.
     """
-    from drivegate.studies.compare.compare_all import ComparisonOptions, compare_all
+    from drivegate.studies.compare.compare_all import compare_all
+    from drivegate.studies.compare.options import ComparisonOptions
 
-    options = ComparisonOptions(effort, seed, workers, checks, cycle, named_drive(drive))
-    ending = compare_all(candidates, output, options)
+    named = [found for drive in drives if (found := named_drive(drive)) is not None]
+    options = ComparisonOptions(effort, seed, workers, checks, cycle, named[0] if named else None)
+    if len(named) > 1:
+        from drivegate.studies.compare.compare_drives import compare_drives
+
+        ending = compare_drives(candidates, named, output, options)
+    else:
+        ending = compare_all(candidates, output, options)
     if ending.document is None and len(ending.refused) == 1:
         raise ending.refused[0][1]
     failures = [failure_of(error).about(specification) for specification, error in ending.refused]
@@ -89,9 +98,12 @@ def command(
     document = ending.document or all_failures.document()
 
     def show(console: Console) -> None:
-        if ending.document is not None:
-            from drivegate.studies.compare.display import show_comparison
+        if ending.document is None:
+            return
+        from drivegate.studies.compare.display import show_comparison
+        from drivegate.studies.compare.drives_display import show_drive_comparison
 
-            show_comparison(console, ending.document, ending.pages or (output,))
+        shown = show_drive_comparison if len(named) > 1 else show_comparison
+        shown(console, ending.document, ending.pages or (output,))
 
     return Outcome(document, show, code)

@@ -54,6 +54,14 @@ drive_option = click.option(
     "--drive", metavar="NAME|FILE", help="A drive that comes along, or a TOML or JSON file of one."
 )
 """The option that names a drive."""
+drives_option = click.option(
+    "--drive",
+    "drives",
+    multiple=True,
+    metavar="NAME|FILE",
+    help="A drive that comes along, or a TOML or JSON file of one; given again, drives are compared.",
+)
+"""The option that names one drive or several."""
 settings_option = click.option(
     "--set",
     "settings",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from drivegate_cases.documents import wording
 from drivegate_reports.page.printable import clean
 
 _LONGEST_NAME: Final = 80
@@ -64,6 +65,13 @@ def figure(value: float | None, digits: int, *, signed: bool = False, tone: str 
     return Cell(
         written(value, digits, signed=signed), tone, is_number=True, sort="" if value is not None else "1e99"
     )
+
+
+def absolute(value: float | None) -> Cell:
+    """Write a number of a machine of any size as a cell, to four digits."""
+    if value is None:
+        return figure(None, 0)
+    return Cell(wording.figure(value).replace("-", "−"), is_number=True, sort=f"{value:.9g}")
 
 
 def written(value: float | None, digits: int, *, signed: bool = False) -> str:

@@ -20,11 +20,12 @@ _PANELS: Final = (
     ("drawn", "current_sum_a", "Σ|i|, drawn plants", "A"),
     ("drive cycle", "energy_wh_per_km", "energy, drive cycle", "Wh/km"),
 )
-_SHOWN_BEFORE_S: Final = 1.0
-_SHOWN_AFTER_S: Final = 6.0
+_SHOWN_BEFORE: Final = 0.1
+_SHOWN_AFTER: Final = 0.6
 _USUAL_HELD_RPM: Final = 5.0
 _USUAL_CHANGE_S: Final = 10.0
-_ERROR_TICKS: Final = (-1000.0, -200.0, -50.0, -15.0, -5.0, 0.0, 5.0, 15.0, 50.0, 200.0, 1000.0)
+# In units of k1, from which on the axis is logarithmic.
+_ERROR_TICKS: Final = (-200.0, -40.0, -10.0, -3.0, -1.0, 0.0, 1.0, 3.0, 10.0, 40.0, 200.0)
 
 
 @dataclass(frozen=True)
@@ -184,6 +185,7 @@ def change_s(document: Mapping[str, Any]) -> float:
 def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: str) -> Figure:
     """Draw what follows a disturbance, all candidates overlaid."""
     held, change = held_rpm(document), change_s(document)
+    begin, end = change - _SHOWN_BEFORE * change, change + _SHOWN_AFTER * change
     figure, panels = new_figure(5.6, 3, (1.2, 1.0, 1.0))
     keys = ("speed_error_rpm", "advance_deg", "current_sum_a")
     entries = [
@@ -192,7 +194,7 @@ def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: 
     for entry in entries:
         look = inks[entry["candidate"]]
         times = np.array(entry["time_s"])
-        shown = (times >= change - _SHOWN_BEFORE_S) & (times <= change + _SHOWN_AFTER_S)
+        shown = (times >= begin) & (times <= end)
         for panel, key in zip(panels, keys, strict=True):
             panel.plot(
                 times[shown],
@@ -205,14 +207,14 @@ def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: 
         panels[0].axhline(level, color=ink(GREY), linewidth=0.8, linestyle=":")
     panels[0].set_yscale("symlog", linthresh=held, linscale=1.0)
     low, high = panels[0].get_ylim()
-    ticks = [tick for tick in _ERROR_TICKS if low <= tick <= high]
+    ticks = [tick * held for tick in _ERROR_TICKS if low <= tick * held <= high]
     panels[0].set_yticks(ticks, [f"{tick:g}".replace("-", "−") for tick in ticks])
     panels[0].minorticks_off()
     for panel, words in zip(
         panels, ("speed error (rpm)", "advance angle (el. deg)", "Σ|i| (A)"), strict=True
     ):
         panel.set_ylabel(words)
-        panel.set_xlim(change - _SHOWN_BEFORE_S, change + _SHOWN_AFTER_S)
+        panel.set_xlim(begin, end)
     panels[-1].set_xlabel("time (s)")
     _legend(figure, {entry["candidate"]: inks[entry["candidate"]] for entry in entries})
     return figure

@@ -59,9 +59,10 @@ def comparison_figures(document: Mapping[str, Any]) -> ComparisonFigures:
         )
 
 
-def _placed(
+def placed_figure(
     identifier: str, title: str, draw: Callable[[], Figure], alternative: str, caption: str
 ) -> PageFigure:
+    """Draw a figure and give it with its words, as a page places it."""
     svg = inline_svg(_settled(draw()), f"figure-{identifier}")
     return PageFigure(f"figure-{identifier}", title, svg, clean(alternative), clean(caption))
 
@@ -91,7 +92,7 @@ def _differences(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequen
         for panel in panels
     ]
     return [
-        _placed(
+        placed_figure(
             "differences",
             f"How much more than {first}, and how sure that is",
             lambda: draw_differences(panels, inks),
@@ -108,7 +109,7 @@ def _over_speed(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequenc
     loads = loads_shown(document)
     shown = " and ".join(f"{load:g} %" for load in loads)
     return [
-        _placed(
+        placed_figure(
             "over-speed",
             "Σ|i| and input power over speed",
             lambda: draw_over_speed(document, inks, loads),
@@ -125,7 +126,7 @@ def _maps(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequence[Page
     if not inks:
         return []
     return [
-        _placed(
+        placed_figure(
             f"map-{quantity.key.replace('_', '-')}",
             quantity.title,
             lambda quantity=quantity: draw_map(document, inks, quantity),  # type: ignore[misc]
@@ -140,7 +141,7 @@ def _maps(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequence[Page
 def _disturbances(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequence[PageFigure]:
     runs = list(dict.fromkeys(entry["run"] for entry in document["trajectories"]))
     return [
-        _placed(
+        placed_figure(
             f"disturbance-{number}",
             clean(run[:1].upper() + run[1:]),
             lambda run=run: draw_disturbance(document, inks, run),  # type: ignore[misc]
@@ -163,7 +164,7 @@ def _cycle(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequence[Pag
         f"{name(row['candidate'])} {written(row['energy_wh_per_km'], 2)} Wh/km" for row in rows
     )
     return [
-        _placed(
+        placed_figure(
             "cycle",
             "The drive cycle, with ideal sensors",
             lambda: draw_cycle(document, inks),

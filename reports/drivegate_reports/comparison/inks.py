@@ -9,9 +9,12 @@ from typing import Any, Final
 from drivegate_reports.comparison.cells import name
 from drivegate_reports.page.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 
-_COLOURS: Final = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
-_DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
-_MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
+COLOURS: Final = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
+"""The house's colours in the order in which lines get them."""
+DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
+"""Line styles in the same order."""
+MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
+"""Markers in the same order."""
 _LONGEST_LABEL: Final = 24
 
 
@@ -46,17 +49,16 @@ def inks_of(document: Mapping[str, Any]) -> dict[str, Ink]:
             continue
         place = order.index(row["candidate"])
         inks[row["candidate"]] = Ink(
-            _short(row["candidate"]),
-            _COLOURS[place % len(_COLOURS)],
-            _DASHES[(place // len(_COLOURS)) % len(_DASHES)]
-            if place >= len(_COLOURS)
-            else _DASHES[place % 4],
-            _MARKERS[place % len(_MARKERS)],
+            short_label(row["candidate"]),
+            COLOURS[place % len(COLOURS)],
+            DASHES[(place // len(COLOURS)) % len(DASHES)] if place >= len(COLOURS) else DASHES[place % 4],
+            MARKERS[place % len(MARKERS)],
         )
     return inks
 
 
-def _short(label: str) -> str:
+def short_label(label: str) -> str:
+    """Make a name short enough for a figure."""
     # A dollar sign would begin a formula.
     text = name(label).replace("$", r"\$").replace("\n", " ")
     return text if len(text) <= _LONGEST_LABEL else text[: _LONGEST_LABEL - 1] + "…"

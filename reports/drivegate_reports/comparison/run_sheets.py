@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from drivegate_reports.comparison.cells import Cell, Sheet, figure, name, written
+from drivegate_reports.comparison.curves import change_s
 from drivegate_reports.page.printable import clean
 
 Row = Mapping[str, Any]
@@ -50,7 +51,11 @@ def point_sheet(document: Row) -> Sheet:
         "converged after (s)",
     )
     return Sheet(
-        "operating_points", "Means over the last 4 s of 10 s at each point, ideal sensors.", heads, rows
+        "operating_points",
+        f"Means over what follows the time to converge, in {written(change_s(document), 0)} s at each point, ideal "
+        "sensors.",
+        heads,
+        rows,
     )
 
 
@@ -78,7 +83,8 @@ def disturbance_sheet(document: Row) -> Sheet:
         "Σ|i| in the end (A)",
     )
     caption = (
-        "Time from the end of the disturbance until the speed stays within k1, and means of the last 4 s. "
+        "Time from the end of the disturbance until the speed stays within k1, and means of what follows the time "
+        "to converge. "
         "A step of the speed reference is a speed error at once."
     )
     return Sheet("disturbances", caption, heads, rows)

@@ -10,6 +10,7 @@ from drivegate.studies.compare.document import KIND, SCHEMA
 from drivegate_cases.documents.wording import counted
 from drivegate_models.errors import InputError
 from drivegate_reports.comparison.cells import Sheet, name, written
+from drivegate_reports.comparison.curves import held_rpm
 from drivegate_reports.comparison.run_sheets import (
     check_sheet,
     cycle_sheet,
@@ -68,6 +69,8 @@ class ComparisonView:
         Tables.
     checks, timing : Sheet or None
         Tables that may be missing.
+    held_rpm : str
+        k1, the speed error within which a speed counts as held.
     vehicle : str
         The vehicle of the drive cycle, in a sentence.
     cycle_words : str
@@ -91,6 +94,7 @@ class ComparisonView:
     cycle: Sheet
     checks: Sheet | None
     timing: Sheet | None
+    held_rpm: str
     vehicle: str
     cycle_words: str
     provenance: tuple[tuple[str, str], ...]
@@ -119,6 +123,7 @@ def view_of(document: Mapping[str, Any]) -> ComparisonView:
         cycle=cycle_sheet(document),
         checks=check_sheet(document),
         timing=timing_sheet(document),
+        held_rpm=f"{held_rpm(document):g}",
         vehicle=_vehicle(document),
         cycle_words=_cycle(document),
         provenance=_provenance(document),
@@ -233,8 +238,9 @@ def _troubles(document: Mapping[str, Any]) -> list[Trouble]:
 def _vehicle(document: Mapping[str, Any]) -> str:
     vehicle = document["cycle"]["vehicle"]
     return (
-        f"a light electric scooter with its rider: {vehicle['mass_kg']:g} kg, wheels of "
-        f"{vehicle['wheel_radius_m']:g} m radius behind a gear of {vehicle['gear_ratio']:g}, rolling resistance "
+        "a vehicle of the drive's size, at 1.5 kW a light electric scooter with its rider: "
+        f"{vehicle['mass_kg']:g} kg, wheels of {vehicle['wheel_radius_m']:g} m radius behind a gear of "
+        f"{vehicle['gear_ratio']:g}, rolling resistance "
         f"{vehicle['rolling_resistance']:g}, drag area {vehicle['drag_area_m2']:g} m²"
     )
 

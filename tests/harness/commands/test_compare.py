@@ -7,6 +7,7 @@ import pytest
 
 from drivegate.studies.compare import plan as comparison_plan
 from drivegate.studies.compare.compare_all import table_text
+from drivegate_cases.drive.drive_document import load_drive
 
 SMALL = comparison_plan.ComparisonEffort((0.2, 1.0), (0.25, 1.0), 1, 1, 3)
 CYCLE = "time_s,speed_km_h\n0,0\n1,0\n5,15\n7,15\n11,0\n12,0\n"
@@ -59,6 +60,67 @@ def test_the_built_in_candidates_are_compared_the_same_on_any_number_of_workers(
         assert json.dumps(rows) == json.dumps(alone["tables"][table]), (
             f"{table} depends on the number of workers"
         )
+
+
+def test_drives_are_put_side_by_side_the_same_on_any_number_of_workers(compare, tmp_path, monkeypatch):
+    drives = ("--drive", "paper-5-phase", "--drive", "fan-3-phase")
+    ended = compare("initial", "nonsense", *drives, "--workers", 2, "--output", "two", "--json")
+    assert ended.code == 2, ended.err
+    assert ended.err.count("the candidate 'nonsense' is unknown") == 1, "it has nothing to do with a drive"
+    assert "initial on fan-3-phase" in ended.err, "progress tells the drive"
+    document = ended.document
+    assert document["kind"] == "drive-comparison"
+    assert [entry["label"] for entry in document["drives"]] == ["paper-5-phase", "fan-3-phase"]
+    rows = document["tables"]["operating_points"]
+    statuses = [(row["candidate"], row["status"]) for row in document["tables"]["summary"]]
+    assert statuses == [("initial", "compared")] * 2 + [("nonsense", "refused")] * 2
+    at_full = [
+        (row["drive"], row["speed_rpm"], round(row["speed_pu"], 3))
+        for row in rows
+        if row["load_percent"] == 100.0
+    ]
+    assert at_full == [
+        ("paper-5-phase", 700.0, 1.4),
+        ("paper-5-phase", 1500.0, 3.0),
+        ("fan-3-phase", 2800.0, 1.4),
+        ("fan-3-phase", 6000.0, 3.0),
+    ], "each drive runs at the shares of its own range"
+    assert all(row["held"] for row in rows), (
+        "the line of angles of each drive's own nameplate holds its rating"
+    )
+    assert all(0.02 < row["losses_pu"] < 0.5 for row in rows)
+
+    page = (tmp_path / "two" / "drive-comparison.html").read_text(encoding="utf-8")
+    assert "paper-5-phase and fan-3-phase under the same controllers" in page
+    assert (tmp_path / "two" / "drive-2" / "comparison.html").is_file()
+    assert (tmp_path / "two" / "tables" / "summary.csv").is_file()
+
+    # What is measured depends neither on the workers nor on the other drive.
+    monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group: [])
+    again = compare("initial", "nonsense", *drives, "--workers", 1, "--output", "one", "--json").document
+    assert again["provenance"]["content_hash"] == document["provenance"]["content_hash"]
+    one_drive = ("--drive", "fan-3-phase", "--output", "alone")
+    alone = compare("initial", "nonsense", *one_drive, "--json").document
+    kept = ((tmp_path / "two" / "drive-2" / "comparison.json"), (tmp_path / "alone" / "comparison.json"))
+    part, by_itself = (json.loads(path.read_text(encoding="utf-8")) for path in kept)
+    for made in (part, by_itself, alone):
+        del made["timing"]
+    assert part == by_itself == alone, "the comparison on one drive is the same document beside another"
+
+
+def test_drives_that_cannot_be_compared_are_refused(refused, tmp_path):
+    said = refused("compare", "initial", "--drive", "paper-5-phase", "--drive", "paper-5-phase")
+    assert "have the same values" in said
+    assert "'nonsense' is unknown" in refused(
+        "compare", "nonsense", "--drive", "paper-5-phase", "--drive", "fan-3-phase"
+    )
+    assert "no drive is called 'fan'" in refused(
+        "compare", "initial", "--drive", "paper-5-phase", "--drive", "fan"
+    )
+    weak = load_drive("fan-3-phase").replaced(current_limit_a=3.0)
+    (tmp_path / "weak.json").write_text(json.dumps(weak.to_mapping()), encoding="utf-8")
+    said = refused("compare", "initial", "--drive", "paper-5-phase", "--drive", "weak.json")
+    assert "no controller can meet what the drive 'fan-3-phase' requires" in said
 
 
 def test_who_fails_or_is_refused_does_not_stop_the_others(compare, controllers, tmp_path):

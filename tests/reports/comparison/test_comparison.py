@@ -17,6 +17,7 @@ from drivegate_reports.comparison.cells import written
 from drivegate_reports.comparison.curves import (
     draw_cycle,
     draw_differences,
+    draw_disturbance,
     draw_over_speed,
     measured_differences,
 )
@@ -117,6 +118,16 @@ def test_figures_show_the_document_s_numbers(document):
             named = [axis for axis in figure.axes if axis.get_visible() and axis.get_xlabel()]
             assert named, "an axis must have a name"
             assert all("(" in axis.get_xlabel() for axis in named), "a name has its unit"
+
+
+def test_what_is_shown_of_a_disturbance_follows_the_drive(document):
+    slow = copy.deepcopy(document)
+    slow["drive"].update(change_s=20.0, speed_tolerance_rpm=12.0)
+    run = document["trajectories"][0]["run"]
+    with house_style():
+        shown = [draw_disturbance(made, inks_of(made), run).axes for made in (document, slow)]
+    assert [axes[-1].get_xlim() for axes in shown] == [(9.0, 16.0), (18.0, 32.0)]
+    assert [max(axes[0].get_yticks()) for axes in shown] == [5.0, 12.0], "k1 of the drive"
 
 
 def test_all_maps_of_a_quantity_share_one_scale(document):

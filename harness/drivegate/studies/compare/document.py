@@ -11,7 +11,7 @@ from drivegate.results.provenance import hash_of_content, provenance
 from drivegate.results.result import finite
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate.studies.compare.differences import difference_rows
-from drivegate.studies.compare.drive_cycle_run import TOLERANCE_KM_H, VEHICLE
+from drivegate.studies.compare.drive_cycle_run import TOLERANCE_KM_H, cycle_vehicle
 from drivegate.studies.compare.engine import CHECKS_EFFORT, Compared
 from drivegate.studies.compare.plan import EFFORTS, PlannedRun
 from drivegate.studies.compare.ranking import (
@@ -74,11 +74,11 @@ def comparison_document(
             "change_s": scale_of(drive).change_s,
         },
         "size": _size(effort, plan),
-        "cycle": _cycle(cycle),
+        "cycle": _cycle(cycle, drive),
         "candidates": [_candidate(compared) for compared in all_compared],
         "tables": {
             "ranking": ranking,
-            "regions": region_rows(all_compared, points),
+            "regions": region_rows(all_compared, points, scale_of(drive)),
             "differences": difference_rows(ranked, repeated, cycles),
             "operating_points": points,
             "best_possible": oracle_rows(all_compared, plan, oracle),
@@ -145,7 +145,7 @@ def _size(effort: str, plan: Sequence[PlannedRun]) -> dict[str, Any]:
     return {"speeds_rpm": list(speeds)} | size | {"runs_of_each": len(plan)}
 
 
-def _cycle(cycle: DriveCycle) -> dict[str, Any]:
+def _cycle(cycle: DriveCycle, drive: DriveDocument) -> dict[str, Any]:
     return {
         "name": cycle.name,
         "description": cycle.description,
@@ -153,7 +153,7 @@ def _cycle(cycle: DriveCycle) -> dict[str, Any]:
         "duration_s": cycle.duration_s,
         "distance_km": cycle.distance_m / 1000.0,
         "tolerance_km_h": TOLERANCE_KM_H,
-        "vehicle": VEHICLE.model_dump(mode="json", exclude={"kind", "grade_percent"}),
+        "vehicle": cycle_vehicle(drive).model_dump(mode="json", exclude={"kind", "grade_percent"}),
     }
 
 

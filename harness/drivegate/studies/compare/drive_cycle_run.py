@@ -1,4 +1,4 @@
-"""A drive cycle as a run of the drive in a light vehicle, and what a candidate spends on it.
+"""A drive cycle as a run of the drive in a vehicle of its size, and what a candidate spends on it.
 
 The drive cannot brake: a current reference is 0 or more. So the driver's mechanical brake is a force along the road,
 as large as the cycle's slowing down needs beyond what the vehicle loses by itself, which the plant takes as a grade of
@@ -8,11 +8,13 @@ the road. It is applied while the cycle slows down and while it stands still.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
 
+from drivegate.scenarios.drive_scale import scale_of, tidy, two_digits
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.drive_cycle import DriveCycle
 from drivegate_cases.scenario.load import GRAVITY, VehicleLoad
@@ -24,16 +26,10 @@ from drivegate_models.loop import observation
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.units import RADIANS_PER_RPM
 
-VEHICLE: Final = VehicleLoad(
-    kind="vehicle",
-    mass_kg=130.0,
-    wheel_radius_m=0.25,
-    gear_ratio=3.0,
-    rolling_resistance=0.010,
-    drag_area_m2=0.4,
-)
-"""A light electric scooter with its rider: at 50 km/h, and at the end of the hardest acceleration of the urban
-cycle, it takes what the drive of 1.5 kW can just give."""
+_MASS_UNITS: Final = 2.6
+_GEAR_UNITS: Final = 3.0
+_DRAG_AREA_M2_PER_W: Final = 0.4 / 1500.0
+_OVERSPEED_RPM_PER_GEAR: Final = 600.0
 TOLERANCE_KM_H: Final = 2.0
 """Deviation from the cycle's speed that the type approval test allows (km/h)."""
 HARDEST_BRAKING_M_S2: Final = 6.0
@@ -43,16 +39,40 @@ STANDING_BRAKE: Final = 0.05
 SAMPLE_S: Final = 0.5
 """Time between two kept samples (s)."""
 _PIECE_S: Final = 1.0
+_KEPT: Final = 100
 PHASES: Final = ("accelerating", "cruising", "slowing", "standing")
 """Kinds of stretches of a cycle."""
+
+
+@lru_cache(maxsize=_KEPT)
+def cycle_vehicle(drive: DriveDocument) -> VehicleLoad:
+    """Give the vehicle of a drive.
+
+    On 1.5 kW at 1500 rpm it is a light electric scooter with its rider, 130 kg behind a gear of 3: at 50 km/h, and at
+    the end of the hardest acceleration of the urban cycle, it takes what the drive can just give. Mass and drag area
+    are in proportion to rated power, the gear to the highest speed, so that this holds of other drives; where overspeed
+    is little more than that, the gear is smaller, and 50 km/h stay 13 % below overspeed.
+    """
+    scale = scale_of(drive)
+    return VehicleLoad(
+        kind="vehicle",
+        mass_kg=tidy(_MASS_UNITS * scale.mass_unit_kg),
+        wheel_radius_m=0.25,
+        gear_ratio=min(
+            tidy(_GEAR_UNITS * scale.gear_unit), two_digits(scale.overspeed_rpm / _OVERSPEED_RPM_PER_GEAR)
+        ),
+        rolling_resistance=0.010,
+        drag_area_m2=two_digits(_DRAG_AREA_M2_PER_W * drive.rating.rated_power_w),
+    )
 
 
 def cycle_scenario(cycle: DriveCycle, drive: DriveDocument, *, noise_seed: int | None = None) -> Scenario:
     """Make the run of a drive cycle."""
     period = LONGEST_CONTROL_PERIOD_S
     periods = math.ceil(cycle.duration_s / period - 1e-6)
-    rpm_per_km_h = 1.0 / 3.6 / VEHICLE.lever_m / RADIANS_PER_RPM
-    load = VEHICLE.model_copy(update={"grade_percent": braking_grade(cycle, drive)})
+    vehicle = cycle_vehicle(drive)
+    rpm_per_km_h = 1.0 / 3.6 / vehicle.lever_m / RADIANS_PER_RPM
+    load = vehicle.model_copy(update={"grade_percent": braking_grade(cycle, drive)})
     return Scenario(
         name=f"cycle-{cycle.name}"[:200],
         drive=drive,
@@ -92,9 +112,10 @@ def _grade(deceleration: float, speed: float, drive: DriveDocument, *, standing:
         return round(100.0 * STANDING_BRAKE, 6)
     if deceleration <= 0.0:
         return 0.0
-    weight = VEHICLE.mass_kg * GRAVITY
-    inertial = (VEHICLE.mass_kg + drive.machine.inertia_kg_m2 / VEHICLE.lever_m**2) * deceleration
-    by_itself = VEHICLE.torque_at(speed / VEHICLE.lever_m / RADIANS_PER_RPM) / VEHICLE.lever_m
+    vehicle = cycle_vehicle(drive)
+    weight, lever = vehicle.mass_kg * GRAVITY, vehicle.lever_m
+    inertial = (vehicle.mass_kg + drive.machine.inertia_kg_m2 / lever**2) * deceleration
+    by_itself = vehicle.torque_at(speed / lever / RADIANS_PER_RPM) / lever
     share = min(max((inertial - by_itself) / weight, 0.0), 0.7)
     return round(100.0 * share / math.sqrt(1.0 - share * share), 6)
 
@@ -103,7 +124,7 @@ def cycle_figures(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
     """Tell what a candidate spent on a cycle, and how well it followed."""
     period = scenario.control_period_s
     columns = {name: run.trace[name] for name in observation.TRACE_COLUMNS}
-    km_h = RADIANS_PER_RPM * VEHICLE.lever_m * 3.6
+    km_h = RADIANS_PER_RPM * cycle_vehicle(scenario.drive).lever_m * 3.6
     speed, speed_reference = columns["speed_rpm"] * km_h, columns["speed_reference_rpm"] * km_h
     power, error = columns["input_power_w"], speed - speed_reference
     energy = run.observed.input_energy / 3600.0

@@ -122,7 +122,8 @@ def planned_runs(drive: DriveDocument, cycle: DriveCycle, effort: str, seed: int
     )
 
 
-def _speed(drive: DriveDocument, share: float) -> float:
+def operating_speed(drive: DriveDocument, share: float) -> float:
+    """Give the speed of an operating point (rpm) by its share, as `ComparisonEffort.speeds` has it."""
     scale = scale_of(drive)
     return scale.speed(share) if share <= 1.0 else scale.speed_beyond(share - 1.0)
 
@@ -132,7 +133,7 @@ def _point(drive: DriveDocument, speed_rpm: float, share: float) -> Scenario:
 
 
 def _operating_points(drive: DriveDocument, size: ComparisonEffort) -> Iterator[PlannedRun]:
-    for speed in dict.fromkeys(_speed(drive, share) for share in size.speeds):
+    for speed in dict.fromkeys(operating_speed(drive, share) for share in size.speeds):
         for share in size.shares:
             label = f"{speed:g} rpm, {100.0 * share:g} %"
             yield PlannedRun("points", label, _point(drive, speed, share), speed, share)

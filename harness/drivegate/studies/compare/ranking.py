@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
 from typing import Any, Final
 
+from drivegate.scenarios.drive_scale import DriveScale
 from drivegate.studies.compare.engine import Compared
 from drivegate.studies.compare.statistics import LEAST_EFFECT
 
@@ -29,7 +31,8 @@ Place = tuple[float, float]
 
 _ORDER: Final = {COMPARED: 0, FAULTED: 1, REFUSED: 2}
 _MEANS: Final = {"input_power_w": "power_above_best_w", "current_sum_a": "current_above_best_a"}
-_SPEED_BANDS: Final = ((0.0, 800.0), (800.0, 1200.0), (1200.0, 1500.0), (1500.0, math.inf))
+_BANDS_END_AT: Final = (0.3, 0.7, 1.0)
+"""Ends of the bands of speed, shares of the range from base speed to the highest (1)."""
 _HEAVY_PERCENT: Final = 50.0
 
 
@@ -139,11 +142,11 @@ def _mean(values: Iterable[float]) -> float | None:
     return math.fsum(known) / len(known) if known else None
 
 
-def region_rows(all_compared: Sequence[Compared], points: Sequence[Row]) -> list[Row]:
-    """Tell who wins where: in bands of speed, at light and at heavy load."""
+def region_rows(all_compared: Sequence[Compared], points: Sequence[Row], scale: DriveScale) -> list[Row]:
+    """Tell who wins where: in bands of the drive's speeds, at light and at heavy load."""
     labels = [compared.label for compared in all_compared if status_of(compared) == COMPARED]
     rows: list[Row] = []
-    for name, inside in _regions():
+    for name, inside in _regions(scale):
         here = [row for row in points if row["feasible"] and inside(row)]
         if here:
             rows += _region(
@@ -167,8 +170,9 @@ def _region(name: str, runs: dict[str, list[Row]]) -> list[Row]:
     return rows
 
 
-def _regions() -> Iterable[tuple[str, Callable[[Row], bool]]]:
-    for low, high in _SPEED_BANDS:
+def _regions(scale: DriveScale) -> Iterable[tuple[str, Callable[[Row], bool]]]:
+    ends = (0.0, *map(scale.speed, _BANDS_END_AT), math.inf)
+    for low, high in pairwise(ends):
         speeds = f"up to {high:g} rpm" if low == 0.0 else f"{low:g} to {high:g} rpm"
         speeds = f"above {low:g} rpm" if high == math.inf else speeds
         for heavy in (False, True):

@@ -5,9 +5,11 @@ import pytest
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.results.result import CheckOutcome
+from drivegate.scenarios.drive_scale import scale_of
 from drivegate.studies.compare.differences import difference_rows
 from drivegate.studies.compare.engine import Compared, labelled
 from drivegate.studies.compare.ranking import ranking_rows, region_rows
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 
 PLACES = ((700.0, 25.0), (700.0, 100.0), (1500.0, 100.0))
@@ -94,6 +96,7 @@ def test_only_who_holds_a_region_can_win_it():
     rows = region_rows(
         [compared("loses"), compared("holds")],
         points("loses", (1.0, 1.0, 1.0), (True, False, True)) + points("holds", (200.0, 800.0, 800.0)),
+        scale_of(load_drive("paper-5-phase")),
     )
     of = {(row["region"], row["candidate"]): row for row in rows}
     heavy = of["up to 800 rpm, half load and more", "loses"]
@@ -101,6 +104,21 @@ def test_only_who_holds_a_region_can_win_it():
     assert of["up to 800 rpm, half load and more", "holds"]["power_above_best_w"] == 0.0
     assert of["up to 800 rpm, below half load", "holds"]["power_above_best_w"] == pytest.approx(199.0)
     assert len(of) == 6, "a region without operating points is left out"
+
+
+def test_bands_of_speed_follow_from_the_drive():
+    def bands(name):
+        drive = load_drive(name)
+        speeds = [share * drive.rating.base_speed_rpm for share in (1.5, 2.0, 3.0, 4.0)]
+        one = points("any", (1.0, 1.0, 1.0))[0] | {"load_percent": 100.0}
+        made = [one | {"speed_rpm": speed} for speed in speeds]
+        return [row["region"] for row in region_rows([compared("any")], made, scale_of(drive))]
+
+    heavy = ", half load and more"
+    paper = ["up to 800 rpm", "800 to 1200 rpm", "1200 to 1500 rpm", "above 1500 rpm"]
+    assert bands("paper-5-phase") == [band + heavy for band in paper]
+    fan = ["up to 3200 rpm", "3200 to 4800 rpm", "4800 to 6000 rpm", "above 6000 rpm"]
+    assert bands("fan-3-phase") == [band + heavy for band in fan]
 
 
 def test_equal_names_are_numbered():

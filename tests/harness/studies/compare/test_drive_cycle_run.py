@@ -5,7 +5,12 @@ import pytest
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.drives.running import run_scenario
-from drivegate.studies.compare.drive_cycle_run import VEHICLE, braking_grade, cycle_figures, cycle_scenario
+from drivegate.studies.compare.drive_cycle_run import (
+    braking_grade,
+    cycle_figures,
+    cycle_scenario,
+    cycle_vehicle,
+)
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.drive_cycle import DriveCycle, load_drive_cycle
 from drivegate_cases.scenario.load import GRAVITY
@@ -15,6 +20,7 @@ from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_models.units import RADIANS_PER_RPM
 
 DRIVE = load_drive("paper-5-phase")
+VEHICLE = cycle_vehicle(DRIVE)
 SHORT = DriveCycle(
     name="short", speed_km_h=((0.0, 0.0), (1.0, 0.0), (6.0, 20.0), (9.0, 20.0), (13.0, 0.0), (15.0, 0.0))
 )
@@ -34,6 +40,40 @@ def test_the_reference_is_the_cycle_s_speed_through_wheel_and_gear():
     assert scenario.duration_s == 195.0
     assert scenario.sensors.kind == "ideal"
     assert cycle_scenario(SHORT, DRIVE, noise_seed=3).sensors == MCS96
+
+
+def test_the_vehicle_of_the_paper_s_drive_is_a_scooter():
+    assert VEHICLE.model_dump(exclude={"kind", "air_density_kg_m3", "grade_percent"}) == {
+        "mass_kg": 130.0,
+        "wheel_radius_m": 0.25,
+        "gear_ratio": 3.0,
+        "rolling_resistance": 0.01,
+        "drag_area_m2": 0.4,
+    }
+
+
+@pytest.mark.parametrize("name", ["fan-3-phase", "traction-7-phase"])
+def test_the_vehicle_of_another_drive_takes_the_same_share_of_its_rating(name):
+    drive = load_drive(name)
+
+    def shares(of):
+        vehicle, rating = cycle_vehicle(of), of.rating
+        shaft_rpm = 50.0 / 3.6 / vehicle.lever_m / RADIANS_PER_RPM
+        power = vehicle.torque_at(shaft_rpm) * shaft_rpm * RADIANS_PER_RPM
+        return (
+            vehicle.mass_kg / rating.rated_power_w,
+            shaft_rpm / rating.highest_speed_rpm,
+            power / rating.rated_power_w,
+        )
+
+    assert shares(drive) == pytest.approx(shares(DRIVE), rel=0.03)
+
+
+def test_the_vehicle_stays_below_overspeed():
+    rating = DRIVE.rating
+    drive = DRIVE.replaced(overspeed_rpm=rating.highest_speed_rpm)
+    highest = max(speed for _, speed in cycle_scenario(load_drive_cycle("ece-15"), drive).speed_rpm)
+    assert highest < drive.rating.overspeed_rpm
 
 
 def test_the_brake_gives_what_coasting_does_not():

@@ -1,0 +1,74 @@
+"""How far a drive keeps its rated power: the greatest power over speed, and the speed up to which it is enough."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from drivegate.drives.rating import RatedDrive
+
+SPEEDS: Final = 41
+"""Speeds from the lowest loaded to overspeed at which the greatest power is found."""
+_BISECTIONS: Final = 12
+
+
+@dataclass(frozen=True)
+class ConstantPower:
+    """The range of constant power.
+
+    Attributes
+    ----------
+    speeds : tuple of float
+        Speeds from the lowest at which rated power is required to overspeed (rad/s).
+    powers : tuple of float
+        Greatest power at the shaft that some angle gives there at the current limit (W).
+    reached : float or None
+        Speed up to which that is rated power without a gap (rad/s), overspeed at most; None where it is not from the
+        first speed on.
+    """
+
+    speeds: tuple[float, ...]
+    powers: tuple[float, ...]
+    reached: float | None
+
+
+def constant_power(drive: RatedDrive) -> ConstantPower:
+    """Find the range of constant power of a drive.
+
+    Parameters
+    ----------
+    drive : RatedDrive
+        The drive with its rating.
+
+    Returns
+    -------
+    ConstantPower
+        The greatest power over speed, and how far it reaches.
+    """
+    rating = drive.rating
+    speeds = [float(speed) for speed in np.linspace(rating.lowest_speed, rating.overspeed, SPEEDS)]
+    powers = [greatest_power(drive, speed) for speed in speeds]
+    missing = next((place for place, power in enumerate(powers) if not power >= rating.power), None)
+    if missing is None:
+        reached: float | None = rating.overspeed
+    else:
+        reached = _edge(drive, speeds[missing - 1], speeds[missing]) if missing else None
+    return ConstantPower(tuple(speeds), tuple(powers), reached)
+
+
+def greatest_power(drive: RatedDrive, speed: float) -> float:
+    """Find the greatest power at the shaft, after what it loses on the way, at the current limit and a speed (W)."""
+    greatest = drive.oracle.greatest_torque_at_limit(drive.constants, speed).torque
+    return float((greatest - drive.demanded_torque(speed)) * speed + drive.rating.power)
+
+
+def _edge(drive: RatedDrive, low: float, high: float) -> float:
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        if greatest_power(drive, middle) >= drive.rating.power:
+            low = middle
+        else:
+            high = middle
+    return low

@@ -1,0 +1,108 @@
+"""Candidates compared on one drive: the plan, every candidate's runs, the best possible, and the document of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import bounded_line
+from drivegate.gate.events import CheckStarted, Event
+from drivegate.output.event_loop import followed
+from drivegate.output.progress import Display
+from drivegate.results.waivers import present_day
+from drivegate.studies.compare.document import comparison_document
+from drivegate.studies.compare.engine import Compared, labelled, prepared, run_plan, solve_plan
+from drivegate.studies.compare.options import ComparisonOptions
+from drivegate.studies.compare.plan import PlannedRun, planned_runs
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.drive_cycle import DriveCycle
+
+
+@dataclass(frozen=True)
+class ComparedDrive:
+    """What the candidates came to on one drive.
+
+    Attributes
+    ----------
+    drive : DriveDocument
+        The drive.
+    plan : tuple of PlannedRun
+        What every candidate ran.
+    all_compared : list of Compared
+        What has become of each candidate.
+    document : dict or None
+        The comparison document; None where no candidate could be run.
+    """
+
+    drive: DriveDocument
+    plan: tuple[PlannedRun, ...]
+    all_compared: list[Compared]
+    document: dict[str, Any] | None
+
+    @property
+    def refused(self) -> tuple[tuple[str, Exception], ...]:
+        """Specification and error of each candidate that could not be compared."""
+        return tuple(
+            (compared.specification, compared.error)
+            for compared in self.all_compared
+            if compared.error is not None
+        )
+
+
+def compared_on(
+    specifications: Sequence[str],
+    resolved: Sequence[Candidate | Exception],
+    cycle: DriveCycle,
+    drive: DriveDocument,
+    options: ComparisonOptions,
+    display: Display,
+    *,
+    place: str = "",
+) -> ComparedDrive:
+    """Compare candidates on a drive; `place` is added to the titles of its progress."""
+    started, began = present_day().isoformat(), time.monotonic()
+    names = [
+        found.name if isinstance(found, Candidate) else bounded_line(specification)[:200]
+        for specification, found in zip(specifications, resolved, strict=True)
+    ]
+    all_compared = labelled(specifications, names)
+    followed(prepared(), display)
+    plan = planned_runs(drive, cycle, options.effort, options.seed)
+    for compared, found in zip(all_compared, resolved, strict=True):
+        if isinstance(found, Exception):
+            compared.error = found
+            continue
+        compared.candidate = found
+        try:
+            runs = run_plan(compared, plan, seed=options.seed, workers=options.workers, checks=options.checks)
+            followed(_titled(runs, place), display)
+        except Exception as error:
+            compared.error = error
+    if all(compared.error is not None for compared in all_compared):
+        return ComparedDrive(drive, plan, all_compared, None)
+    oracle: dict[str, Any] = {}
+    followed(_titled(solve_plan(plan, options.workers, oracle), place), display)
+    document = comparison_document(
+        all_compared,
+        plan,
+        oracle,
+        drive=drive,
+        cycle=cycle,
+        effort=options.effort,
+        seed=options.seed,
+        checks=options.checks,
+        timing={"started_utc": started, "seconds": round(time.monotonic() - began, 3)},
+    )
+    return ComparedDrive(drive, plan, all_compared, document)
+
+
+def _titled(events: Iterable[Event], place: str) -> Iterator[Event]:
+    """Add to the title of what begins."""
+    for event in events:
+        if place and isinstance(event, CheckStarted):
+            yield replace(event, candidate_name=f"{event.candidate_name}{place}")
+        else:
+            yield event

@@ -1,0 +1,103 @@
+"""The document of a comparison of drives: the same candidates on each, with the comparison on every drive as a part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from drivegate.drives.constant_power import constant_power
+from drivegate.drives.rating import rated_drive
+from drivegate.results.provenance import hash_of_content, provenance
+from drivegate.results.result import finite
+from drivegate.studies.compare.compared_drive import ComparedDrive
+from drivegate.studies.compare.drive_tables import (
+    LOSSES_IN_WORDS,
+    drive_rows,
+    operating_rows,
+    power_rows,
+    summary_rows,
+)
+from drivegate.studies.compare.per_unit import BASES_IN_WORDS, bases_of
+
+SCHEMA: Final = 1
+"""Version of the document."""
+KIND: Final = "drive-comparison"
+"""Kind of the document."""
+
+
+def drive_comparison_document(
+    labels: Sequence[str],
+    made: Sequence[ComparedDrive],
+    *,
+    effort: str,
+    seed: int,
+    timing: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Put a comparison of drives together.
+
+    Parameters
+    ----------
+    labels : sequence of str
+        A name of its own for each drive.
+    made : sequence of ComparedDrive
+        What the candidates came to on each, in the same order; every one with a document.
+    effort : str
+        How much was run.
+    seed : int
+        Seed of everything drawn.
+    timing : mapping
+        Day and duration, which the hash leaves out.
+
+    Returns
+    -------
+    dict
+        Plain data: ``drives`` with bases and folder, ``candidates``, ``tables``, and the comparison on each drive in
+        ``parts``.
+    """
+    points = operating_rows(labels, made, effort)
+    drives = [one.drive for one in made]
+    ranges = [constant_power(rated_drive(drive)) for drive in drives]
+    parts = [one.document for one in made if one.document is not None]
+    content: dict[str, Any] = {
+        "schema": SCHEMA,
+        "kind": KIND,
+        "effort": effort,
+        "seed": seed,
+        "bases": BASES_IN_WORDS,
+        "losses": LOSSES_IN_WORDS,
+        "drives": [
+            {
+                "label": label,
+                **one.drive.identity(),
+                "per_unit": bases_of(one.drive).document(),
+                "folder": part_folder(place),
+            }
+            for place, (label, one) in enumerate(zip(labels, made, strict=True))
+        ],
+        "candidates": [
+            {key: entry[key] for key in ("label", "specification", "kind", "hash")}
+            for entry in parts[0]["candidates"]
+        ],
+        "tables": {
+            "summary": summary_rows(labels, made, points),
+            "drives": drive_rows(labels, drives, ranges),
+            "operating_points": points,
+            "greatest_power": power_rows(labels, drives, ranges),
+        },
+        "parts": parts,
+        "provenance": provenance(),
+    }
+    content = {key: finite(value) for key, value in content.items()}
+    content["provenance"] = {**content["provenance"], "content_hash": hash_of_content(_hashed(content))}
+    content["timing"] = finite(timing)
+    return content
+
+
+def part_folder(place: int) -> str:
+    """Name the folder of a drive's own report, which its name, anybody's text, could not."""
+    return f"drive-{place + 1}"
+
+
+def _hashed(content: dict[str, Any]) -> dict[str, Any]:
+    """Have each part stand for itself by its own hash, which leaves out what differs from run to run."""
+    return {**content, "parts": [part["provenance"]["content_hash"] for part in content["parts"]]}

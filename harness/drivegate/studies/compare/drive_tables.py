@@ -1,0 +1,214 @@
+"""The tables of a comparison of drives: what each candidate came to on each drive, absolute and per unit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any, Final
+
+from drivegate.drives.constant_power import ConstantPower
+from drivegate.studies.compare.compared_drive import ComparedDrive
+from drivegate.studies.compare.per_unit import Bases, bases_of
+from drivegate.studies.compare.plan import EFFORTS, PlannedRun, operating_speed
+from drivegate.studies.compare.ranking import Row, status_of
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.load import ConstantTorqueLoad
+from drivegate_models.units import RADIANS_PER_RPM
+
+LOSSES_IN_WORDS: Final = (
+    "Losses are input power less the load's. Electrical ones lie between the supply and the torque: windings, bridge, "
+    "and the core of connected phases; mechanical ones between the torque and the load: friction, the core of phases "
+    "that float, and what a speed that still moves stores."
+)
+"""How losses are split."""
+_MEANS: Final = (
+    "current_sum_pu",
+    "current_sum_a",
+    "input_power_pu",
+    "input_power_w",
+    "losses_pu",
+    "losses_w",
+)
+_FULL_PERCENT: Final = 100.0
+
+
+def drive_rows(
+    labels: Sequence[str], drives: Sequence[DriveDocument], ranges: Sequence[ConstantPower]
+) -> list[Row]:
+    """List the drives with their bases, and how far they keep rated power."""
+    return [_drive_row(*row) for row in zip(labels, drives, ranges, strict=True)]
+
+
+def _drive_row(label: str, drive: DriveDocument, power: ConstantPower) -> Row:
+    rating, bases = drive.rating, bases_of(drive)
+    reached_rpm = None if power.reached is None else round(power.reached / RADIANS_PER_RPM, 6)
+    return {
+        "drive": label,
+        "hash": drive.values_hash,
+        "phases": drive.machine.phases,
+        "supply_voltage_v": drive.inverter.supply_voltage_v,
+        "rated_power_w": rating.rated_power_w,
+        "current_limit_a": rating.current_limit_a,
+        "base_speed_rpm": rating.base_speed_rpm,
+        "highest_speed_rpm": rating.highest_speed_rpm,
+        "overspeed_rpm": rating.overspeed_rpm,
+        "base_torque_nm": bases.torque_nm,
+        "base_current_sum_a": bases.current_sum_a,
+        "constant_power_up_to_rpm": reached_rpm,
+        "constant_power_up_to_pu": None if reached_rpm is None else round(reached_rpm / bases.speed_rpm, 6),
+    }
+
+
+def power_rows(
+    labels: Sequence[str], drives: Sequence[DriveDocument], ranges: Sequence[ConstantPower]
+) -> list[Row]:
+    """List the greatest power of each drive over speed, whatever the controller."""
+    rows: list[Row] = []
+    for label, drive, found in zip(labels, drives, ranges, strict=True):
+        bases = bases_of(drive)
+        for speed, power in zip(found.speeds, found.powers, strict=True):
+            rpm = round(speed / RADIANS_PER_RPM, 6)
+            rows.append(
+                {
+                    "drive": label,
+                    "speed_rpm": rpm,
+                    "speed_pu": rpm / bases.speed_rpm,
+                    "greatest_power_w": power,
+                    "greatest_power_pu": power / bases.power_w,
+                }
+            )
+    return rows
+
+
+def operating_rows(labels: Sequence[str], made: Sequence[ComparedDrive], effort: str) -> list[Row]:
+    """List what each candidate came to on each drive at the same shares of range and rating."""
+    rows: list[Row] = []
+    for label, one in zip(labels, made, strict=True):
+        bases = bases_of(one.drive)
+        for compared in one.all_compared:
+            for speed_share, index, planned in _points(one, effort):
+                if index in compared.figures:
+                    where = {"candidate": compared.label, "drive": label, "speed_share": speed_share}
+                    rows.append(where | _operating_row(planned, compared.figures[index], bases))
+    return rows
+
+
+def _points(made: ComparedDrive, effort: str) -> Iterable[tuple[float, int, PlannedRun]]:
+    """Give the operating points with their shares; two shares of a narrow range may be one speed."""
+    points = [(index, planned) for index, planned in enumerate(made.plan) if planned.group == "points"]
+    for share in EFFORTS[effort].speeds:
+        speed = operating_speed(made.drive, share)
+        for index, planned in points:
+            if planned.speed_rpm == speed:
+                yield share, index, planned
+
+
+def _operating_row(planned: PlannedRun, figures: Row, bases: Bases) -> Row:
+    load = planned.scenario.load
+    assert isinstance(load, ConstantTorqueLoad), "the load of an operating point is a torque"
+    assert planned.speed_rpm is not None, "an operating point has a speed"
+    assert planned.share is not None, "an operating point has a load"
+    row: Row = {
+        "load_percent": round(100.0 * planned.share, 6),
+        "speed_rpm": planned.speed_rpm,
+        "speed_pu": planned.speed_rpm / bases.speed_rpm,
+        "torque_nm": load.torque_nm,
+        "torque_pu": load.torque_nm / bases.torque_nm,
+        "held": figures["held"],
+        "ripple_percent": figures["ripple_percent"],
+        "current_sum_a": figures["current_sum_a"],
+        "current_sum_pu": figures["current_sum_a"] / bases.current_sum_a,
+        "input_power_w": figures["input_power_w"],
+        "input_power_pu": figures["input_power_w"] / bases.power_w,
+    }
+    return row | _losses(figures, load.torque_nm, bases)
+
+
+def _losses(figures: Row, load_nm: float, bases: Bases) -> Row:
+    """Split the losses of a steady run; a speed that is not held takes or gives kinetic energy besides."""
+    watts: Row = dict.fromkeys(("shaft_power", "losses", "electrical_losses", "mechanical_losses"))
+    efficiency = None
+    if figures["held"]:
+        speed, power = figures["speed_mean_rpm"] * RADIANS_PER_RPM, figures["input_power_w"]
+        shaft, at_gap = load_nm * speed, figures["torque_mean_nm"] * speed
+        watts = {
+            "shaft_power": shaft,
+            "losses": power - shaft,
+            "electrical_losses": power - at_gap,
+            "mechanical_losses": at_gap - shaft,
+        }
+        efficiency = 100.0 * shaft / power if power > 0.0 else None
+    return {
+        "efficiency_percent": efficiency,
+        **{f"{key}_w": value for key, value in watts.items()},
+        **{f"{key}_pu": None if value is None else value / bases.power_w for key, value in watts.items()},
+    }
+
+
+def summary_rows(labels: Sequence[str], made: Sequence[ComparedDrive], points: Sequence[Row]) -> list[Row]:
+    """Put the drives side by side for each candidate, over the points that it holds on all of them."""
+    rows: list[Row] = []
+    for place, compared in enumerate(made[0].all_compared):
+        own = [row for row in points if row["candidate"] == compared.label]
+        shared = _held_on_all(own, labels)
+        for label, one in zip(labels, made, strict=True):
+            here = [row for row in own if row["drive"] == label]
+            rows.append(_summary_row(label, one, place, here, shared))
+    return rows
+
+
+_Place = tuple[float, float]
+
+
+def _place(row: Row) -> _Place:
+    return row["speed_share"], row["load_percent"]
+
+
+def _held_on_all(rows: Sequence[Row], labels: Sequence[str]) -> set[_Place]:
+    held = [{_place(row) for row in rows if row["drive"] == label and row["held"]} for label in labels]
+    return set.intersection(*held)
+
+
+def _summary_row(
+    label: str, made: ComparedDrive, place: int, points: Sequence[Row], shared: set[_Place]
+) -> Row:
+    compared = made.all_compared[place]
+    over = [row for row in points if _place(row) in shared]
+    full = [row for row in points if row["load_percent"] == _FULL_PERCENT]
+    shaft, power = (_mean(row[key] for row in over) for key in ("shaft_power_w", "input_power_w"))
+    failed = None
+    if compared.outcomes is not None:
+        failed = sum(made.level == "required" and made.verdict == "fail" for made in compared.outcomes)
+    return {
+        "candidate": compared.label,
+        "drive": label,
+        "status": status_of(compared),
+        "required_failed": failed,
+        "points_held": sum(row["held"] for row in points),
+        "points": len(points),
+        "points_shared": len(over),
+        **{key: _mean(row[key] for row in over) for key in _MEANS},
+        "efficiency_percent": 100.0 * shaft / power if shaft is not None and power else None,
+        "ripple_full_load_percent": max(
+            (row["ripple_percent"] for row in over if row["load_percent"] == _FULL_PERCENT), default=None
+        ),
+        **_held_up_to(full),
+    }
+
+
+def _held_up_to(full: Sequence[Row]) -> Row:
+    """Tell up to which of the run speeds rated power was held without a gap."""
+    reached: Row = {"rated_power_held_up_to_rpm": None, "rated_power_held_up_to_pu": None}
+    for row in sorted(full, key=lambda row: float(row["speed_rpm"])):
+        if not row["held"]:
+            break
+        reached = {
+            "rated_power_held_up_to_rpm": row["speed_rpm"],
+            "rated_power_held_up_to_pu": row["speed_pu"],
+        }
+    return reached
+
+
+def _mean(values: Iterable[Any]) -> float | None:
+    known = list(values)
+    return math.fsum(known) / len(known) if known else None

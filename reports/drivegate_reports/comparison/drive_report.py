@@ -1,0 +1,29 @@
+"""The report of a comparison of drives: one page, from its document alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate_cases.documents.atomic_write import write_atomically
+
+REPORT_FILE: Final = "drive-comparison.html"
+"""Name of the page in the report's folder."""
+
+
+def write(document: Mapping[str, Any], folder: Path) -> Path:
+    """Write the report of a comparison of drives."""
+    path = folder / REPORT_FILE
+    write_atomically(path, page(document))
+    return path
+
+
+def page(document: Mapping[str, Any]) -> str:
+    """Make the page."""
+    from drivegate_reports.comparison.drive_curves import drive_figures
+    from drivegate_reports.comparison.drive_view import drive_view_of
+    from drivegate_reports.page.page import page_text
+
+    view = drive_view_of(document)
+    return page_text("drive_comparison.html.j2", view=view, figures=drive_figures(document))
