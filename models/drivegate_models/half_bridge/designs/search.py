@@ -38,7 +38,7 @@ from drivegate_models.half_bridge.designs.state import (
     QUADRATIC_INTERPOLATION,
 )
 from drivegate_models.half_bridge.designs.sweep import begin_sweep, continue_sweep
-from drivegate_models.half_bridge.designs.table import look_up, table_fits
+from drivegate_models.half_bridge.designs.table import look_up
 
 MOST_DECISIONS: Final = 44
 """Decisions after which a search ends with the cheapest angle so far."""
@@ -128,9 +128,9 @@ def begin_search(state: Any) -> float:
     state.home_power = state.controller.last_power
     state.best_offset = state.home
     state.best_power = state.home_power
-    # At light load the current sum says little to search by, whatever the search: a table that fits knows more.
+    # At light load the current sum says little to search by, whatever the search: the table knows more.
     light = state.home_power < _LEAST_TO_SEARCH * greatest_current_sum(state.controller)
-    state.tabled = 1 if state.design == ANGLE_TABLE or (light and table_fits(state.controller)) else 0
+    state.tabled = 1 if state.design == ANGLE_TABLE or light else 0
     state.finished = 0
     state.confirming = UNCONFIRMED
     state.stage = 0

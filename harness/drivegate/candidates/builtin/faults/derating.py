@@ -40,7 +40,7 @@ FAULTS: Final = (
         "CNV-1",
         fault=faults.HEAT_IN_STEPS,
         size=_STEPS_UNDER_LOAD,
-        shown_by="rated load with a control period of 50 µs, or for a minute",
+        shown_by="rated load with a control period of 50 µs, or for minutes",
     ),
     Mutation(
         "derating-chatters",
