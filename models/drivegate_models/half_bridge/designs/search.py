@@ -38,7 +38,7 @@ from drivegate_models.half_bridge.designs.state import (
     QUADRATIC_INTERPOLATION,
 )
 from drivegate_models.half_bridge.designs.sweep import begin_sweep, continue_sweep
-from drivegate_models.half_bridge.designs.table import look_up
+from drivegate_models.half_bridge.designs.table import MOST_LOOKUPS, look_up
 
 MOST_DECISIONS: Final = 44
 """Decisions after which a search ends with the cheapest angle so far."""
@@ -240,6 +240,27 @@ def conclude(state: Any) -> None:
 
 
 @inlined
+def accept_way_back(state: Any) -> None:
+    """Rest no lower than where the way back has led, since what was found has lost the torque; a table looks up again.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+    """
+    controller = state.controller
+    if controller.offset <= state.best_offset:
+        return
+    state.best_offset = controller.offset
+    state.best_power = controller.last_power
+    # The way back may have been too long for the load that has grown; a table tells by how much.
+    if state.design == ANGLE_TABLE and state.probes < MOST_LOOKUPS:
+        state.finished = 0
+        state.decisions = 0
+        state.target = look_up(state, controller.last_power)
+
+
+@inlined
 def decide_design(state: Any) -> None:
     """Make one decision of a design.
 
@@ -266,10 +287,7 @@ def decide_design(state: Any) -> None:
         settle_for(state, state.best_offset)
     elif not is_reached(state):
         if state.finished == 1 and work == BEGINNING:
-            # What was found has lost the torque: rest no lower than here.
-            if controller.offset > state.best_offset:
-                state.best_offset = controller.offset
-                state.best_power = controller.last_power
+            accept_way_back(state)
         elif work == BEGINNING:
             note_cheapest(state)
         settle_for(state, state.target)
