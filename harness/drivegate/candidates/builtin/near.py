@@ -40,7 +40,7 @@ _ALL: Final = (
         "Rests {size} above the angle that it has found.",
         "",
         fault=faults.RESTS_BESIDE,
-        size=sizes.share(0.125, oracle_sizes.BESIDE_OPTIMUM),
+        size=oracle_sizes.NEAR_OPTIMUM,
     ),
     Mutation(
         "power-almost-a-billionth-off",

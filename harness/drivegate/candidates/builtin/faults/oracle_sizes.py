@@ -21,7 +21,11 @@ _TABLE_SHARES: Final = (0.05, 0.1, 0.2, 0.5, 0.65, 0.7, 0.85)
 # Added to the edge by a table of the nominal drive (deg).
 _TO_SPARE: Final = 1.5
 _TOLERANCES_BESIDE: Final = 3.0
-_MOST_BESIDE: Final = 45
+_MOST_BESIDE: Final = 16
+_SHARE_NEAR: Final = 0.45
+_SPEEDS_NEAR: Final = (0.5, 0.75, 1.0)
+_FINE_STEP: Final = 0.05
+_FINE_STEPS: Final = 21
 
 
 @lru_cache(maxsize=_KEPT)
@@ -102,10 +106,10 @@ def nominal_table(drive: DriveDocument) -> tuple[tuple[float, float], ...]:
 
 
 @lru_cache(maxsize=_KEPT)
-def _beside_optimum(drive: DriveDocument) -> float:
-    """Give the least whole angle above the optimum at which the current sum is three times too far off the least one.
+def _excesses(drive: DriveDocument, part: float, angles: tuple[float, ...]) -> tuple[float, ...]:
+    """Give what angles above the optimum (deg) cost at rated power, over the tolerance; a share of the range of speeds.
 
-    At rated power and the highest speed, where the angle counts most (deg).
+    NaN where an angle gives no torque any more.
     """
     from drivegate_models.half_bridge.steady.oracle import (
         current_sum_curve,
@@ -114,16 +118,32 @@ def _beside_optimum(drive: DriveDocument) -> float:
     )
 
     rating, plant = drive.rating, drive.plant()
-    base, speed = rating.base_speed_rpm * RADIANS_PER_RPM, rating.highest_speed_rpm * RADIANS_PER_RPM
+    base, highest = rating.base_speed_rpm * RADIANS_PER_RPM, rating.highest_speed_rpm * RADIANS_PER_RPM
+    speed = base + part * (highest - base)
     torque = demanded_torque(plant, speed, base, rating.rated_power_w)
     best = least_current_sum(plant, speed, torque)
-    most = best.current_sum * (1.0 + _TOLERANCES_BESIDE * limits_of(drive).optimum_tolerance)
-    for beside in range(1, _MOST_BESIDE):
-        found = current_sum_curve(plant, speed, torque, [best.advance + radians(beside)]).current_sum[0]
-        # Where it gives no torque any more, it is far off, too.
-        if not found < most:
-            return float(beside)
-    return float(_MOST_BESIDE)
+    advances = [best.advance + radians(angle) for angle in angles]
+    sums = current_sum_curve(plant, speed, torque, advances).current_sum
+    allowed = limits_of(drive).optimum_tolerance * best.current_sum
+    return tuple(float((found - best.current_sum) / allowed) for found in sums)
+
+
+def _beside_optimum(drive: DriveDocument) -> float:
+    """Give the least whole angle above the optimum that costs three times too much at the highest speed (deg)."""
+    angles = tuple(map(float, range(1, _MOST_BESIDE)))
+    excesses = zip(angles, _excesses(drive, 1.0, angles), strict=True)
+    # An angle that gives no torque any more is far off, too.
+    return next((angle for angle, excess in excesses if not excess < _TOLERANCES_BESIDE), float(_MOST_BESIDE))
+
+
+def _near_optimum(drive: DriveDocument) -> float:
+    """Give the greatest angle above the optimum that costs less than half of what is allowed at any speed (deg)."""
+    angles = tuple(round(_FINE_STEP * number, 2) for number in range(1, _FINE_STEPS))
+    by_speed = [_excesses(drive, part, angles) for part in _SPEEDS_NEAR]
+    cheap = [
+        angle for number, angle in enumerate(angles) if all(row[number] < _SHARE_NEAR for row in by_speed)
+    ]
+    return max(cheap, default=_FINE_STEP)
 
 
 BELOW_POINT: Final = Size(_below_point, "°")
@@ -132,3 +152,5 @@ ENOUGH_TO_HIGHEST: Final = Size(_enough_to_highest, "°")
 """An angle that gives rated power at the highest speed, and not beyond."""
 BESIDE_OPTIMUM: Final = Size(_beside_optimum, "°")
 """An angle above the optimum that costs too much."""
+NEAR_OPTIMUM: Final = Size(_near_optimum, "°")
+"""An angle above the optimum that costs less than is allowed."""
