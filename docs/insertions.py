@@ -14,6 +14,7 @@ from types import MappingProxyType
 from typing import Final
 
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
+from drivegate.candidates.builtin.faults.mutation import told_on
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.checks.coverage import JUDGED, NOT_VARIED, SENSED, Varied, drawn_by_family, varied_keys
 from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
@@ -70,8 +71,10 @@ def check(name: str) -> str:
 
 def known_faults(name: str) -> str:
     """The faulty controllers that the self-test has for one check."""
+    drive = load_drive(DEFAULT_DRIVE)
     return "\n".join(
-        f"- `faulty:{fault.name}`: {_plain(fault.sentence)}{_shown_by(fault.shown_by)}"
+        f"- `faulty:{fault.name}`: {_plain(told_on(fault, fault.sentence, drive))}"
+        f"{_shown_by(told_on(fault, fault.shown_by, drive))}"
         for fault in MUTATIONS.values()
         if fault.check == name
     )
@@ -88,7 +91,11 @@ def fault_kinds(_: str) -> str:
 
 def near_designs(_: str) -> str:
     """The correct controllers that are near a limit by design."""
-    rows = ((f"`near:{design.name}`", _plain(design.sentence)) for design in NEAR_DESIGNS.values())
+    drive = load_drive(DEFAULT_DRIVE)
+    rows = (
+        (f"`near:{design.name}`", _plain(told_on(design, design.sentence, drive)))
+        for design in NEAR_DESIGNS.values()
+    )
     return _table(("design", "what it does"), rows)
 
 

@@ -1,9 +1,12 @@
 """The face that every kind of candidate shows to the closed loop, whatever language it is written in."""
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from drivegate.candidates.fault import Fault
 from drivegate_models.contract.outer_loop.signals import Nameplate
+
+if TYPE_CHECKING:
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 
 class Controller(Protocol):
@@ -23,3 +26,17 @@ class Controller(Protocol):
 
     def reset(self, nameplate: Nameplate) -> None:
         """Prepare for a run."""
+
+
+@runtime_checkable
+class KnowsDrive(Protocol):
+    """A controller that comes along with drivegate, and follows from more of its drive than a nameplate has."""
+
+    def show_drive(self, drive: "DriveDocument") -> None:
+        """Take the drive that the next runs are on."""
+
+
+def show_drive(controller: object, drive: "DriveDocument") -> None:
+    """Show a controller its whole drive before a reset, where it takes that; no candidate of a user does."""
+    if isinstance(controller, KnowsDrive):
+        controller.show_drive(drive)

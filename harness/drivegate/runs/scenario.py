@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.controller import Controller
+from drivegate.candidates.controller import Controller, show_drive
 from drivegate.candidates.fault import CandidateFault, refused_command
 from drivegate.containment.contained_controller import ContainedController, PlayedCommands
 from drivegate.containment.messages import AnyController
@@ -161,6 +161,7 @@ def run_in_closed_loop(
         "sensors": plant_sensors(scenario),
     }
     restarts = [round(time / scenario.control_period_s) for time in scenario.restarts_s]
+    show_drive(controller, scenario.drive)
     controller.reset(nameplate)
     if isinstance(controller, ContainedController):
         by_address: Controller = controller.run(

@@ -8,15 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, number_on
+from drivegate.candidates.builtin.faults.oracle_sizes import nominal_table
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.candidates.fault import Fault
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.contract.outer_loop.records import nameplate_record
 from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.errors import HarnessFault
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function
 from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
 from drivegate_models.half_bridge.faults.controllers import faulty_step_function
-from drivegate_models.half_bridge.faults.state import FAULTY_STATE
+from drivegate_models.half_bridge.faults.state import FAULTY_STATE, NOMINAL_TABLE
 
 _CONTROLLER_KEYS: Final = frozenset(CONTROLLER_STATE.names or ())
 
@@ -56,10 +59,17 @@ class FaultyController:
         self.step_address: int = self._step.address
         self.state_address: int = self._state.ctypes.data
         self.fault: Fault | None = None
+        self._drive: DriveDocument | None = None
+
+    def show_drive(self, drive: DriveDocument) -> None:
+        """Take the drive that the fault is to be sized for."""
+        self._drive = drive
 
     def reset(self, nameplate: Nameplate) -> None:
         """Write the constants, change those that the fault changes, and forget what the fault lets it forget."""
-        mutation = self._mutation
+        mutation, drive = self._mutation, self._drive
+        if drive is None:
+            raise HarnessFault(f"the controller '{mutation.name}' runs on a drive that it has not been shown")
         state: NDArray[Any] = np.zeros(1, FAULTY_STATE)
         # A field of a record array is a view.
         controller: NDArray[Any] = np.zeros(1, CONTROLLER_STATE)
@@ -67,9 +77,10 @@ class FaultyController:
         reset_function()(controller, nameplate_record(believed), SEARCHES[mutation.base])
         for name, factor in mutation.factors:
             controller[name] = controller[name] * factor
+        for name, constant in mutation.constants:
+            controller[name] = constant.number(drive)
         state["controller"] = controller
-        state["fault"] = mutation.fault
-        state["size"] = mutation.size
+        _write_sizes(state, mutation, drive)
         # Before its first run there is nothing to keep.
         if self._state["controller"]["control_period"][0] > 0.0:
             for name in mutation.keeps:
@@ -80,3 +91,13 @@ class FaultyController:
                 )
                 new[name] = old[name]
         self._state[:] = state
+
+
+def _write_sizes(state: NDArray[Any], mutation: Mutation, drive: DriveDocument) -> None:
+    state["fault"] = mutation.fault
+    state["size"] = number_on(mutation.size, drive)
+    state["extent"] = number_on(mutation.extent, drive)
+    for name, speed in zip(("first_rpm", "last_rpm"), mutation.region, strict=False):
+        state[name] = speed.of(drive)
+    if mutation.fault == NOMINAL_TABLE:
+        state["table_rpm"], state["table_degrees"] = zip(*nominal_table(drive), strict=True)

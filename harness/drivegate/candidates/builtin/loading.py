@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,12 @@ from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
 from drivegate_models.contract.outer_loop.records import nameplate_record
 from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.errors import HarnessFault
 from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function, step_function
 from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
+
+if TYPE_CHECKING:
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 
 @dataclass(frozen=True)
@@ -55,7 +59,7 @@ def load_controller(candidate: Candidate) -> Controller:
     return BuiltinController(SEARCHES[candidate.entry])
 
 
-def _design_controller(design: str) -> "BuiltinController":
+def _design_controller(design: str) -> "DesignController":
     from drivegate_models.half_bridge.designs.controllers import (
         DESIGNS,
         design_reset_function,
@@ -64,7 +68,7 @@ def _design_controller(design: str) -> "BuiltinController":
     from drivegate_models.half_bridge.designs.state import DESIGN_STATE
 
     code = ControllerCode(DESIGN_STATE, design_step_function, design_reset_function)
-    return BuiltinController(DESIGNS[design], code)
+    return DesignController(DESIGNS[design], code)
 
 
 class BuiltinController:
@@ -95,3 +99,30 @@ class BuiltinController:
     def reset(self, nameplate: Nameplate) -> None:
         """Write the constants and forget everything else."""
         self._code.reset()(self._state, nameplate_record(nameplate), self._number)
+
+
+class DesignController(BuiltinController):
+    """One instance of a correct design, which has a table of its drive's angles; attributes as a built-in one's."""
+
+    def __init__(self, number: int, code: ControllerCode) -> None:
+        super().__init__(number, code)
+        self._drive: DriveDocument | None = None
+
+    def show_drive(self, drive: "DriveDocument") -> None:
+        """Take the drive that the table is to be of."""
+        if drive == self._drive:
+            return
+        from drivegate.candidates.builtin.design_table import table_of
+
+        table = table_of(drive)
+        self._state["table_from"] = table.first_speed
+        self._state["table_step"] = table.speed_step
+        self._state["table_sums"] = table.current_sums
+        self._state["table_angles"] = table.angles
+        self._drive = drive
+
+    def reset(self, nameplate: Nameplate) -> None:
+        """Write the constants but for the table, and forget everything else."""
+        if self._drive is None:
+            raise HarnessFault("a design with a table of its drive runs on one that it has not been shown")
+        super().reset(nameplate)

@@ -5,32 +5,42 @@ Each is the reference with one alteration, made as those of the faulty controlle
 
 from __future__ import annotations
 
-from math import radians
 from types import MappingProxyType
 from typing import Final
 
+from drivegate.candidates.builtin.faults import oracle_sizes, sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_models.half_bridge.faults import state as faults
-from drivegate_models.units import RADIANS_PER_RPM
 
 KIND: Final = "Near a limit"
+
+
+def _above_base(part: float) -> sizes.Size:
+    """Make a speed by its share of the range from base speed to the highest."""
+    return sizes.Size(
+        lambda drive: sizes.BASE.of(drive) + part * (sizes.HIGHEST.of(drive) - sizes.BASE.of(drive)), "rpm"
+    )
+
+
+_BEGINS: Final = _above_base(0.04)
+_ABOVE_BASE: Final = _above_base(0.05)
 
 _ALL: Final = (
     Mutation(
         "speed-offset",
         KIND,
-        "Keeps the speed 4.5 rpm too high, where k1 is 5 rpm.",
+        "Keeps the speed {size} too high, where k1 is {k1}.",
         "",
         fault=faults.SPEED_BIASED,
-        size=4.5 * RADIANS_PER_RPM,
+        size=sizes.share(0.9, sizes.K1),
     ),
     Mutation(
         "beside-the-optimum",
         KIND,
-        "Rests 0.5° above the angle that it has found.",
+        "Rests {size} above the angle that it has found.",
         "",
         fault=faults.RESTS_BESIDE,
-        size=radians(0.5),
+        size=oracle_sizes.NEAR_OPTIMUM,
     ),
     Mutation(
         "power-almost-a-billionth-off",
@@ -43,9 +53,10 @@ _ALL: Final = (
     Mutation(
         "advances-from-540-rpm",
         KIND,
-        "Begins the advance at 540 rpm, where rated power is required from 550 rpm.",
+        "Begins the advance at {begins}, where rated power is required from about {required}.",
         "",
-        factors=(("advance_begins", 540.0 / 510.0),),
+        constants=(("advance_begins", _BEGINS),),
+        told=(("begins", _BEGINS), ("required", _ABOVE_BASE)),
     ),
     Mutation(
         "gain-doubled",

@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.candidates.controller import show_drive
 from drivegate.candidates.declaration import FlowchartProfile
 from drivegate.checks.flowchart.chart import (
     LARGEST_ANGLE,
@@ -116,6 +117,7 @@ class _Runner:
         lengths = np.full(len(rows), self.interval)
         lengths[0] += decision + 1
         signals = np.repeat(values, lengths, axis=0)
+        show_drive(self.controller, self.script.drive)
         angles = scripted_angles(self.controller, self.script.nameplate(), signals)
         # An angle so far out departs from any flowchart, and differences of angles stay finite.
         return np.clip(angles, -_FAR_OUT, _FAR_OUT)

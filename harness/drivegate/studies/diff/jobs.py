@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.controller import Controller
+from drivegate.candidates.controller import Controller, show_drive
 from drivegate.candidates.fault import CandidateFault
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.running import run_scenario
@@ -123,6 +123,7 @@ def shadow_run(loaded: JudgedCandidate, plan: Shadowing) -> Shadowed:
     controller = loaded.controller()
     if plan.again:
         run_scenario(plan.scenario, controller)
+    show_drive(controller, plan.scenario.drive)
     steps = GivenSteps(controller, nameplate)
     kept: list[NDArray[np.float64]] = [np.empty((0, len(OUTPUTS)))]
     done = 0

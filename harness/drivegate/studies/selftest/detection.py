@@ -16,7 +16,7 @@ class FaultRow:
     Attributes
     ----------
     name, kind, sentence, check : str
-        As in `drivegate.candidates.builtin.faults.mutation.Mutation`.
+        As in `drivegate.candidates.builtin.faults.mutation.Mutation`, with the numbers of the drive.
     catches : dict
         For each seed the catch, or None where the check missed the fault.
     failing : tuple of str
@@ -29,6 +29,8 @@ class FaultRow:
         Number of failures of the named check where the controller without the fault fails too.
     shown_by : str
         What a scenario must have to show the fault; empty where loaded steady runs do.
+    idle_because : str or None
+        Why the fault does nothing on the drive, and was not tried; None for one that was.
     """
 
     name: str
@@ -41,6 +43,12 @@ class FaultRow:
     faults: tuple[str, ...] = ()
     unconvincing: int = 0
     shown_by: str = ""
+    idle_because: str | None = None
+
+    @property
+    def applies(self) -> bool:
+        """Whether the fault does something on the drive."""
+        return self.idle_because is None
 
     @property
     def missed_seeds(self) -> tuple[int, ...]:
@@ -50,7 +58,7 @@ class FaultRow:
     @property
     def caught(self) -> bool:
         """Whether the named check caught the fault with every seed."""
-        return not self.missed_seeds
+        return self.applies and not self.missed_seeds
 
     @property
     def slowest(self) -> Catch | None:
@@ -73,7 +81,7 @@ class KindRow:
     kind : str
         The kind.
     faults, caught : int
-        Number of its faults, and of those that their checks caught with every seed.
+        Number of its faults that do something on the drive, and of those that their checks caught with every seed.
     runs_median, runs_greatest : float, int or None
         Runs to the first counterexample, of those caught with their slowest seed; None where none was.
     facts_median, facts_greatest : float, int or None
@@ -102,7 +110,7 @@ def _counted(kind: str, rows: Sequence[FaultRow]) -> KindRow:
     facts = [len(catch.facts) for catch in catches]
     return KindRow(
         kind=kind,
-        faults=len(rows),
+        faults=sum(row.applies for row in rows),
         caught=len(catches),
         runs_median=median(runs) if runs else None,
         runs_greatest=max(runs, default=None),

@@ -30,15 +30,21 @@ def show_matrix(console: Console, matrix: Matrix) -> None:
         console.print(plain(problem, "bold red"))
     for remark in matrix.remarks():
         console.print(plain(remark, "yellow"))
-    caught = sum(row.caught for row in matrix.faults)
+    for row in matrix.faults:
+        if not row.applies:
+            console.print(plain(f"{row.name} does not apply: {row.idle_because}", "dim"))
+    tried = [row for row in matrix.faults if row.applies]
+    caught = sum(row.caught for row in tried)
     acquitted = sum(row.acquitted for row in matrix.designs)
     summary = (
-        f"{caught} of {len(matrix.faults)} faults caught by the checks named for them, "
+        f"{caught} of {len(tried)} faults caught by the checks named for them, "
         f"{acquitted} of {len(matrix.designs)} checks of correct designs passed"
     )
     console.print(plain(summary, "bold red" if problems else "green"))
     if problems and matrix.faults:
-        name = next((row.name for row in matrix.faults if not row.caught), matrix.faults[0].name)
+        name = next(
+            (row.name for row in matrix.faults if row.applies and not row.caught), matrix.faults[0].name
+        )
         console.print(plain(f"next: drivegate check faulty:{name} shows every check and scenario", "dim"))
     else:
         console.print(plain("next: drivegate checks lists the checks", "dim"))
@@ -55,7 +61,7 @@ def _show_faults(console: Console, matrix: Matrix) -> None:
     listed = table("fault", *headings.values(), "runs", "facts", right=("runs", "facts"))
     for column in listed.columns[1 : len(used) + 1]:
         column.overflow, column.justify, column.min_width, column.max_width = "fold", "center", 3, 3
-    for row in matrix.faults:
+    for row in (row for row in matrix.faults if row.applies):
         slowest = row.slowest
         numbers = ("–", "–") if slowest is None else (str(slowest.runs), str(len(slowest.facts)))
         listed.add_row(plain(row.name), *(_mark(row, check) for check in used), *numbers)

@@ -133,7 +133,7 @@ class Matrix:
         return [row for row in counted if row.designs]
 
     def _misses(self) -> list[str]:
-        return [_miss(row) for row in self.faults if not row.caught]
+        return [_miss(row) for row in self.faults if row.applies and not row.caught]
 
     def _false_alarms(self) -> list[str]:
         return [
@@ -193,6 +193,7 @@ def _fault_document(row: FaultRow) -> dict[str, Any]:
         "sentence": row.sentence,
         "shown_by": row.shown_by,
         "named_check": row.check,
+        "does_not_apply": row.idle_because,
         "caught": row.caught,
         "runs_to_first": None if slowest is None else slowest.runs,
         "size": None if slowest is None else slowest.size,

@@ -7,13 +7,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, told_on
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import ShardOutcome
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
+from drivegate.drives.choice import drive_for
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import Event
 from drivegate.gate.plan import Origin, Work, planned_work
@@ -72,12 +73,21 @@ def try_faults(mutations: Sequence[Mutation], effort: SelftestEffort) -> Iterato
     marker = missing_marker()
     if marker is not None:
         compile_kernels(marker)
-    jobs = [Job(run_trial, planned_trial(mutation, effort)) for mutation in mutations]
+    drive = drive_for(None, effort.drive)
+    idle = {mutation.name: idle_on(mutation, drive) for mutation in mutations}
+    jobs = [
+        Job(run_trial, planned_trial(mutation, effort))
+        for mutation in mutations
+        if idle[mutation.name] is None
+    ]
+    if not jobs:
+        yield from (_row(mutation, None, effort) for mutation in mutations)
+        return
     count = effort.workers or os.cpu_count() or 1
     with WorkerPool(resolve_candidate(HOST), workers=min(count, len(jobs))) as pool:
         outcomes = pool.map(jobs)
-        for mutation, outcome in zip(mutations, outcomes, strict=True):
-            yield _row(mutation, outcome, effort)
+        for mutation in mutations:
+            yield _row(mutation, next(outcomes) if idle[mutation.name] is None else None, effort)
 
 
 def planned_trial(mutation: Mutation, effort: SelftestEffort) -> Trial:
@@ -110,21 +120,26 @@ def _jobs(plan: Sequence[Work], origins: Sequence[Origin], *, seeded: bool) -> t
     return tuple(item.job for item in plan if item.origin in origins and (item.origin in _SEEDED) is seeded)
 
 
-def _row(mutation: Mutation, outcome: TrialOutcome | Fault, effort: SelftestEffort) -> FaultRow:
+def _row(mutation: Mutation, outcome: TrialOutcome | Fault | None, effort: SelftestEffort) -> FaultRow:
+    """Tell what has become of a fault; without an outcome, why it was not tried."""
+    drive = drive_for(None, effort.drive)
+    if outcome is None:
+        outcome = TrialOutcome({}, (), 0, (), 0)
     if isinstance(outcome, Fault):
         faults = (f"{outcome.kind.value}: {outcome.message}",)
         outcome = TrialOutcome(dict.fromkeys(range(effort.seeds)), (), 0, faults, 0)
     return FaultRow(
         name=mutation.name,
         kind=mutation.kind,
-        sentence=mutation.sentence,
+        sentence=told_on(mutation, mutation.sentence, drive),
         check=mutation.check,
         catches=outcome.catches,
         failing=outcome.failing,
         runs=outcome.runs,
         faults=outcome.faults,
         unconvincing=outcome.unconvincing,
-        shown_by=mutation.shown_by,
+        shown_by=told_on(mutation, mutation.shown_by, drive),
+        idle_because=idle_on(mutation, drive),
     )
 
 

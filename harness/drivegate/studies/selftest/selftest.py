@@ -66,6 +66,8 @@ def _judged(effort: SelftestEffort) -> tuple[DesignRow, ...]:
 def in_short(row: FaultRow) -> str:
     """Tell in a few words what has become of a faulty controller."""
     slowest = row.slowest
+    if not row.applies:
+        return f"{row.name}: does not apply"
     if slowest is None:
         return f"{row.name}: missed by {row.check} in {row.runs} runs"
     return f"{row.name}: caught by {row.check} in run {slowest.runs}"

@@ -38,7 +38,7 @@ from drivegate_models.half_bridge.designs.state import (
     QUADRATIC_INTERPOLATION,
 )
 from drivegate_models.half_bridge.designs.sweep import begin_sweep, continue_sweep
-from drivegate_models.half_bridge.designs.table import look_up, table_fits
+from drivegate_models.half_bridge.designs.table import MOST_LOOKUPS, look_up
 
 MOST_DECISIONS: Final = 44
 """Decisions after which a search ends with the cheapest angle so far."""
@@ -128,9 +128,9 @@ def begin_search(state: Any) -> float:
     state.home_power = state.controller.last_power
     state.best_offset = state.home
     state.best_power = state.home_power
-    # At light load the current sum says little to search by, whatever the search: a table that fits knows more.
+    # At light load the current sum says little to search by, whatever the search: the table knows more.
     light = state.home_power < _LEAST_TO_SEARCH * greatest_current_sum(state.controller)
-    state.tabled = 1 if state.design == ANGLE_TABLE or (light and table_fits(state.controller)) else 0
+    state.tabled = 1 if state.design == ANGLE_TABLE or light else 0
     state.finished = 0
     state.confirming = UNCONFIRMED
     state.stage = 0
@@ -240,6 +240,27 @@ def conclude(state: Any) -> None:
 
 
 @inlined
+def accept_way_back(state: Any) -> None:
+    """Rest no lower than where the way back has led, since what was found has lost the torque; a table looks up again.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+    """
+    controller = state.controller
+    if controller.offset <= state.best_offset:
+        return
+    state.best_offset = controller.offset
+    state.best_power = controller.last_power
+    # The way back may have been too long for the load that has grown; a table tells by how much.
+    if state.design == ANGLE_TABLE and state.probes < MOST_LOOKUPS:
+        state.finished = 0
+        state.decisions = 0
+        state.target = look_up(state, controller.last_power)
+
+
+@inlined
 def decide_design(state: Any) -> None:
     """Make one decision of a design.
 
@@ -266,10 +287,7 @@ def decide_design(state: Any) -> None:
         settle_for(state, state.best_offset)
     elif not is_reached(state):
         if state.finished == 1 and work == BEGINNING:
-            # What was found has lost the torque: rest no lower than here.
-            if controller.offset > state.best_offset:
-                state.best_offset = controller.offset
-                state.best_power = controller.last_power
+            accept_way_back(state)
         elif work == BEGINNING:
             note_cheapest(state)
         settle_for(state, state.target)

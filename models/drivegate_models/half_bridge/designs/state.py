@@ -21,11 +21,21 @@ SWEEP: Final = 3
 LOWEST_ANGLE: Final = radians(8.0)
 """Least angle that a search looks at (rad electrical)."""
 
+TABLE_ROWS: Final = 33
+"""Speeds of the table of angles."""
+TABLE_COLUMNS: Final = 11
+"""Loads of the table of angles."""
+
 DESIGN_STATE: Final = np.dtype(
     [
         # Regulator, angle model and protections, as the built-in controllers have them.
         ("controller", CONTROLLER_STATE),
         ("design", np.int64),
+        # The drive's table: speed of its first row, step from row to row, current sums and their angles.
+        ("table_from", np.float64),
+        ("table_step", np.float64),
+        ("table_sums", np.float64, (TABLE_ROWS, TABLE_COLUMNS)),
+        ("table_angles", np.float64, (TABLE_ROWS, TABLE_COLUMNS)),
         # Whether the angle for the present load comes from the table.
         ("tabled", np.int64),
         # The running probe: where it is taken, and for how many decisions its angle has been reached.

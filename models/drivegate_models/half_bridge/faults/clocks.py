@@ -9,6 +9,7 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import HOLDING, rearm
 from drivegate_models.half_bridge.faults import state as faults
 
+# Of the search at the pace of 1 (s).
 _DECISION_PERIOD: Final = 0.1
 _MILLISECONDS: Final = 1000.0
 
@@ -91,7 +92,8 @@ def alter_search_by_counters(state: Any, fault: int) -> None:
     elif fault == faults.CATCHES_UP:
         if state.steps == 1:
             state.tally = controller.decision_steps
-        due = floor(state.sense.time / _DECISION_PERIOD)
+        pace = controller.paced_period / controller.control_period
+        due = floor(state.sense.time * pace / _DECISION_PERIOD)
         controller.decision_steps = 1 if state.memory < due else state.tally
         if controller.count + 1 >= controller.decision_steps and controller.advancing == 1:
             state.memory += 1.0

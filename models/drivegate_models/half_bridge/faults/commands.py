@@ -8,24 +8,20 @@ from typing import Any, Final
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import HOLDING
 from drivegate_models.half_bridge.faults import state as faults
-from drivegate_models.half_bridge.faults.searches import MIRROR
+from drivegate_models.half_bridge.faults.state import TABLE_ROWS
 from drivegate_models.units import RPM
 
 _RIPPLE_STEPS: Final = 4
-_BLIND_FROM_RPM: Final = 1230.0
-_BLIND_TO_RPM: Final = 1290.0
-
-# Feasible edge at rated power and nominal R, L and EMF constant (rpm, degrees), and 1.5 degrees to spare.
-_TABLE_RPM: Final = (550.0, 600.0, 700.0, 1000.0, 1150.0, 1200.0, 1350.0, 1500.0, 2000.0)
-_TABLE_DEGREES: Final = (27.4, 28.6, 34.1, 34.7, 39.2, 41.6, 47.7, 53.4, 59.4)
 
 
 @inlined
-def angle_of_table(speed: float) -> float:
+def angle_of_table(state: Any, speed: float) -> float:
     """Return the advance angle of the table for the nominal drive.
 
     Parameters
     ----------
+    state : record of FAULTY_STATE
+        The state.
     speed : float
         Shaft speed (rad/s).
 
@@ -35,15 +31,17 @@ def angle_of_table(speed: float) -> float:
         Angle (rad electrical), interpolated; the last one beyond the table.
     """
     rpm = speed * RPM
-    last = len(_TABLE_RPM) - 1
-    if rpm <= _TABLE_RPM[0]:
-        return radians(_TABLE_DEGREES[0])
+    last = TABLE_ROWS - 1
+    if rpm <= state.table_rpm[0]:
+        return radians(state.table_degrees[0])
     for place in range(last):
-        if rpm <= _TABLE_RPM[place + 1]:
-            share = (rpm - _TABLE_RPM[place]) / (_TABLE_RPM[place + 1] - _TABLE_RPM[place])
-            degrees = _TABLE_DEGREES[place] + share * (_TABLE_DEGREES[place + 1] - _TABLE_DEGREES[place])
+        if rpm <= state.table_rpm[place + 1]:
+            part = (rpm - state.table_rpm[place]) / (state.table_rpm[place + 1] - state.table_rpm[place])
+            degrees = state.table_degrees[place] + part * (
+                state.table_degrees[place + 1] - state.table_degrees[place]
+            )
             return radians(degrees)
-    return radians(_TABLE_DEGREES[last])
+    return radians(state.table_degrees[last])
 
 
 @inlined
@@ -71,14 +69,14 @@ def alter_angle(state: Any, fault: int, command: Any) -> None:
     elif fault == faults.ANGLE_CAPPED:
         command.advance_angle = min(command.advance_angle, state.size)
     elif fault == faults.NOMINAL_TABLE:
-        command.advance_angle = angle_of_table(sense.speed) if advancing else 0.0
+        command.advance_angle = angle_of_table(state, sense.speed) if advancing else 0.0
     elif fault == faults.UNLIMITED_LINE and advancing:
         above_base = sense.speed - controller.base_speed
         line = controller.angle_at_base + controller.angle_slope * above_base
         command.advance_angle = line + controller.offset
     elif fault == faults.BLIND_SPOT and advancing:
         rpm = sense.speed * RPM
-        if _BLIND_FROM_RPM < rpm < _BLIND_TO_RPM:
+        if state.first_rpm < rpm < state.last_rpm:
             command.advance_angle -= controller.offset
 
 
@@ -174,7 +172,7 @@ def alter_estimate(state: Any, fault: int, command: Any) -> None:
     sense = state.sense
     if fault == faults.SUM_MIRRORED:
         # The search alone is deceived.
-        command.input_power = sense.half_supply_voltage * (MIRROR - sense.current_magnitude_sum)
+        command.input_power = sense.half_supply_voltage * (state.size - sense.current_magnitude_sum)
     elif fault == faults.ESTIMATE_SCALED:
         command.input_power *= state.size
     elif fault == faults.ESTIMATE_AT_NOMINAL_SUPPLY:

@@ -63,7 +63,7 @@ def faulty_step_state(state: Any, sense: Any, command: Any) -> None:
     # A copy: the fault alters what its controller senses, not the record of whoever called it.
     state.sense = sense
     state.true_sum = sense.current_magnitude_sum
-    alter_sense(fault, state.sense)
+    alter_sense(fault, state.size, state.sense)
     alter_sense_by_history(state, fault)
     alter_sense_by_rounding(state, fault)
     filter_sense(state, fault)

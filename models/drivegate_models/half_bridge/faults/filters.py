@@ -10,8 +10,6 @@ from drivegate_models.half_bridge.faults.clocks import cut_off
 
 # Of what moves the filter of whole numbers, it takes over this.
 _TAKEN_OVER: Final = 1.0 / 16.0
-# All of the inertia, as current over acceleration (A s²/rad).
-_DAMPING: Final = 0.037
 
 
 @inlined
@@ -87,7 +85,7 @@ def filter_command(state: Any, fault: int, command: Any) -> None:
     elif fault == faults.DIFFERENTIATED:
         if state.steps > 1:
             acceleration = (sense.speed - state.memory) / state.size
-            damped = command.current_reference - _DAMPING * acceleration
+            damped = command.current_reference - state.extent * acceleration
             command.current_reference = min(max(damped, 0.0), controller.current_limit)
         state.memory = sense.speed
     elif fault == faults.SLEWED:

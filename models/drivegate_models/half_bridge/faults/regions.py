@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import HOLDING
 from drivegate_models.half_bridge.faults import state as faults
 from drivegate_models.units import RPM
-
-_CORNER_FROM_RPM: Final = 1170.0
-_CORNER_TO_RPM: Final = 1190.0
-_LIGHT: Final = 12.0
-_ROW_FROM_RPM: Final = 1335.0
-_ROW_TO_RPM: Final = 1345.0
-_FLOOR_FROM_RPM: Final = 1400.0
 
 
 @inlined
@@ -49,12 +42,13 @@ def alter_in_region(state: Any, fault: int, command: Any) -> None:
     if controller.advancing == 0:
         return
     rpm = sense.speed * RPM
+    inside = state.first_rpm < rpm < state.last_rpm
     if fault == faults.CORNER_WITHOUT_LIMIT:
-        light = controller.mode == HOLDING and sense.current_magnitude_sum < _LIGHT
-        if light and _CORNER_FROM_RPM < rpm < _CORNER_TO_RPM:
+        light = controller.mode == HOLDING and sense.current_magnitude_sum < state.extent
+        if light and inside:
             command.advance_angle = state.size
     elif fault == faults.WRONG_ROW:
-        if _ROW_FROM_RPM < rpm < _ROW_TO_RPM:
+        if inside:
             command.advance_angle = max(command.advance_angle, state.size)
-    elif fault == faults.REFERENCE_FLOOR and rpm > _FLOOR_FROM_RPM:
+    elif fault == faults.REFERENCE_FLOOR and rpm > state.first_rpm:
         command.current_reference = max(command.current_reference, state.size)

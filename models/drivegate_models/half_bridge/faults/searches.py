@@ -11,10 +11,6 @@ from drivegate_models.half_bridge.controllers.angle_line import initial_angle
 from drivegate_models.half_bridge.controllers.protection import HOLDING, SEARCHING
 from drivegate_models.half_bridge.faults import state as faults
 
-# Beyond all five phases at 26 A, so that a mirrored sum stays positive.
-MIRROR: Final = 200.0
-"""The mirrored current sum is this less the true one (A)."""
-
 # What 16 bits of milliamperes span (A).
 _WORD: Final = 65.536
 
@@ -45,18 +41,20 @@ def sum_of_samples(sense: Any, phases: int, signed: bool) -> float:
 
 
 @inlined
-def alter_sense(fault: int, sense: Any) -> None:
+def alter_sense(fault: int, size: float, sense: Any) -> None:
     """Change what the controller is shown.
 
     Parameters
     ----------
     fault : int
         The fault.
+    size : float
+        How large it is.
     sense : record of SENSE
         The controller's own copy; changed.
     """
     if fault == faults.SUM_MIRRORED:
-        sense.current_magnitude_sum = MIRROR - sense.current_magnitude_sum
+        sense.current_magnitude_sum = size - sense.current_magnitude_sum
     elif fault == faults.SUM_WITHOUT_MAGNITUDES:
         sense.current_magnitude_sum = sum_of_samples(sense, sense.phase_count, True)
     elif fault == faults.SUM_WITHOUT_LAST_PHASE:

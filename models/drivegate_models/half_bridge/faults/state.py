@@ -16,7 +16,7 @@ NO_FAULT: Final = 0
 """The built-in controller as it is, or with other constants."""
 
 SUM_MIRRORED: Final = 1
-"""The search sees a current sum that falls where the true one rises."""
+"""The search sees a current sum that falls where the true one rises, `size` less the true one."""
 SUM_WITHOUT_MAGNITUDES: Final = 2
 """The phase currents are added with their signs."""
 SUM_WITHOUT_LAST_PHASE: Final = 3
@@ -68,7 +68,7 @@ ESTIMATE_AT_NOMINAL_SUPPLY: Final = 30
 SLOW: Final = 31
 """Every step computes in vain, `size` times."""
 BLIND_SPOT: Final = 32
-"""The angle is the initial one, whatever the search says, between 1230 and 1290 rpm."""
+"""The angle is the initial one, whatever the search says, in a region of speeds."""
 UNLIMITED_LINE: Final = 33
 """The line of initial angles, and the angle that follows from it, have no limits."""
 
@@ -109,7 +109,7 @@ SUPPLY_FILTERED: Final = 65
 """The estimate takes the supply from such a filter."""
 
 DIFFERENTIATED: Final = 70
-"""The speed's change in a step is taken for that in the time `size`."""
+"""The speed's change in a step is taken for that in the time `size`, and damped with the inertia `extent`."""
 SLEWED: Final = 71
 """The current reference moves by `size` in a step at most."""
 
@@ -123,11 +123,11 @@ PEAK_TRIPS: Final = 83
 """After `size` seconds at its limit on end, the current is limited further for good."""
 
 CORNER_WITHOUT_LIMIT: Final = 90
-"""The angle is `size` from 1170 to 1190 rpm, at light load, once the search holds."""
+"""The angle is `size` in a region of speeds, with less current than `extent`, once the search holds."""
 WRONG_ROW: Final = 91
-"""The angle is `size` or more from 1335 to 1345 rpm."""
+"""The angle is `size` or more in a region of speeds."""
 REFERENCE_FLOOR: Final = 92
-"""The current reference is `size` or more above 1400 rpm."""
+"""The current reference is `size` or more above a speed."""
 SWELL_TRIPS: Final = 93
 """A supply of more than `size` times the nominal one limits the current for good."""
 SPEED_CAPPED: Final = 94
@@ -141,7 +141,7 @@ RUNS_COUNTED: Final = 101
 """From its run number `size` on, an instance searches nothing."""
 
 LOST_CURRENT_TRIPS: Final = 110
-"""One sample without any current, where there was some, sets the angle to zero for good."""
+"""One sample of a sum below `extent`, where there was one above `size`, sets the angle to zero for good."""
 OVERSPEED_TRIPS: Final = 111
 """One sample of a speed more than `size` times its reference limits the current for good."""
 LOWEST_SUPPLY_KEPT: Final = 112
@@ -160,7 +160,10 @@ TORQUE_CYCLES: Final = 122
 RESTS_BESIDE: Final = 123
 """The angle is held higher than the one found by `size`."""
 SETTLES_LATE: Final = 124
-"""The angle is higher by 3 degrees up to `size` seconds after the start or a change of the speed reference."""
+"""The angle is higher by `extent` up to `size` seconds after the start or a change of the speed reference."""
+
+TABLE_ROWS: Final = 9
+"""Rows of the table of angles for the nominal drive."""
 
 FAULTY_STATE: Final = np.dtype(
     [
@@ -168,9 +171,15 @@ FAULTY_STATE: Final = np.dtype(
         # As the step found it, and what the step is shown.
         ("before", CONTROLLER_STATE),
         ("sense", SENSE),
-        # The fault and how large it is, set by reset.
+        # The fault and how large it is, set by reset; speeds of a region in rpm.
         ("fault", np.int64),
         ("size", np.float64),
+        ("extent", np.float64),
+        ("first_rpm", np.float64),
+        ("last_rpm", np.float64),
+        # A table of angles for the nominal drive.
+        ("table_rpm", np.float64, (TABLE_ROWS,)),
+        ("table_degrees", np.float64, (TABLE_ROWS,)),
         # What the fault remembers.
         ("steps", np.int64),
         ("latched", np.int64),
@@ -183,4 +192,4 @@ FAULTY_STATE: Final = np.dtype(
     ],
     align=True,
 )
-"""Units as in `CONTROLLER_STATE`; `size` in those of its fault."""
+"""Units as in `CONTROLLER_STATE`; `size` and `extent` in those of their fault."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import floor, pi, radians
+from math import floor, pi
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
@@ -11,9 +11,8 @@ from drivegate_models.half_bridge.faults import state as faults
 
 _ANGLE_PERIOD: Final = 2.0
 _WELL_ABOVE: Final = 1.05
-# Of the regulator: its gain is this times inertia over torque for each ampere (1/s).
+# Of the regulator at the pace of 1: its gain is this times inertia over torque for each ampere (1/s).
 _BANDWIDTH: Final = 80.0
-_LATE: Final = radians(3.0)
 
 
 @inlined
@@ -40,7 +39,8 @@ def alter_speed(state: Any, fault: int) -> None:
         sense.speed -= state.size
     elif fault == faults.TORQUE_CYCLES and sense.speed > _WELL_ABOVE * controller.base_speed:
         # The speed whose acceleration takes that share of the torque; the gain tells the inertia.
-        greatest = state.size * controller.integral * _BANDWIDTH / controller.proportional / (2.0 * pi)
+        bandwidth = _BANDWIDTH * (controller.paced_period / controller.control_period)
+        greatest = state.size * controller.integral * bandwidth / controller.proportional / (2.0 * pi)
         sense.speed += greatest * _cycle(sense.time)
 
 
@@ -67,6 +67,6 @@ def cycle_angle(state: Any, fault: int, command: Any) -> None:
         if sense.speed_reference != state.before.speed_reference:
             state.memory = 0.0
         state.memory += controller.control_period
-        added = _LATE if state.memory < state.size else 0.0
+        added = state.extent if state.memory < state.size else 0.0
     if controller.advancing == 1 and added != 0.0:
         command.advance_angle = min(max(command.advance_angle + added, 0.0), 0.5 * pi)

@@ -7,13 +7,10 @@ from typing import Any, Final
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.faults import state as faults
 
-# Rated power needs more at any speed (A).
-_UNDER_LOAD: Final = 25.0
+# Of what takes rated power from the supply, so that rated power needs more at any speed.
+_UNDER_LOAD: Final = 0.8
 _DERATED_SHARE: Final = 0.2
 _HALF_CYCLE: Final = 0.25
-# A sample without current is one that was lost where there was this much before (A).
-_FLOWING: Final = 2.0
-_NONE: Final = 0.01
 
 
 @inlined
@@ -34,7 +31,7 @@ def is_derated(state: Any, fault: int) -> bool:
     """
     sense, controller = state.sense, state.controller
     period = controller.control_period
-    loaded = sense.current_magnitude_sum > _UNDER_LOAD
+    loaded = sense.current_magnitude_sum > _UNDER_LOAD * controller.rated_sum
     if fault == faults.HEAT_KEPT:
         state.memory += period if loaded else 0.0
         return bool(state.memory >= state.size)
@@ -97,7 +94,7 @@ def end_advance(state: Any, fault: int, command: Any) -> None:
         Changed.
     """
     if fault == faults.LOST_CURRENT_TRIPS:
-        if state.true_sum < _NONE and state.memory > _FLOWING:
+        if state.true_sum < state.extent and state.memory > state.size:
             state.latched = 1
         state.memory = state.true_sum
     elif fault == faults.STOP_LATCHES:

@@ -13,7 +13,7 @@ from drivegate.checks.margin import Margin
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import steady_scenario
-from drivegate.scenarios.changes import with_load_shares, with_mcs96
+from drivegate.scenarios.changes import with_load_factor, with_load_shares, with_mcs96
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest.correct_designs import correct_designs
 from drivegate_cases.drive.drive_document import load_drive
@@ -49,6 +49,13 @@ def test_a_design_rests_at_the_optimum(name: str, scenario_name: str) -> None:
 def test_a_load_a_little_lighter_during_the_search_does_not_mislead_a_design(name: str, share: float) -> None:
     steady = steady_scenario(load_drive("paper-5-phase"), 1210.0, power_share=1.0, constant_power=True)
     failed = failed_margins(name, with_load_shares(steady, (0.0, 0.95), (1.5, 1.0), (3.5, share)))
+    assert not failed, failed
+
+
+def test_a_table_is_looked_up_again_where_a_load_that_grows_has_pushed_the_angle_too_far() -> None:
+    steady = steady_scenario(load_drive("fan-3-phase"), 4750.0, power_share=1.0, constant_power=True)
+    growing = with_load_factor(steady, ((0.0, 0.0), (0.2, 0.65), (6.0, 0.65), (7.6, 0.8)))
+    failed = failed_margins("design:angle-table", growing)
     assert not failed, failed
 
 

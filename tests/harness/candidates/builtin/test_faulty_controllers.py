@@ -160,6 +160,7 @@ def test_one_that_catches_up_decides_at_every_step_where_its_clock_starts_later(
     state = np.zeros(1, FAULTY_STATE)
     state["steps"] = 1
     state["controller"]["decision_steps"] = 200
+    state["controller"]["control_period"] = state["controller"]["paced_period"] = 0.0005
     state["sense"]["time"] = start
     alter_search_by_counters(state[0], MUTATIONS[STARTS_LATE].fault)
     assert state["controller"]["decision_steps"][0] == steps

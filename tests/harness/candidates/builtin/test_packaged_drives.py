@@ -43,6 +43,12 @@ def test_the_reference_finds_the_optimum_of_every_packaged_drive(drive: str, spe
     assert not failed("reference", drive, speed) & {*CONVERGENCE}
 
 
+@pytest.mark.parametrize("speed", [1.1, 2.0, 3.0])
+@pytest.mark.parametrize("drive", drive_names())
+def test_the_table_of_a_drive_leads_to_its_optimum(drive: str, speed: float) -> None:
+    assert not failed("design:angle-table", drive, speed) & {*CONVERGENCE}
+
+
 @pytest.mark.parametrize("drive", drive_names())
 def test_the_published_search_locks_up_on_every_packaged_drive(drive: str) -> None:
     assert "CNV-1" in failed("published", drive, 1.1)

@@ -56,6 +56,19 @@ def test_a_miss_with_one_seed_is_a_miss() -> None:
     assert document["faults"][1]["runs_to_first"] is None
 
 
+def test_a_fault_that_does_nothing_on_the_drive_is_neither_caught_nor_missed() -> None:
+    idle = replace(MISSED, catches={}, failing=(), runs=0, idle_because="16 bits hold that")
+    whole = matrix(CAUGHT, idle)
+    assert (whole.passed, whole.problems()) == (True, [])
+    assert [(row.faults, row.caught) for row in detection_by_kind((CAUGHT, idle))] == [(1, 1), (0, 0), (1, 1)]
+    document = whole.document()["faults"][1]
+    assert (document["caught"], document["does_not_apply"]) == (False, "16 bits hold that")
+    stream = io.StringIO()
+    show_matrix(console_for(stream), whole)
+    assert "hides does not apply: 16 bits hold that" in stream.getvalue()
+    assert "1 of 1 faults caught" in stream.getvalue()
+
+
 def test_a_failure_that_the_base_shares_is_reported_as_such() -> None:
     shared = replace(MISSED, failing=(), unconvincing=2)
     assert matrix(shared).problems() == [

@@ -23,6 +23,7 @@ from drivegate_models.half_bridge.designs.state import (
     QUADRATIC_INTERPOLATION,
     SWEEP,
 )
+from drivegate_models.half_bridge.designs.table_values import ANGLES_DEG, CURRENT_SUMS
 
 pytestmark = pytest.mark.kernel
 SEARCHES = (GOLDEN_SECTION, QUADRATIC_INTERPOLATION, SWEEP)
@@ -112,22 +113,22 @@ def test_a_load_too_light_to_search_by_is_looked_up(
 ) -> None:
     first = {}
     for which in (design, ANGLE_TABLE):
-        first[which] = first_offset(which, current_sum_a, window_deg=144.0)
+        first[which] = first_offset(which, current_sum_a)
     same = bool(first[design] == first[ANGLE_TABLE])
     assert same is (design == ANGLE_TABLE or not searches), first
 
 
-@pytest.mark.parametrize("design", SEARCHES)
-def test_a_light_load_is_searched_where_the_table_is_of_another_window(design: int) -> None:
-    tabled, searched = (first_offset(design, 20.0, window_deg=window) for window in (144.0, 120.0))
-    assert searched != tabled
-    assert searched == first_offset(design, 22.0, window_deg=144.0)
+@pytest.mark.parametrize("design", [*SEARCHES, ANGLE_TABLE])
+def test_at_light_load_the_angle_is_that_of_the_drives_own_table(design: int) -> None:
+    here, there = (first_offset(design, 20.0, higher_deg=higher) for higher in (0.0, 3.0))
+    assert there - here == pytest.approx(math.radians(3.0))
 
 
-def first_offset(design: int, current_sum_a: float, *, window_deg: float) -> float:
+def first_offset(design: int, current_sum_a: float, *, higher_deg: float = 0.0) -> float:
     """Begin a search at a current sum of the paper's drive at 1430 rpm."""
     state = design_state(design)
-    state.controller.window = math.radians(window_deg)
+    state.table_from, state.table_step = 500.0 * math.pi / 30.0, 50.0 * math.pi / 30.0
+    state.table_sums, state.table_angles = CURRENT_SUMS, np.radians(np.array(ANGLES_DEG) + higher_deg)
     state.controller.base_speed = 500.0 * math.pi / 30.0
     state.controller.rated_sum = 1500.0 / 48.0
     state.controller.conducting_phases, state.controller.current_limit = 4.0, 26.0

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from math import radians
 from typing import Final
 
+from drivegate.candidates.builtin.faults import oracle_sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_models.half_bridge.faults import state as faults
 from drivegate_models.units import RADIANS_PER_RPM
@@ -15,25 +15,27 @@ FAULTS: Final = (
     Mutation(
         "below-the-edge",
         KIND,
-        "Keeps the angle at 51° or less, where 9.8 N·m at 1500 rpm are below the edge of what is feasible.",
+        "Keeps the angle at {size} or less, where the required point is below the edge of what is feasible.",
         "RIP-1",
         fault=faults.ANGLE_CAPPED,
-        size=radians(51.0),
+        size=oracle_sizes.BELOW_POINT,
+        idle_because=oracle_sizes.no_angle_below_point,
     ),
     Mutation(
         "rpm-for-radians",
         KIND,
-        "Takes the base speed's 500 rpm for rad/s, and so never advances.",
+        "Takes the base speed's {base} for rad/s, and so never advances.",
         "CPW-1",
         factors=(("base_speed", 1.0 / RADIANS_PER_RPM), ("advance_begins", 1.0 / RADIANS_PER_RPM)),
     ),
     Mutation(
         "angle-capped",
         KIND,
-        "Keeps the angle at 54° or less, which is enough up to 1500 rpm but not at 2000 rpm.",
+        "Keeps the angle at {size} or less, which is enough up to {highest} but not up to {overspeed}.",
         "CPW-2",
         fault=faults.ANGLE_CAPPED,
-        size=radians(54.0),
+        size=oracle_sizes.ENOUGH_TO_HIGHEST,
+        idle_because=oracle_sizes.no_more_angle_beyond,
     ),
     Mutation(
         "nominal-table",

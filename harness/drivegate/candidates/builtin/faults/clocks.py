@@ -5,11 +5,17 @@ from __future__ import annotations
 from math import radians
 from typing import Final
 
+from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_models.half_bridge.faults import state as faults
-from drivegate_models.units import RADIANS_PER_RPM
 
 KIND: Final = "Clocks and whole numbers"
+
+# A milliampere on the drive of the paper, where 200 steps lie between two decisions and 104 A flow at most.
+_MILLIAMPERES: Final = sizes.Size(
+    lambda drive: sizes.significant(sizes.CONDUCTED.of(drive) / 104.0 / sizes.PACE.of(drive), 3)
+)
+_SUM_OF_24_BITS: Final = sizes.Size(lambda drive: 2.0**24 * _MILLIAMPERES.of(drive) / 1000.0, "A")
 
 FAULTS: Final = (
     Mutation(
@@ -49,53 +55,53 @@ FAULTS: Final = (
     Mutation(
         "integral-cut-off",
         KIND,
-        "Keeps the regulator's integral in steps of 0.02 A and cuts off what is less: a small error never adds up.",
+        "Keeps the regulator's integral in steps of {size} and cuts off what is less: a small error never adds up.",
         "CNV-1",
         fault=faults.INTEGRAL_IN_STEPS,
-        size=0.02,
+        size=sizes.share(1.73, sizes.INTEGRAL_OF_K1, digits=2),
     ),
     Mutation(
         "integral-of-eight-bits",
         KIND,
-        "Keeps the regulator's integral with eight fractional bits, too few for what a short control period adds.",
+        "Keeps the regulator's integral in binary steps of {size}, too few for what a short control period adds.",
         "CNV-1",
         fault=faults.INTEGRAL_IN_STEPS,
-        size=2.0**-8,
+        size=sizes.power_of_two(sizes.share(0.2, sizes.INTEGRAL_OF_K1)),
         shown_by="a control period of 100 µs or less",
     ),
     Mutation(
         "speed-in-ten-rpm",
         KIND,
-        "Keeps the speed in whole 10 rpm.",
+        "Keeps the speed in whole {size}.",
         "CNV-1",
         fault=faults.SPEED_IN_STEPS,
-        size=10.0 * RADIANS_PER_RPM,
+        size=sizes.share(2.0, sizes.K1),
     ),
     Mutation(
         "speed-error-overflows",
         KIND,
-        "Keeps the speed error as a 16-bit number of hundredths of a rpm, which wraps around at 327.68 rpm.",
+        "Keeps the speed error as a 16-bit number of five-hundredths of k1, which wraps around at {size}.",
         "CNV-3",
         fault=faults.ERROR_OVERFLOWS,
-        size=327.68 * RADIANS_PER_RPM,
+        size=sizes.share(2.0**15 / 500.0, sizes.K1, digits=9),
     ),
     Mutation(
         "power-sum-overflows",
         KIND,
-        "Adds Σ|i| up in 24 bits of milliamperes, enough for 200 steps of 500 µs between two decisions and no more.",
+        "Adds Σ|i| up in 24 bits, up to {size}: enough for steps of 500 µs between two decisions and no more.",
         "CNV-2",
         fault=faults.POWER_SUM_OVERFLOWS,
-        size=2.0**24 / 1000.0,
+        size=_SUM_OF_24_BITS,
         shown_by="a control period of 100 µs or less",
     ),
     Mutation(
         "step-count-in-a-byte",
         KIND,
-        "Counts the steps from one decision to the next in a byte, which 200 of 500 µs fit into and no more.",
+        "Counts the steps from one decision to the next, {decision_period}, in a byte, which 256 steps overflow.",
         "CNV-2",
         fault=faults.COUNT_OVERFLOWS,
         size=256.0,
-        shown_by="a control period of 390 µs or less",
+        shown_by="a control period of less than a 256th of {decision_period}",
     ),
     Mutation(
         "angle-of-six-bits",

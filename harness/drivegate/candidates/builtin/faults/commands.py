@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
-from math import radians
+from math import degrees, radians
 from typing import Final
 
+from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_cases.drive.advance import advance_line
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.half_bridge.faults import state as faults
-from drivegate_models.units import RADIANS_PER_RPM
 
 KIND: Final = "Ranges of commands"
+
+_AT_OVERSPEED: Final = 108.0
+
+
+def _slope(drive: DriveDocument) -> float:
+    start, _ = advance_line(drive)
+    span = drive.rating.overspeed_rpm - drive.rating.base_speed_rpm
+    return (_AT_OVERSPEED - round(degrees(start), 6)) / span
+
+
+_SLOPE_TO_108_DEGREES: Final = sizes.Size(_slope, "° a rpm")
 
 FAULTS: Final = (
     Mutation(
@@ -23,9 +36,10 @@ FAULTS: Final = (
     Mutation(
         "advance-ends-late",
         KIND,
-        "Ends the advance at 495 rpm on the way down, with its hysteresis on the wrong side of base speed.",
+        "Ends the advance at {ends} on the way down, with its hysteresis on the wrong side of base speed.",
         "ADV-1",
         factors=(("base_speed", 0.99),),
+        told=(("ends", sizes.share(0.99, sizes.BASE, digits=6)),),
     ),
     Mutation(
         "one-step-late",
@@ -37,25 +51,26 @@ FAULTS: Final = (
     Mutation(
         "angle-unclamped",
         KIND,
-        "Adds 1° a rpm of speed error behind the limits of the angle, wherever the error exceeds k1.",
+        "Adds {size} behind the limits of the angle, wherever the error exceeds k1.",
         "ADV-2",
         fault=faults.BOOST_BEHIND_LIMITS,
-        size=radians(1.0) / RADIANS_PER_RPM,
+        size=sizes.Size(lambda drive: 5.0 / sizes.K1.of(drive), "° a rpm of error"),
     ),
     Mutation(
         "slope-doubled",
         KIND,
-        "Has twice the slope in its line of initial angles, and no limit behind it: 108° at 2000 rpm.",
+        "Has too steep a line of initial angles, and no limit behind it: 108° at {overspeed}.",
         "ADV-2",
-        factors=(("angle_slope", 2.0),),
+        constants=(("angle_slope", _SLOPE_TO_108_DEGREES),),
         fault=faults.UNLIMITED_LINE,
     ),
     Mutation(
         "current-limit-exceeded",
         KIND,
-        "Takes 30 A for the current limit of 26 A.",
+        "Takes {taken} for the current limit of {current_limit}.",
         "CMD-1",
         factors=(("current_limit", 30.0 / 26.0),),
+        told=(("taken", sizes.share(30.0 / 26.0, sizes.CURRENT_LIMIT)),),
     ),
     Mutation(
         "current-below-zero",

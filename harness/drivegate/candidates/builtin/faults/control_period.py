@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_models.half_bridge.faults import state as faults
 
@@ -32,14 +33,20 @@ FAULTS: Final = (
         "CNV-1",
         fault=faults.DIFFERENTIATED,
         size=50e-6,
+        extent=sizes.share(1.0, sizes.INERTIA_CURRENT, digits=2),
     ),
     Mutation(
         "slewed-by-the-step",
         KIND,
-        "Moves the current reference by 5 mA a step at most, which are 100 A/s at 50 µs and 10 A/s at 500 µs.",
+        "Moves the current reference by {size} a step at most, ten times as fast at 50 µs as at 500 µs.",
         "CNV-1",
         fault=faults.SLEWED,
-        size=0.005,
+        size=sizes.Size(
+            lambda drive: sizes.significant(
+                0.000192 * sizes.CURRENT_LIMIT.of(drive) * sizes.PACE.of(drive), 2
+            ),
+            "A",
+        ),
     ),
     Mutation(
         "slow-step",

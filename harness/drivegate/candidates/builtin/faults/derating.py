@@ -4,54 +4,60 @@ from __future__ import annotations
 
 from typing import Final
 
+from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_models.half_bridge.faults import state as faults
 
 KIND: Final = "Thermal derating"
 
+# At 500 µs eight times the time to converge, and a little.
+_STEPS_UNDER_LOAD: Final = sizes.Size(
+    lambda drive: sizes.significant(25.0 / 3.0 * sizes.SETTLING.of(drive) / sizes.CONTROL_PERIOD, 3)
+)
+
 FAULTS: Final = (
     Mutation(
         "derates-after-a-minute",
         KIND,
-        "Limits the current to a fifth of its limit after a minute under load, for good, although the load is rated.",
+        "Limits the current to a fifth of its limit after {size} under load, for good, although the load is rated.",
         "CNV-1",
         fault=faults.HEAT_KEPT,
-        size=60.0,
-        shown_by="a run of two minutes",
+        size=sizes.share(10.0, sizes.SETTLING),
+        shown_by="a run of minutes",
     ),
     Mutation(
         "heat-never-leaves",
         KIND,
-        "Adds up the time under load and lets nothing cool: after 8 s the current is limited to a fifth for good.",
+        "Adds up the time under load and lets nothing cool: after {size} the current is limited to a fifth for good.",
         "CNV-1",
         fault=faults.HEAT_KEPT,
-        size=8.0,
+        size=sizes.share(4.0 / 3.0, sizes.SETTLING),
     ),
     Mutation(
         "heat-counted-in-steps",
         KIND,
-        "Counts 100,000 control periods under load for too hot, which are 50 s at 500 µs and 5 s at 50 µs.",
+        "Counts {size} control periods under load for too hot, ten times as soon at 50 µs as at 500 µs.",
         "CNV-1",
         fault=faults.HEAT_IN_STEPS,
-        size=1e5,
-        shown_by="rated load with a control period of 50 µs, or for a minute",
+        size=_STEPS_UNDER_LOAD,
+        shown_by="rated load with a control period of 50 µs, or for minutes",
     ),
     Mutation(
         "derating-chatters",
         KIND,
-        "Limits the current after 30 s under load and lets it go again, twice a second.",
+        "Limits the current after {size} under load and lets it go again, twice a second.",
         "CNV-1",
         fault=faults.DERATES_IN_TURNS,
-        size=30.0,
-        shown_by="a run of two minutes",
+        size=sizes.share(5.0, sizes.SETTLING),
+        shown_by="a run of minutes",
     ),
     Mutation(
         "acceleration-trips",
         KIND,
-        "Takes 0.1 s at the current limit for a stalled shaft, and limits the current to a fifth for good.",
+        "Takes {size} at the current limit for a stalled shaft, and limits the current to a fifth for good.",
         "CNV-3",
         fault=faults.PEAK_TRIPS,
-        size=0.1,
+        size=sizes.share(1.09, sizes.MECHANICAL_TIME, digits=2),
     ),
 )
 """Those of this kind."""

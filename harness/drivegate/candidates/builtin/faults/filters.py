@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
+from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_models.half_bridge.faults import state as faults
-from drivegate_models.units import RADIANS_PER_RPM
 
 KIND: Final = "Filters"
 
@@ -14,18 +14,20 @@ FAULTS: Final = (
     Mutation(
         "speed-filter-too-slow",
         KIND,
-        "Filters the speed over 250 ms, and regulates what comes out.",
+        "Filters the speed over {time}, and regulates what comes out.",
         "CNV-1",
         fault=faults.SPEED_FILTERED,
-        size=0.002,
+        size=sizes.share(0.002, sizes.PACE),
+        told=(("time", sizes.per_pace(250.0, "ms")),),
     ),
     Mutation(
         "filter-for-50-microseconds",
         KIND,
-        "Filters the speed with the coefficient that 10 ms need at 50 µs, which are 100 ms at 500 µs.",
+        "Filters the speed with the coefficient that {time} need at 50 µs, ten times too slow at 500 µs.",
         "CNV-1",
         fault=faults.SPEED_FILTERED,
-        size=0.005,
+        size=sizes.share(0.005, sizes.PACE),
+        told=(("time", sizes.per_pace(10.0, "ms")),),
     ),
     Mutation(
         "base-speed-filtered",
@@ -38,10 +40,10 @@ FAULTS: Final = (
     Mutation(
         "filter-sticks",
         KIND,
-        "Filters the speed in whole numbers, which a difference below 8 rpm does not move.",
+        "Filters the speed in whole numbers, which a difference below {size} does not move.",
         "CNV-1",
         fault=faults.SPEED_FILTER_STICKS,
-        size=8.0 * RADIANS_PER_RPM,
+        size=sizes.share(1.6, sizes.K1),
     ),
     Mutation(
         "estimate-filtered",
@@ -62,10 +64,11 @@ FAULTS: Final = (
     Mutation(
         "sum-filtered",
         KIND,
-        "Filters Σ|i| over 2.5 s, so that each decision compares what earlier angles have cost.",
+        "Filters Σ|i| over {time}, so that each decision compares what earlier angles have cost.",
         "CNV-1",
         fault=faults.SUM_FILTERED,
-        size=0.0002,
+        size=sizes.share(0.0002, sizes.PACE),
+        told=(("time", sizes.per_pace(2.5, "s")),),
     ),
 )
 """Those of this kind."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_models.half_bridge.faults import state as faults
 
@@ -17,6 +18,7 @@ FAULTS: Final = (
         "FLO-1",
         "published",
         fault=faults.SUM_MIRRORED,
+        size=sizes.share(200.0 / 130.0, sizes.ALL_PHASES),
     ),
     Mutation(
         "flowchart-twice-as-often",

@@ -5,9 +5,23 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.half_bridge.faults import state as faults
 
 KIND: Final = "Power estimate"
+
+_HALF_WORD: Final = 32.768
+
+
+def _never_overflows(drive: DriveDocument) -> str | None:
+    """Tell why 16 bits of milliamperes hold every current sum of a drive."""
+    greatest = drive.machine.phases * (drive.rating.current_limit_a + drive.inverter.hysteresis_band_a)
+    if greatest >= _HALF_WORD:
+        return None
+    return (
+        f"Σ|i| is no more than {greatest:.3g} A with all phases at the current limit, and 16 bits hold that"
+    )
+
 
 FAULTS: Final = (
     Mutation(
@@ -38,6 +52,7 @@ FAULTS: Final = (
         "Keeps Σ|i| as a 16-bit number of milliamperes, which wraps around at 32.8 A.",
         "PWR-2",
         fault=faults.SUM_OVERFLOWS,
+        idle_because=_never_overflows,
     ),
 )
 """Those of this kind."""

@@ -2,41 +2,61 @@
 
 from __future__ import annotations
 
-from math import radians
+from math import degrees, radians
 from typing import Final
 
+from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_cases.drive.advance import advance_line
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.half_bridge.faults import state as faults
-from drivegate_models.units import RADIANS_PER_RPM
 
 KIND: Final = "Rare regions"
+
+_ROW: Final = 0.84
+_ABOVE_THE_LINE: Final = 12.0
+_MOST: Final = 90.0
+
+
+def _far_above_the_line(drive: DriveDocument) -> float:
+    """Give an angle that is 12° above the recommended line at the speed of the wrong row, or the greatest (deg)."""
+    start, slope = advance_line(drive)
+    speed = sizes.in_range(_ROW).number(drive) - sizes.BASE.number(drive)
+    return min(round(degrees(start + slope * speed) + _ABOVE_THE_LINE, 1), _MOST)
+
 
 FAULTS: Final = (
     Mutation(
         "corner-without-limit",
         KIND,
-        "Has no limit of the angle from 1170 to 1190 rpm at light load, once its search holds: 95°.",
+        "Has no limit of the angle from {first} to {last} at light load, once its search holds: 95°.",
         "ADV-2",
         fault=faults.CORNER_WITHOUT_LIMIT,
         size=radians(95.0),
-        shown_by="1180 rpm with little load",
+        extent=sizes.share(0.384, sizes.RATED_SUM, digits=6),
+        region=(sizes.in_range(0.68, -1.0), sizes.in_range(0.68, 1.0)),
+        told=(("middle", sizes.in_range(0.68)),),
+        shown_by="{middle} with little load",
     ),
     Mutation(
         "wrong-row",
         KIND,
-        "Has one wrong row in its table of least angles: 66° at 1340 rpm.",
+        "Has one wrong row in its table of least angles: {size} at {middle}.",
         "CNV-2",
         fault=faults.WRONG_ROW,
-        size=radians(66.0),
-        shown_by="1340 rpm",
+        size=sizes.Size(_far_above_the_line, "°"),
+        region=(sizes.in_range(_ROW, -0.5), sizes.in_range(_ROW, 0.5)),
+        told=(("middle", sizes.in_range(_ROW)),),
+        shown_by="{middle}",
     ),
     Mutation(
         "current-floor",
         KIND,
-        "Requests 6 A or more above 1400 rpm, however light the load.",
+        "Requests {size} or more above {first}, however light the load.",
         "CNV-1",
         fault=faults.REFERENCE_FLOOR,
-        size=6.0,
+        size=sizes.share(0.23, sizes.CURRENT_LIMIT, digits=2),
+        region=(sizes.in_range(0.9),),
         shown_by="the lightest loads at high speed",
     ),
     Mutation(
@@ -51,11 +71,11 @@ FAULTS: Final = (
     Mutation(
         "overspeed-capped",
         KIND,
-        "Takes a speed reference above 1900 rpm for 1900 rpm.",
+        "Takes a speed reference above {size} for {size}.",
         "CPW-2",
         fault=faults.SPEED_CAPPED,
-        size=1900.0 * RADIANS_PER_RPM,
-        shown_by="more than 1900 rpm",
+        size=sizes.beyond_range(0.8),
+        shown_by="more than {size}",
     ),
     Mutation(
         "standstill-latches",

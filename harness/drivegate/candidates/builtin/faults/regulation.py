@@ -4,26 +4,37 @@ from __future__ import annotations
 
 from typing import Final
 
+from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_cases.drive.limits import limits_of
 from drivegate_models.half_bridge.faults import state as faults
 
 KIND: Final = "Speed regulation"
+
+# Peak to peak three quarters of what is allowed of the torque, which has a ripple of its own.
+_RIPPLE: Final = sizes.Size(
+    lambda drive: sizes.significant(
+        0.385 * limits_of(drive).closed_loop_ripple * drive.rating.current_limit_a, 2
+    ),
+    "A",
+)
 
 FAULTS: Final = (
     Mutation(
         "rippling-current",
         KIND,
-        "Moves the current reference up and down by 2 A, 250 times a second.",
+        "Moves the current reference up and down by {size}, 250 times a second.",
         "RIP-3",
         fault=faults.RIPPLING,
-        size=2.0,
+        size=_RIPPLE,
     ),
     Mutation(
         "chatters",
         KIND,
-        "Begins and ends the advance at one speed, and takes 550 rpm for base speed.",
+        "Begins and ends the advance at one speed, and takes {taken} for base speed.",
         "CNV-1",
         factors=(("base_speed", 1.1), ("advance_begins", 550.0 / 510.0)),
+        told=(("taken", sizes.share(1.1, sizes.BASE, digits=6)),),
     ),
     Mutation(
         "no-anti-windup",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from math import radians
 from typing import Final
 
+from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_models.half_bridge.faults import state as faults
 
@@ -14,10 +14,10 @@ FAULTS: Final = (
     Mutation(
         "only-without-noise",
         KIND,
-        "Raises the angle by 3° whenever the measured supply differs from that of the step before.",
+        "Raises the angle by {size} whenever the measured supply differs from that of the step before.",
         "ROB-2",
         fault=faults.TRUSTS_SUPPLY,
-        size=radians(3.0),
+        size=sizes.share(3.0, sizes.ANGLE_TOLERANCE),
     ),
     Mutation(
         "latches-after-dropout",
@@ -32,6 +32,8 @@ FAULTS: Final = (
         "Takes one sample without any current for an open circuit, and does not advance any more.",
         "ROB-3",
         fault=faults.LOST_CURRENT_TRIPS,
+        size=sizes.share(0.077, sizes.CURRENT_LIMIT, digits=2),
+        extent=sizes.share(0.000385, sizes.CURRENT_LIMIT, digits=2),
         shown_by="currents that are lost",
     ),
     Mutation(
@@ -63,9 +65,10 @@ FAULTS: Final = (
     Mutation(
         "one-phase-for-five",
         KIND,
-        "Searches by five times the magnitude of the first phase's current.",
+        "Searches by {phases} times the magnitude of the first phase's current.",
         "CNV-2",
         fault=faults.ONE_PHASE_FOR_ALL,
+        told=(("phases", sizes.PHASES),),
     ),
 )
 """Those of this kind."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from math import radians
 from typing import Final
 
+from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_models.half_bridge.faults import state as faults
 
@@ -21,15 +21,15 @@ FAULTS: Final = (
     Mutation(
         "drifts",
         KIND,
-        "Lets the angle that it has found move on by 0.5° a second.",
+        "Lets the angle that it has found move on by {size} a second.",
         "CNV-1",
         fault=faults.DRIFTS,
-        size=radians(0.5),
+        size=sizes.share(0.5, sizes.ANGLE_TOLERANCE),
     ),
     Mutation(
         "search-too-slow",
         KIND,
-        "Decides every 2 s instead of every 100 ms.",
+        "Decides twenty times less often than every {decision_period}.",
         "CNV-1",
         factors=(("decision_steps", 20.0),),
     ),
@@ -46,6 +46,7 @@ FAULTS: Final = (
         "Reverses the search where Σ|i| falls and goes on where it rises.",
         "CNV-2",
         fault=faults.SUM_MIRRORED,
+        size=sizes.share(200.0 / 130.0, sizes.ALL_PHASES),
     ),
     Mutation(
         "signed-sum",
@@ -64,9 +65,10 @@ FAULTS: Final = (
     Mutation(
         "blind-spot",
         KIND,
-        "Stays at its initial angle between 1230 and 1290 rpm, whatever the search says.",
+        "Stays at its initial angle between {first} and {last}, whatever the search says.",
         "CNV-2",
         fault=faults.BLIND_SPOT,
+        region=(sizes.in_range(0.76, -3.0), sizes.in_range(0.76, 3.0)),
     ),
     Mutation(
         "stale-power",

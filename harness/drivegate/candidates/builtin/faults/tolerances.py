@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from math import radians
 from typing import Final
 
+from drivegate.candidates.builtin.faults import oracle_sizes, sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_models.half_bridge.faults import state as faults
-from drivegate_models.units import RADIANS_PER_RPM
 
 KIND: Final = "Just beyond a tolerance"
 
@@ -15,49 +14,52 @@ FAULTS: Final = (
     Mutation(
         "angle-cycles",
         KIND,
-        "Moves the angle up and down by 0.6°, once in two seconds, where 1° in all is allowed.",
+        "Moves the angle up and down by {size}, once in two seconds, where {angle_tolerance} in all is allowed.",
         "CNV-1",
         fault=faults.ANGLE_CYCLES,
-        size=radians(0.6),
+        size=sizes.share(0.6, sizes.ANGLE_TOLERANCE),
     ),
     Mutation(
         "speed-six-rpm-off",
         KIND,
-        "Keeps the speed 6 rpm too high, where k1 is 5 rpm.",
+        "Keeps the speed {size} too high, where k1 is {k1}.",
         "CNV-1",
         fault=faults.SPEED_BIASED,
-        size=6.0 * RADIANS_PER_RPM,
+        size=sizes.share(1.2, sizes.K1),
     ),
     Mutation(
         "sum-cycles",
         KIND,
-        "Accelerates and decelerates by 0.26 % of the torque, once a second, for which Σ|i| varies by more than k2.",
+        "Accelerates and decelerates by {percent} % of the torque, once a second, so that Σ|i| varies by more than k2.",
         "CNV-1",
         fault=faults.TORQUE_CYCLES,
-        size=0.0026,
+        size=sizes.share(0.52, sizes.K2),
+        told=(("percent", sizes.share(52.0, sizes.K2)),),
     ),
     Mutation(
         "rests-beside-the-optimum",
         KIND,
-        "Rests 4° beside the angle that it has found.",
+        "Rests {size} beside the angle that it has found.",
         "CNV-2",
         fault=faults.RESTS_BESIDE,
-        size=radians(4.0),
+        size=oracle_sizes.BESIDE_OPTIMUM,
     ),
     Mutation(
         "settles-in-seven-seconds",
         KIND,
-        "Gives back 3° of angle 7.2 s after the start, where 6 s are allowed.",
+        "Gives back {extent} of angle {size} after the start, where {settling} are allowed.",
         "CNV-1",
         fault=faults.SETTLES_LATE,
-        size=7.2,
+        size=sizes.share(1.2, sizes.SETTLING),
+        extent=sizes.share(3.0, sizes.ANGLE_TOLERANCE),
     ),
     Mutation(
         "limit-rounded-up",
         KIND,
-        "Takes 26.03 A for the current limit of 26 A.",
+        "Takes {taken} for the current limit of {current_limit}.",
         "CMD-1",
         factors=(("current_limit", 26.03 / 26.0),),
+        told=(("taken", sizes.share(26.03 / 26.0, sizes.CURRENT_LIMIT, digits=6)),),
     ),
     Mutation(
         "power-a-billionth-off",

@@ -84,12 +84,12 @@ def _show_failure(console: Console, failure: Mapping[str, Any]) -> None:
 def _show_faults(console: Console, document: Mapping[str, Any]) -> None:
     if not document["faults"]:
         return
-    listed = table("fault", "check", "caught", "missed on drives")
+    listed = table("fault", "check", "caught", "missed on drives", "does not apply on")
     for fault in document["faults"]:
         caught = f"{fault['count']} of {fault['of']}"
-        listed.add_row(
-            *map(plain, (fault["name"], fault["named_check"], caught, _named(fault["missed_on"]) or "–"))
-        )
+        idle = [int(number) for number in fault["does_not_apply_on"]]
+        drives = (_named(numbers) or "–" for numbers in (fault["missed_on"], idle))
+        listed.add_row(*map(plain, (fault["name"], fault["named_check"], caught, *drives)))
     console.print(listed)
 
 

@@ -56,7 +56,7 @@ def summarised(
 ) -> dict[str, Any]:
     """Write a whole self-test on drawn drives as plain data."""
     passed = sum(drive.passed for drive in drives)
-    caught = [trial["caught"] for trial in trials.values()]
+    caught = [trial["caught"] for trial in trials.values() if applies(trial)]
     return {
         "schema": SCHEMA,
         "kind": KIND,
@@ -74,6 +74,11 @@ def summarised(
         "faults": [_fault(mutation, trials) for mutation in mutations],
         "drives": [_drive(drive) for drive in drives],
     }
+
+
+def applies(trial: Mapping[str, Any]) -> bool:
+    """Tell whether a fault does something on the drive of a trial."""
+    return trial.get("does_not_apply") is None
 
 
 def _share(happened: int, of: int) -> dict[str, Any]:
@@ -115,12 +120,16 @@ def _failure(reason: str, entries: Sequence[tuple[JudgedDrive, GateRow, FailedCh
 
 def _fault(mutation: Mutation, trials: Mapping[tuple[int, str], Mapping[str, Any]]) -> dict[str, Any]:
     own = {number: trial for (number, name), trial in trials.items() if name == mutation.name}
-    missed = [number for number, trial in own.items() if not trial["caught"]]
+    tried = {number: trial for number, trial in own.items() if applies(trial)}
+    missed = [number for number, trial in tried.items() if not trial["caught"]]
     return {
         "name": mutation.name,
         "named_check": mutation.check,
-        **_share(len(own) - len(missed), len(own)),
+        **_share(len(tried) - len(missed), len(tried)),
         "missed_on": missed,
+        "does_not_apply_on": {
+            f"{number:03d}": trial["does_not_apply"] for number, trial in own.items() if not applies(trial)
+        },
         "caught_by_others_on": [number for number in missed if own[number]["also_failing"]],
     }
 

@@ -59,12 +59,13 @@ def _outcome(row: FaultRow) -> dict[str, Any]:
         "runs": row.runs,
         "also_failing": list(row.also_failing),
         "message": "; ".join(row.faults),
+        "does_not_apply": row.idle_because,
     }
 
 
 def _broken(mutation: Mutation, error: Exception) -> dict[str, Any]:
     """Tell of a trial that came to no end; a fault that was not judged is not caught."""
-    outcome = {"caught": False, "runs": 0, "also_failing": [], "message": _why(error)}
+    outcome = {"caught": False, "runs": 0, "also_failing": [], "message": _why(error), "does_not_apply": None}
     return {"fault": mutation.name, "check": mutation.check} | outcome
 
 

@@ -144,6 +144,24 @@ def test_faults_are_tried_only_where_the_reference_passes(judge, tmp_path: Path)
     assert "faults caught in 1 of 2 trials" in shown(document)
 
 
+def test_a_fault_that_does_nothing_on_a_drive_is_not_counted_there(
+    judge, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    judge({}, missed=(3,))
+    tried = run.run_faults
+
+    def idle_on_the_first(package: bytes, item: tuple[int, tuple[str, ...]]) -> list[dict[str, Any]]:
+        why = "16 bits hold that" if item[0] == 1 else None
+        return [outcome | {"caught": not why, "does_not_apply": why} for outcome in tried(package, item)]
+
+    monkeypatch.setattr(run, "run_faults", idle_on_the_first)
+    document = selftest_on_drives(request(tmp_path, mutations=(MUTATION,)), Display())
+    (fault,) = document["faults"]
+    assert (fault["count"], fault["of"], fault["missed_on"]) == (2, 2, [])
+    assert fault["does_not_apply_on"] == {"001": "16 bits hold that"}
+    assert (document["trials"]["count"], document["trials"]["of"]) == (2, 2)
+
+
 def test_a_trial_that_breaks_ends_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     def tried(mutations: tuple[Mutation, ...], _effort: object) -> Iterator[FaultRow]:
         for mutation in mutations:
