@@ -19,8 +19,8 @@ from drivegate_models.compilation.kernels import kernel, unallocating
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phase import COMPLETED, advance_phase
 from drivegate_models.half_bridge.plant.phases import Phases, advance_phases, make_phases
-from drivegate_models.half_bridge.plant.torque import torque_extremes
 from drivegate_models.machine import ledger
+from drivegate_models.machine.torque import torque_extremes
 
 PERIODIC: int = 1
 """Certified: the half cycle returns its own mirror image."""

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import kernel
-from drivegate_models.half_bridge.plant import segments
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phases import Phases, advance_phases, make_phases
 from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME, PERIODIC, periodic_start
-from drivegate_models.machine import ledger
+from drivegate_models.machine import ledger, segments
 from drivegate_models.machine.winding_current import current_after
 
 

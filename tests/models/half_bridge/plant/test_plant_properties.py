@@ -12,11 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from drivegate_models.half_bridge.plant import segments
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phase import COMPLETED
 from drivegate_models.half_bridge.plant.phases import Phases, advance_phases, make_phases
-from drivegate_models.half_bridge.plant.torque import torque_extremes
 from drivegate_models.half_bridge.steady.steady_state import (
     KEPT_TIME,
     PERIODIC,
@@ -26,7 +24,8 @@ from drivegate_models.half_bridge.steady.steady_state import (
     periodic_start,
     steady_state,
 )
-from drivegate_models.machine import ledger
+from drivegate_models.machine import ledger, segments
+from drivegate_models.machine.torque import torque_extremes
 
 SUPPLY = 48.0
 
