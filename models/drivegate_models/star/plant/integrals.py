@@ -48,15 +48,15 @@ def span_of(places: NDArray[Any], neutral: Neutral, start: float, length: float)
     Returns
     -------
     Span
-        While every phase is held the neutral is free within what their intervals share; it is taken for the middle, where
-        two chopping phases have equal shares, as comparators on equal currents give them.
+        While every phase is held the neutral is free within what their intervals share; it is taken for the middle,
+        where two chopping phases have equal shares, as comparators on equal currents give them.
     """
     if neutral.moving == 0:
         begin = shared_middle(places, 0.0)
         rate = (shared_middle(places, length) - begin) / length if length > 0.0 else 0.0
         return Span(start, length, begin, rate, 1.0)
-    # A phase that chops by itself takes the neutral with it: of its ripple u, u (n - 1)/n is left across its own winding,
-    # and u/n falls on each of the others.
+    # A phase that chops by itself takes the neutral with it: of its ripple u, u (n - 1)/n is left across its own
+    # winding, and u/n falls on each of the others.
     return Span(start, length, neutral.voltage, neutral.rate, 1.0 - 1.0 / neutral.connected)
 
 
@@ -93,7 +93,7 @@ def _slide(
     totals[ledger.DEVICE] += (
         mean_share * circuit.switch_drop + (1.0 - mean_share) * circuit.diode_drop
     ) * charge
-    shape = place.shape
+    shape = place.emf_shape
     shape_end = shape + place.shape_rate * length
     totals[ledger.IMPULSE] += drive.emf_constant * 0.5 * (shape + shape_end) * current * length
     squares = (shape * shape + shape * shape_end + shape_end * shape_end) / 3.0
@@ -109,7 +109,7 @@ def _slide(
 @inlined
 def _drag(drive: StarDrive, place: Any, length: float, emf_peak: float, totals: NDArray[np.float64]) -> None:
     """Add the drag of a phase without a current, whose core loss the shaft supplies."""
-    shape = place.shape
+    shape = place.emf_shape
     shape_end = shape + place.shape_rate * length
     squares = length * (shape * shape + shape * shape_end + shape_end * shape_end) / 3.0
     totals[ledger.CORE_DRAG_IMPULSE] += drive.core_loss_conductance * drive.emf_constant * emf_peak * squares
@@ -151,7 +151,7 @@ def _conduct(
     if returning:
         totals[ledger.RETURNED] += circuit.source * magnitude
     totals[ledger.DEVICE] += (circuit.diode_drop if returning else circuit.switch_drop) * magnitude
-    shape_end = place.shape + place.shape_rate * length
+    shape_end = place.emf_shape + place.shape_rate * length
     totals[ledger.IMPULSE] += drive.emf_constant * (shape_end * first - place.shape_rate * second)
     # Gap voltage v - v_n - R i: a straight line less R i.
     line = tread_voltage(circuit, place.gate, tread) - span.neutral
@@ -227,7 +227,7 @@ def add_stretch(
             current,
             place.slope,
             place.curvature,
-            place.shape,
+            place.emf_shape,
             place.shape_rate,
             voltage,
             voltage_rate,

@@ -179,9 +179,9 @@ def _oppose(
     limit = inf
     for k in range(places.size):
         place = places[k]
-        place.shape = place.shape_start + place.shape_rate * (time - place.shape_begin)
+        place.emf_shape = place.shape_start + place.shape_rate * (time - place.shape_begin)
         place.start = currents[k]
-        place.opposed = emf_peak * place.shape + circuit.resistance * currents[k]
+        place.opposed = emf_peak * place.emf_shape + circuit.resistance * currents[k]
         place.opposed_rate = emf_peak * place.shape_rate
         limit = min(limit, place.shape_end, place.piece_end)
     return limit

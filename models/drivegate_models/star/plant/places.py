@@ -32,7 +32,7 @@ PLACE: Final = np.dtype(
         ("above", np.int64),
         # Current (A) and shape of the back-EMF (1) at the start of a stretch, e + R i (V) and the rate of e (V/s).
         ("start", np.float64),
-        ("shape", np.float64),
+        ("emf_shape", np.float64),
         ("opposed", np.float64),
         ("opposed_rate", np.float64),
         # Interval in which the phase is content with the neutral (V).

@@ -103,8 +103,7 @@ def next_piece(piece: int, end: float, width: float, regulation: int, electrical
     following = (piece + 1) % PIECES
     if piece in (0, 3) and not _is_split(regulation, piece):
         following = piece + 2
-    if sector_of(following) == 0:
-        length = pi - width
-    else:
+    length = pi - width
+    if sector_of(following) != 0:
         length = 0.5 * width if _is_split(regulation, following) else width
     return following, end + length / electrical

@@ -12,7 +12,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -57,6 +57,9 @@ class Point:
             f"{self.rpm:g}rpm-{self.advance_deg:g}deg-{self.reference:g}A-h{self.band:g}-m{self.phases}"
             f"-r{self.regulation}-flat{self.flat_deg:g}-window{self.window_deg:g}-{self.changes}"
         )
+
+
+Watched = tuple[int, float | None, Callable[[float, np.ndarray], float]]
 
 
 class Motion(NamedTuple):
@@ -227,9 +230,9 @@ class Solver:
         rates = peak * np.array([self.shape_rate(k, middle) for k in range(count)])
         self.time = start
         motion = self.motion(windows, start, rates)
-        equations, watched = self.equations(windows, motion, middle)
+        laws = self.laws(windows, motion, middle)
         found = solve_ivp(
-            equations,
+            laws.equation,
             (start, stop),
             self.state,
             method="DOP853",
@@ -240,7 +243,7 @@ class Solver:
         )
         grid = np.unique(np.concatenate([np.linspace(start, stop, 41), found.t]))
         best, landing = stop, []
-        for phase, level, function in watched:
+        for phase, level, function in self.watch(windows, laws):
             values = [function(time, found.sol(time)) for time in grid]
             # What begins at its level, or a hair beyond, has just left it.
             for low, high, first, second in zip(grid, grid[1:], values, values[1:], strict=False):
@@ -258,122 +261,134 @@ class Solver:
                 self.state[phase] = level
         return best
 
-    def equations(
-        self, windows: list[tuple[int, int]], motion: Motion, middle: float
-    ) -> tuple[Callable[..., Any], list[tuple[int, float | None, Callable[..., float]]]]:
-        """Return the differential equation of a motion, and what is watched: positive until its event."""
-        drive, count, point = self.drive, self.count, self.point
-        peak, resistance = drive.emf_constant * self.speed, drive.resistance
-        offsets = np.array([self.shape(k, middle) for k in range(count)])
-        slopes = np.array([self.shape_rate(k, middle) for k in range(count)])
-        moving = np.array([move != HELD for move in motion.moves])
-        held = [k for k in range(count) if not moving[k]]
-        voltages = np.array(motion.voltages)
-        start = self.state[:count].copy()
-        below = np.array([self.leg(k, windows[k], start[k], -1) for k in range(count)])
-        above = np.array([self.leg(k, windows[k], start[k], 1) for k in range(count)])
-        chopping = [k for k in held if start[k] != 0.0]
-        # What moves alone stands still, since the currents sum to zero.
-        is_still = not moving.any() or (int(np.sum(moving)) == 1 and start[int(np.argmax(moving))] == 0.0)
-        carries = (start != 0.0) | (moving & (not is_still))
-
-        def opposed(time: float, currents: np.ndarray) -> np.ndarray:
-            return peak * (offsets + slopes * (time - middle)) + resistance * currents
-
-        def neutral(time: float, currents: np.ndarray) -> float:
-            if moving.any():
-                return float(np.mean((voltages - opposed(time, currents))[moving]))
-            against = opposed(time, currents)
-            return 0.5 * float(np.max(above - against) + np.min(below - against))
-
-        first = voltages - opposed(self.time, start) - neutral(self.time, start)
-        first = np.where(
-            np.abs(first) > VOLTAGE_TIE, first, np.mean(slopes[moving]) - slopes if moving.any() else 0.0
+    def laws(self, windows: list[tuple[int, int]], motion: Motion, middle: float) -> Laws:
+        """Return what holds until the next event."""
+        start = self.state[: self.count].copy()
+        sides = [
+            np.array([self.leg(k, windows[k], start[k], side) for k in range(self.count)]) for side in (-1, 1)
+        ]
+        return Laws(
+            self.drive,
+            self.drive.emf_constant * self.speed,
+            middle,
+            np.array([self.shape(k, middle) for k in range(self.count)]),
+            np.array([self.shape_rate(k, middle) for k in range(self.count)]),
+            np.array([move != HELD for move in motion.moves]),
+            np.array(motion.voltages),
+            *sides,
+            self.time,
+            start,
         )
-        signs = np.where(start != 0.0, np.sign(start), np.where(moving, np.sign(first), 0.0))
 
-        def equation(time: float, state: np.ndarray) -> np.ndarray:
-            currents = state[:count]
-            against, centre = opposed(time, currents), neutral(time, currents)
-            legs = np.where(moving, voltages, centre + against)
-            pulls = np.where(moving, legs - centre - against, 0.0)
-            shapes = offsets + slopes * (time - middle)
-            gaps = legs - centre - resistance * currents
-            ripple = sum((below[k] - legs[k]) * (legs[k] - above[k]) for k in chopping)
-            connected = int(np.sum(moving)) + len(chopping)
-            if not is_still:
-                ripple *= (connected - 1) / connected
-            # Rails, not legs: a forward drop is no voltage of the source.
-            taken = float(np.sum(legs * currents)) + self.dropped(
-                chopping, legs, signs, currents, below, above
-            )
-            return np.concatenate(
-                [
-                    pulls / drive.inductance,
-                    [
-                        float(np.sum(signs * currents)),
-                        float(np.sum(currents * currents)),
-                        drive.emf_constant * float(np.sum(shapes * currents)),
-                        taken,
-                        drive.core_loss_conductance * (float(np.sum((gaps * gaps)[carries])) + ripple),
-                        drive.core_loss_conductance
-                        * drive.emf_constant
-                        * peak
-                        * float(np.sum((shapes * shapes)[~carries])),
-                    ],
-                ]
-            )
+    def levels(self, phase: int, window: tuple[int, int]) -> set[float]:
+        """Return the currents at which a moving phase has an event."""
+        reference, band = self.point.reference, self.point.band
+        if window not in CHOPPING[self.point.regulation] or reference <= 0.0:
+            return {0.0}
+        if band == 0.0:
+            return {0.0, window[0] * reference}
+        if self.latches[phase]:
+            return {0.0, window[0] * (reference + band)}
+        return {0.0, window[0] * max(reference - band, 0.0)}
 
-        watched: list[tuple[int, float | None, Callable[..., float]]] = []
-        for k in range(count):
-            if moving[k]:
-                levels = {0.0}
-                sector = windows[k][0]
-                chops = windows[k] in CHOPPING[point.regulation] and point.reference > 0.0
-                if chops and point.band == 0.0:
-                    levels.add(sector * point.reference)
-                elif chops and self.latches[k]:
-                    levels.add(sector * (point.reference + point.band))
-                elif chops:
-                    levels.add(sector * max(point.reference - point.band, 0.0))
-                for level in levels:
-                    watched.append((k, level, lambda t, y, k=k, level=level: y[k] - level))
-                    watched.append((k, level, lambda t, y, k=k, level=level: level - y[k]))
-            elif moving.any():
+    def watch(self, windows: list[tuple[int, int]], laws: Laws) -> list[Watched]:
+        """Return what is watched: positive until its event."""
+        watched: list[Watched] = []
+        for k in range(self.count):
+            if laws.moving[k]:
+                for level in self.levels(k, windows[k]):
+                    watched.append((k, level, lambda _, y, k=k, level=level: float(y[k] - level)))
+                    watched.append((k, level, lambda _, y, k=k, level=level: float(level - y[k])))
+            elif laws.moving.any():
+                watched.append((k, None, lambda t, y, k=k: float((laws.below - laws.wanted(t, y))[k])))
+                watched.append((k, None, lambda t, y, k=k: float((laws.wanted(t, y) - laws.above)[k])))
+        if not laws.moving.any():
+            watched.append((0, None, laws.room))
+        return watched
 
-                def high(t: float, y: np.ndarray, k: int = k) -> float:
-                    return float(below[k] - opposed(t, y[:count])[k] - neutral(t, y[:count]))
 
-                def low(t: float, y: np.ndarray, k: int = k) -> float:
-                    return float(neutral(t, y[:count]) + opposed(t, y[:count])[k] - above[k])
+@dataclass
+class Laws:
+    """What holds between two events."""
 
-                watched += [(k, None, high), (k, None, low)]
-        if not moving.any():
+    drive: StarDrive
+    peak: float
+    middle: float
+    offsets: np.ndarray
+    slopes: np.ndarray
+    moving: np.ndarray
+    voltages: np.ndarray
+    below: np.ndarray
+    above: np.ndarray
+    time: float
+    start: np.ndarray
 
-            def room(t: float, y: np.ndarray) -> float:
-                against = opposed(t, y[:count])
-                return float(np.min(below - against) - np.max(above - against))
+    def __post_init__(self) -> None:
+        self.chopping = ~self.moving & (self.start != 0.0)
+        # What moves alone stands still, since the currents sum to zero.
+        alone = int(np.sum(self.moving)) == 1 and self.start[int(np.argmax(self.moving))] == 0.0
+        self.is_still = alone or not self.moving.any()
+        self.carries = (self.start != 0.0) | (self.moving & (not self.is_still))
+        pulls = self.voltages - self.opposed(self.time, self.start) - self.neutral(self.time, self.start)
+        later = np.mean(self.slopes[self.moving]) - self.slopes if self.moving.any() else 0.0 * pulls
+        direction = np.sign(np.where(np.abs(pulls) > VOLTAGE_TIE, pulls, later))
+        self.signs = np.where(self.start != 0.0, np.sign(self.start), np.where(self.moving, direction, 0.0))
 
-            watched.append((0, None, room))
-        return equation, watched
+    def opposed(self, time: float, currents: np.ndarray) -> np.ndarray:
+        """Return back-EMF and resistive drop of every phase."""
+        return (
+            self.peak * (self.offsets + self.slopes * (time - self.middle)) + self.drive.resistance * currents
+        )
 
-    def dropped(
-        self,
-        chopping: list[int],
-        legs: np.ndarray,
-        signs: np.ndarray,
-        currents: np.ndarray,
-        below: np.ndarray,
-        above: np.ndarray,
-    ) -> float:
+    def neutral(self, time: float, currents: np.ndarray) -> float:
+        against = self.opposed(time, currents)
+        if self.moving.any():
+            return float(np.mean((self.voltages - against)[self.moving]))
+        return 0.5 * float(np.max(self.above - against) + np.min(self.below - against))
+
+    def wanted(self, time: float, state: np.ndarray) -> np.ndarray:
+        """Return the leg voltages that would hold every current."""
+        currents = state[: len(self.start)]
+        return self.neutral(time, currents) + self.opposed(time, currents)
+
+    def room(self, time: float, state: np.ndarray) -> float:
+        """Return how much room the neutral has where no phase moves."""
+        against = self.opposed(time, state[: len(self.start)])
+        return float(np.min(self.below - against) - np.max(self.above - against))
+
+    def equation(self, time: float, state: np.ndarray) -> np.ndarray:
+        """Return the rates of currents and integrals."""
+        drive, currents = self.drive, state[: len(self.start)]
+        held = self.wanted(time, state)
+        legs = np.where(self.moving, self.voltages, held)
+        pulls = legs - held
+        shapes = self.offsets + self.slopes * (time - self.middle)
+        gaps = self.peak * shapes + pulls
+        ripple = float(np.sum(((self.below - legs) * (legs - self.above))[self.chopping]))
+        if not self.is_still:
+            # One that chops by itself takes the neutral with it.
+            connected = int(np.sum(self.moving) + np.sum(self.chopping))
+            ripple *= (connected - 1) / connected
+        # Rails, not legs: a forward drop is no voltage of the source.
+        taken = float(np.sum(legs * currents)) + self.dropped(legs, currents)
+        squares = float(np.sum((gaps * gaps)[self.carries])) + ripple
+        drag = drive.emf_constant * self.peak * float(np.sum((shapes * shapes)[~self.carries]))
+        integrals = [
+            float(np.sum(self.signs * currents)),
+            float(np.sum(currents * currents)),
+            drive.emf_constant * float(np.sum(shapes * currents)),
+            taken,
+            drive.core_loss_conductance * squares,
+            drive.core_loss_conductance * drag,
+        ]
+        return np.concatenate([pulls / drive.inductance, integrals])
+
+    def dropped(self, legs: np.ndarray, currents: np.ndarray) -> float:
         """Return the loss in forward drops (W)."""
-        drive = self.drive
-        total = 0.0
-        for k, sign in enumerate(signs):
-            on, off = (below[k], above[k]) if sign > 0.0 else (above[k], below[k])
-            share = float(legs[k] * sign > 0.0)
-            if k in chopping:
-                share = (legs[k] - off) / (on - off)
+        drive, total = self.drive, 0.0
+        for k, sign in enumerate(self.signs):
+            on, off = (self.below[k], self.above[k]) if sign > 0.0 else (self.above[k], self.below[k])
+            share = (legs[k] - off) / (on - off) if self.chopping[k] else float(legs[k] * sign > 0.0)
             total += sign * currents[k] * (share * drive.switch_drop + (1.0 - share) * drive.diode_drop)
         return total
 
