@@ -22,14 +22,16 @@ from drivegate_models.star.plant.phases import StarPhases, advance_phases
 from drivegate_models.star.plant.window import GAP, PIECES
 
 # Steps before plain repetition takes over, and repetitions before a state counts as aperiodic.
-_STEPS = 20
+_STEPS = 60
 _SETTLING = 40
-# Currents that die out or come to their level forget where they began.
+# Periods before the first step: currents that die out or come to their level forget where they began.
 _WARM_UP = 2
 # A difference that is small against every current, and large against rounding.
 _DIFFERENCE = 1e-6
 # A step by an old slope is good enough where it takes off this share of the gap.
 _GOOD = 0.1
+# A step that leaves more than this share of the gap has failed.
+_POOR = 0.5
 
 
 class _Point(NamedTuple):
@@ -327,7 +329,7 @@ def periodic_start(
     Returns
     -------
     int
-        `PERIODIC`, or `APERIODIC` with the state after `_SETTLING` periods.
+        `PERIODIC`, or `APERIODIC` with the state after `_SETTLING` periods or more.
     """
     count = drive.phases
     unknowns = count - 1
@@ -350,14 +352,23 @@ def periodic_start(
         slices.latches[k] = 1
     worst = _gap(drive, work, slices, point, room.scratch, room.gap)
     is_known = False
-    for attempt in range(_WARM_UP + _STEPS + _SETTLING):
+    waiting = _WARM_UP
+    failures = 0
+    for attempt in range(_STEPS + _SETTLING):
         if worst <= tolerance:
             break
-        if _WARM_UP <= attempt < _WARM_UP + _STEPS:
+        if waiting == 0 and attempt < _STEPS:
+            before = worst
             is_known, worst = _newton_step(drive, work, slices, point, room, is_known, worst)
+            if worst > _POOR * before:
+                # Among the corners of the map such steps may go round for ever; periods lead out of there.
+                failures += 1
+                waiting = _WARM_UP * failures
         else:
             _adopt(work, slices)
             worst = _gap(drive, work, slices, point, room.scratch, room.gap)
+            waiting = max(waiting - 1, 0)
+            is_known = False
     for k in range(count):
         work.currents[k] = slices.currents[k]
         work.pieces[k] = slices.pieces[k]

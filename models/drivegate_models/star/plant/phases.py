@@ -361,8 +361,11 @@ def advance_phases(
             _land(places, currents, moved, length)
         # The limit itself, not the sum, so that a corner is passed exactly once.
         time = limit if is_whole else time + length
-        for k in range(count):
-            _pass_edges(drive, corners, corner_values, corner_slopes, places[k], time + same_time, electrical)
+        if time + same_time >= limit:
+            for k in range(count):
+                _pass_edges(
+                    drive, corners, corner_values, corner_slopes, places[k], time + same_time, electrical
+                )
     for k in range(count):
         phases.pieces[k] = places[k].piece
         phases.latches[k] = places[k].latch
