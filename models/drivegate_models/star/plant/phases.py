@@ -148,7 +148,7 @@ def _place_phase(
     place.reached = 0
 
 
-@unallocating
+@inlined
 def _pass_edges(
     drive: StarDrive,
     corners: NDArray[np.float64],
@@ -169,6 +169,21 @@ def _pass_edges(
             place.piece, place.piece_end, drive.window, drive.regulation, electrical
         )
         place.latch = 1
+
+
+@unallocating
+def _pass_all(
+    drive: StarDrive,
+    corners: NDArray[np.float64],
+    corner_values: NDArray[np.float64],
+    corner_slopes: NDArray[np.float64],
+    places: NDArray[Any],
+    until: float,
+    electrical: float,
+) -> None:
+    """Take every phase past its corners and window edges up to a time (s)."""
+    for k in range(places.size):
+        _pass_edges(drive, corners, corner_values, corner_slopes, places[k], until, electrical)
 
 
 @inlined
@@ -312,7 +327,6 @@ def advance_phases(
     emf_peak = drive.emf_constant * speed
     same_time = _SAME_ANGLE / electrical if electrical > 0.0 else 0.0
     for k in range(count):
-        lag = 2.0 * pi * k / count
         _place_phase(
             drive,
             circuit,
@@ -322,14 +336,14 @@ def advance_phases(
             places[k],
             phases.pieces[k],
             phases.latches[k],
-            angle - lag,
+            angle - 2.0 * pi * k / count,
             advance,
             electrical,
         )
-        _pass_edges(drive, corners, corner_values, corner_slopes, places[k], same_time, electrical)
         magnitudes[k] = 0.0
         row_counts[k] = 0
         totals[ledger.PEAK] = max(totals[ledger.PEAK], abs(currents[k]))
+    _pass_all(drive, corners, corner_values, corner_slopes, places, same_time, electrical)
     status = COMPLETED
     time = 0.0
     events = 0
@@ -362,10 +376,7 @@ def advance_phases(
         # The limit itself, not the sum, so that a corner is passed exactly once.
         time = limit if is_whole else time + length
         if time + same_time >= limit:
-            for k in range(count):
-                _pass_edges(
-                    drive, corners, corner_values, corner_slopes, places[k], time + same_time, electrical
-                )
+            _pass_all(drive, corners, corner_values, corner_slopes, places, time + same_time, electrical)
     for k in range(count):
         phases.pieces[k] = places[k].piece
         phases.latches[k] = places[k].latch
