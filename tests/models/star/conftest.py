@@ -26,7 +26,7 @@ def _star(*, flat_deg: float = 120.0, window_deg: float = 120.0, **changes: Any)
         "half_supply_voltage": 48.0,
         "hysteresis_band": 0.0,
         "window": np.radians(window_deg),
-        "current_limit": 130.0 / 3.0,
+        "current_limit": 43.3,
         "inertia": 0.05,
     }
     return make_star_drive(**(constants | changes))
