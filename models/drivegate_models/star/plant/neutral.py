@@ -213,6 +213,10 @@ def _moved(circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64]
         elif currents[k] != 0.0:
             connected += 1
     rate = total / moving if moving > 0 else 0.0
+    slopes = 0.0
+    curvatures = 0.0
+    last = -1
+    last_free = -1
     for k in range(places.size):
         place = places[k]
         place.slope = 0.0
@@ -221,5 +225,14 @@ def _moved(circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64]
             if not place.is_leaving:
                 point = place.low if place.tread == place.above else place.high
                 place.slope = (point - voltage) * circuit.inverse_inductance
+                slopes += place.slope
+                last_free = k
             place.curvature = (place.opposed_rate + rate) * circuit.inverse_inductance
+            curvatures += place.curvature
+            last = k
+    # They sum to zero but for the rounding of voltages, which is much beside a small current.
+    if last_free >= 0:
+        places[last_free].slope -= slopes
+    if last >= 0:
+        places[last].curvature -= curvatures
     return Neutral(voltage, rate, moving, connected)
