@@ -5,35 +5,29 @@ Compiled callers are compiled for one kind of drive at a time, and see only its 
 
 from __future__ import annotations
 
-from types import ModuleType
-from typing import Any, Final
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numba
 from numba.extending import overload
 
-from drivegate_models.half_bridge import periodic as half_bridge_periodic
-from drivegate_models.half_bridge.plant import phases as half_bridge_phases
-from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.plant.phases import Phases
-from drivegate_models.star import periodic as star_periodic
-from drivegate_models.star.plant import phases as star_phases
-from drivegate_models.star.plant.drive import StarDrive
-from drivegate_models.star.plant.phases import StarPhases
+if TYPE_CHECKING:
+    from drivegate_models.half_bridge.plant.drive import Drive
+    from drivegate_models.half_bridge.plant.phases import Phases
+    from drivegate_models.star.plant.drive import StarDrive
+    from drivegate_models.star.plant.phases import StarPhases
 
-AnyDrive = Drive | StarDrive
+AnyDrive: TypeAlias = "Drive | StarDrive"
 """Constants of a drive of any kind."""
-AnyPhases = Phases | StarPhases
+AnyPhases: TypeAlias = "Phases | StarPhases"
 """State of a drive of any kind."""
-
-_PLANTS: Final[dict[type, tuple[ModuleType, ...]]] = {
-    Drive: (half_bridge_phases, half_bridge_periodic),
-    StarDrive: (star_phases, star_periodic),
-}
 
 
 def _function(kind: type, name: str) -> Any:
-    """Return a function of the plant of a kind of drive."""
-    return next(vars(module)[name] for module in _PLANTS[kind] if name in vars(module))
+    """Return a function of the plant of a kind of drive, whose package has them in `plant.phases` and `periodic`."""
+    package = kind.__module__.partition(".plant.")[0]
+    modules = (import_module(f"{package}.{module}") for module in ("plant.phases", "periodic"))
+    return next(vars(module)[name] for module in modules if name in vars(module))
 
 
 def _of_any_drive(name: str) -> Any:

@@ -20,7 +20,13 @@ from drivegate_models.star.plant.drive import (
     StarDrive,
     make_star_drive,
 )
-from drivegate_models.star.plant.phases import COMPLETED, advance_phases, make_phases, stored_energy
+from drivegate_models.star.plant.phases import (
+    COMPLETED,
+    TOO_MANY_EVENTS,
+    advance_phases,
+    make_phases,
+    stored_energy,
+)
 
 CLOSURE = 1e-9
 """Greatest part of the throughput that may be missing."""
@@ -289,3 +295,10 @@ def test_rounding_at_a_tiny_reference_costs_no_energy(regulation: int) -> None:
     )
     periods = tuple(Period(60.0, 3e-9, 0.3, 48.0, 48.0, 5e-4) for _ in range(40))
     check(Run(drive, 0.0, (0.0,) * 3, periods))
+
+
+def test_a_band_that_no_current_can_rest_in_is_given_up() -> None:
+    drive = make_star_drive(**REFERENCE, window=math.radians(120.0), hysteresis_band=1e-10)
+    totals = np.zeros(ledger.ENTRIES)
+    status = advance_phases(drive, make_phases(drive), 0.0, 50.0, 48.0, 48.0, 20.0, 0.0, 5e-3, totals)
+    assert status == TOO_MANY_EVENTS

@@ -45,7 +45,6 @@ MACHINES = {
 }
 
 
-@pytest.mark.kernel
 @pytest.mark.parametrize("machine", MACHINES.values(), ids=MACHINES)
 def test_the_table_is_reproduced(request: pytest.FixtureRequest, machine: Machine) -> None:
     make: Callable[..., object] = request.getfixturevalue(machine.fixture)
