@@ -76,7 +76,7 @@ def main():
     from drivegate.drives.kinds import DEFAULT_DRIVE
     from drivegate_cases.drive.drive_document import load_drive
     from drivegate_models.half_bridge.plant.phases import make_phases
-    from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME, solve_steady_state
+    from drivegate_models.steady.steady_state import KEPT_TIME, solve_steady_state
 
     document = load_drive(DEFAULT_DRIVE)
     drive = document.plant()

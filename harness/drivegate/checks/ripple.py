@@ -13,7 +13,7 @@ from drivegate.runs.record import RunRecord, SteadyWindow, rated_torque
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.circumstance import Circumstance
-from drivegate_models.half_bridge.steady.oracle import point_at_torque
+from drivegate_models.steady.oracle import point_at_torque
 
 _ROUNDING = 1e-6
 

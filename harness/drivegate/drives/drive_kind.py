@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from drivegate.scenarios.speed_range import SpeedRange
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
-    from drivegate_models.half_bridge.steady.oracle import AdvanceLine as AdvanceLine
-    from drivegate_models.half_bridge.steady.oracle import GreatestTorque, Optimum, TorquePoint
+    from drivegate_models.steady.oracle import AdvanceLine as AdvanceLine
+    from drivegate_models.steady.oracle import GreatestTorque, Optimum, TorquePoint
 
 FloatArray: TypeAlias = "NDArray[np.float64]"
 Drive: TypeAlias = Any

@@ -24,21 +24,21 @@ def _prepare_loop() -> PrepareLoop:
 
 
 def _oracle() -> Oracle:
-    from drivegate_models.half_bridge.steady import oracle
+    from drivegate_models.steady import oracle
 
     return oracle
 
 
 def _steady_state() -> Callable[..., object]:
-    from drivegate_models.half_bridge.steady.steady_state import steady_state
+    from drivegate_models.steady.steady_state import steady_state
 
     return steady_state
 
 
 def _steady_states() -> SteadyStates:
     from drivegate_models.half_bridge.plant.phases import make_phases
-    from drivegate_models.half_bridge.steady.grid import POINT_COLUMNS, solve_points
-    from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME
+    from drivegate_models.steady.grid import POINT_COLUMNS, solve_points
+    from drivegate_models.steady.steady_state import KEPT_TIME
 
     def solve(
         drive: Drive, speeds: FloatArray, advances: FloatArray, references: FloatArray, values: FloatArray

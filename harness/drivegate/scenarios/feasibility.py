@@ -26,7 +26,7 @@ from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from,
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.steady.oracle import feasible_edge
+from drivegate_models.steady.oracle import feasible_edge
 from drivegate_models.units import RADIANS_PER_RPM
 
 REACTION_S = 0.02

@@ -1,1 +1,1 @@
-"""Parts that any drive is made of: back-EMF, a winding between events, load, energy ledger."""
+"""Parts that any drive is made of: cycle and back-EMF, a winding between events, its segments, torque, load, ledger."""

@@ -80,7 +80,7 @@ def advance_line(drive: RatedDrive) -> tuple[float, float]:
 
 @lru_cache(maxsize=_LINES_KEPT)
 def _computed_line(drive: RatedDrive) -> tuple[float, float]:
-    from drivegate_models.half_bridge.steady.advance_line import recommended_line
+    from drivegate_models.steady.advance_line import recommended_line
 
     rating = drive.rating
     line = recommended_line(

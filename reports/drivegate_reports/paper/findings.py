@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 
 from drivegate_cases.publication.facts import Finding, findings
-from drivegate_models.half_bridge.steady.oracle import current_sum_curve, feasible_edge, point_at_torque
-from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.steady.oracle import current_sum_curve, feasible_edge, point_at_torque
+from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import signed
 from drivegate_reports.paper.drive import (

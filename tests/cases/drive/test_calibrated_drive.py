@@ -7,7 +7,7 @@ from math import degrees
 import pytest
 
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_models.half_bridge.steady.calibration import (
+from drivegate_models.steady.calibration import (
     ROUNDING,
     calibrate,
     calibration_drive,

@@ -8,7 +8,7 @@ import pytest
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks import robustness
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_models.half_bridge.steady.oracle import least_current_sum
+from drivegate_models.steady.oracle import least_current_sum
 from drivegate_models.units import RADIANS_PER_RPM
 
 RPM = math.pi / 30.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivegate.checks import ripple
-from drivegate_models.half_bridge.steady.oracle import TorquePoint, point_at_torque
+from drivegate_models.steady.oracle import TorquePoint, point_at_torque
 
 RATED = {"kind": "constant_power", "power_w": 1500.0, "factor": [[0.0, 1.0]]}
 

@@ -8,7 +8,7 @@ import pytest
 from drivegate.results.result import finite
 from drivegate.studies.drive.run import studied_drive
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM
 
 QUICK = ("--set", "hysteresis_band_a=0")

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_models.half_bridge.steady.oracle import point_at_torque
-from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.steady.oracle import point_at_torque
+from drivegate_models.steady.steady_state import steady_state
 
 KEYS = [
     "schema",

@@ -20,8 +20,8 @@ from drivegate.drives.envelope import (
 from drivegate.drives.rating import RatedDrive, rated_drive
 from drivegate.drives.time_scales import time_scales
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_models.half_bridge.steady.oracle import least_current_sum, point_at_torque
-from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.steady.oracle import least_current_sum, point_at_torque
+from drivegate_models.steady.steady_state import steady_state
 
 RPM = pi / 30.0
 

@@ -28,7 +28,7 @@ from drivegate.scenarios.feasibility import (
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.half_bridge.steady.oracle import feasible_edge
+from drivegate_models.steady.oracle import feasible_edge
 from drivegate_models.units import RADIANS_PER_RPM
 
 DRIVE = load_drive("paper-5-phase")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drivegate_models.half_bridge.steady.oracle import point_at_torque
+from drivegate_models.steady.oracle import point_at_torque
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import house_style
 from drivegate_reports.paper.drive import ideal_drive

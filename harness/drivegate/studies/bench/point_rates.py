@@ -27,8 +27,8 @@ def steady_rate(bench: Workbench, band: float) -> Value:
 
     from drivegate_cases.drive.drive_document import load_drive
     from drivegate_models.half_bridge.plant.phases import make_phases
-    from drivegate_models.half_bridge.steady.grid import POINT_COLUMNS, solve_points
-    from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME
+    from drivegate_models.steady.grid import POINT_COLUMNS, solve_points
+    from drivegate_models.steady.steady_state import KEPT_TIME
 
     # Without core loss, which floating phases take from the shaft, powers add up from what a point tells.
     drive = load_drive(DEFAULT_DRIVE).plant()._replace(hysteresis_band=band, core_loss_conductance=0.0)

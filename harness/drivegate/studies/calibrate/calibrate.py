@@ -6,7 +6,7 @@ from math import degrees
 from typing import Any, Final
 
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_models.half_bridge.steady.calibration import (
+from drivegate_models.steady.calibration import (
     ROUNDING,
     Calibration,
     ComparedFigure,

@@ -11,8 +11,8 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate_models.half_bridge.plant.drive import Drive
-    from drivegate_models.half_bridge.steady.oracle import TorquePoint
-    from drivegate_models.half_bridge.steady.steady_state import SteadyState
+    from drivegate_models.steady.oracle import TorquePoint
+    from drivegate_models.steady.steady_state import SteadyState
 
 SCHEMA: Final = 1
 LONGEST_TIME: Final = 3600.0
@@ -52,7 +52,7 @@ def _check_length(drive: Drive, speed: float, cycles: int) -> None:
 
 
 def _values_at_torque(drive: Drive, speed: float, advance: float, torque: float) -> dict[str, Any]:
-    from drivegate_models.half_bridge.steady.oracle import point_at_torque
+    from drivegate_models.steady.oracle import point_at_torque
 
     point = point_at_torque(drive, speed, advance, torque)
     if not point.robust:
@@ -67,7 +67,7 @@ def _values_at_current(
     drive: Drive, speed: float, advance: float, reference: float, cycles: int | None
 ) -> dict[str, Any]:
     from drivegate_models.half_bridge.plant.phases import make_phases
-    from drivegate_models.half_bridge.steady import steady_state as solver
+    from drivegate_models.steady import steady_state as solver
 
     if cycles is None:
         state = solver.steady_state(drive, speed, reference, advance)

@@ -13,14 +13,46 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.plant.leg import connection, time_to_pass
-from drivegate_models.half_bridge.plant.segments import keep_segment
 from drivegate_models.half_bridge.plant.stretch import Demand, Motion, Stretch, Sums, Winding, with_peak
+from drivegate_models.machine.segments import keep_segment
 from drivegate_models.machine.winding_current import (
     crossing_time,
     current_after,
     current_integrals,
     turning_time,
 )
+
+
+@inlined
+def _kept(
+    rows: NDArray[np.float64],
+    stretch: Stretch,
+    index: int,
+    length: float,
+    current: float,
+    slope: float,
+    curvature: float,
+    voltage: float,
+    voltage_rate: float,
+    rate: float,
+) -> int:
+    """Keep the segment of a stretch, and return the next index."""
+    shape, shape_rate = stretch.shape, stretch.shape_rate
+    return keep_segment(
+        rows,
+        stretch.phase,
+        index,
+        stretch.time,
+        length,
+        current,
+        slope,
+        curvature,
+        shape,
+        shape_rate,
+        voltage,
+        voltage_rate,
+        rate,
+    )
 
 
 @inlined
@@ -105,7 +137,7 @@ def slide(
             sums.drag,
             sums.peak,
         )
-        kept = keep_segment(
+        kept = _kept(
             rows, stretch, kept, length, motion.current, 0.0, 0.0, sector * needed, stretch.emf_rate, 0.0
         )
     return length, is_whole, sums, Motion(motion.current, motion.latch, depart, 0, kept)
@@ -162,7 +194,7 @@ def float_free(
             sums.drag + squares,
             sums.peak,
         )
-        kept = keep_segment(rows, stretch, kept, length, 0.0, 0.0, 0.0, stretch.emf, stretch.emf_rate, 0.0)
+        kept = _kept(rows, stretch, kept, length, 0.0, 0.0, 0.0, stretch.emf, stretch.emf_rate, 0.0)
     return length, is_whole, sums, Motion(motion.current, motion.latch, motion.depart, conducting, kept)
 
 
@@ -291,7 +323,7 @@ def conduct(
         end, sums = _conducted(
             winding, stretch, sums, current, slope, curvature, length, rail, side, source, voltage
         )
-        kept = keep_segment(rows, stretch, kept, length, current, slope, curvature, voltage, 0.0, rate)
+        kept = _kept(rows, stretch, kept, length, current, slope, curvature, voltage, 0.0, rate)
         current = end
     # An event ends exactly where it is, whatever rounding has left of it.
     if at_level:

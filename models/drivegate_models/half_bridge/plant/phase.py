@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.half_bridge.plant.cycle import next_shape, next_window, shape_at, window_at, wrapped
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.leg import ideal_latch
 from drivegate_models.half_bridge.plant.modes import not_sliding, slide
 from drivegate_models.half_bridge.plant.stretch import Demand, Motion, Stretch, Sums, Winding, no_sums
 from drivegate_models.machine import ledger
+from drivegate_models.machine.cycle import next_shape, next_window, shape_at, window_at, wrapped
 from drivegate_models.machine.winding_current import LONGEST
 
 COMPLETED = 0

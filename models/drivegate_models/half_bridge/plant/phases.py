@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, kernel
-from drivegate_models.half_bridge.plant import segments
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phase import COMPLETED, advance_phase
-from drivegate_models.half_bridge.plant.torque import torque_extremes
-from drivegate_models.machine import ledger
+from drivegate_models.machine import ledger, segments
+from drivegate_models.machine.torque import torque_extremes
 
 
 class Phases(NamedTuple):

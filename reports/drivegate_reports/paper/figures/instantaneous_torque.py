@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from drivegate_cases.scenario.operating_point import load_operating_point
 from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.steady.oracle import point_at_torque
-from drivegate_models.half_bridge.steady.steady_state import steady_state
-from drivegate_models.half_bridge.steady.waveform import periodic_waveforms
+from drivegate_models.steady.oracle import point_at_torque
+from drivegate_models.steady.steady_state import steady_state
+from drivegate_models.steady.waveform import periodic_waveforms
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREY, VERMILION, label, new_figure
 from drivegate_reports.paper.drive import ideal_drive

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_cases.scenario.operating_point import load_operating_point
-from drivegate_models.half_bridge.steady.oracle import point_at_torque
-from drivegate_models.half_bridge.steady.waveform import periodic_waveforms
+from drivegate_models.steady.oracle import point_at_torque
+from drivegate_models.steady.waveform import periodic_waveforms
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREY, VERMILION, label, new_figure, signed
 from drivegate_reports.paper.drive import banded_drive

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.half_bridge.steady.oracle import TorquePoint, point_at_torque
-from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.steady.oracle import TorquePoint, point_at_torque
+from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREY, SKY, VERMILION, label, new_figure
 from drivegate_reports.paper.drive import (

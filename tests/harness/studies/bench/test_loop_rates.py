@@ -87,7 +87,7 @@ def test_the_oracle_is_checked_at_the_angle_that_it_found(workbench, monkeypatch
     assert point_rates.oracle_time(workbench, 1500.0, 9.8).correctness.valid
     found = point_rates.oracle_time(workbench, 1500.0, 9.8).correctness.measured
     assert "9.8000 N·m" in found
-    from drivegate_models.half_bridge.steady import oracle
+    from drivegate_models.steady import oracle
 
     shifted = oracle.least_current_sum
 

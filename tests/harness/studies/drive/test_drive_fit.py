@@ -12,7 +12,7 @@ from drivegate.studies.drive.fit import fit_document
 from drivegate.studies.drive.measured import MeasuredTorque, read_measured
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_models.errors import InputError
-from drivegate_models.half_bridge.steady.calibration import calibrate
+from drivegate_models.steady.calibration import calibrate
 
 PAPER = load_drive("paper-5-phase")
 TRUE = {

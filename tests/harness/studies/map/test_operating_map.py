@@ -16,8 +16,8 @@ from drivegate.studies.map.map import computed
 from drivegate.studies.map.plan import MapPlan
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
-from drivegate_models.half_bridge.steady.oracle import feasible_edge, least_current_sum
-from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.steady.oracle import feasible_edge, least_current_sum
+from drivegate_models.steady.steady_state import steady_state
 
 
 def silent(_done: int, _before: int) -> None:

@@ -20,7 +20,7 @@ from scipy.optimize import minimize_scalar
 
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phases import make_phases
-from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME, SteadyState, cycles_from_rest
+from drivegate_models.steady.steady_state import KEPT_TIME, SteadyState, cycles_from_rest
 
 AGREEMENT = 1e-10
 """Greatest difference from the integrated means, relative to the scale of each."""

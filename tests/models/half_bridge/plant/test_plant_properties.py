@@ -12,21 +12,20 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from drivegate_models.half_bridge.plant import segments
+from drivegate_models.half_bridge.periodic import periodic_start
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phase import COMPLETED
 from drivegate_models.half_bridge.plant.phases import Phases, advance_phases, make_phases
-from drivegate_models.half_bridge.plant.torque import torque_extremes
-from drivegate_models.half_bridge.steady.steady_state import (
+from drivegate_models.machine import ledger, segments
+from drivegate_models.machine.period import PERIODIC
+from drivegate_models.machine.torque import torque_extremes
+from drivegate_models.steady.steady_state import (
     KEPT_TIME,
-    PERIODIC,
     SteadyState,
     advance_with_extremes,
     cycles_from_rest,
-    periodic_start,
     steady_state,
 )
-from drivegate_models.machine import ledger
 
 SUPPLY = 48.0
 

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.steady.torque_limit import HIGHEST_DEGREES, torques_at_limit
+from drivegate_models.steady.plant import AnyDrive
+from drivegate_models.steady.torque_limit import HIGHEST_DEGREES, torques_at_limit
 
 RESERVE: float = 0.05
 """Torque that the line has in hand where the drive can give it, over rated torque (1)."""
@@ -56,12 +56,12 @@ class _Feasible(NamedTuple):
     """(deg)."""
 
 
-def demanded_torque(drive: Drive, speed: float, base_speed: float, rated_power: float) -> float:
+def demanded_torque(drive: AnyDrive, speed: float, base_speed: float, rated_power: float) -> float:
     """Return the electromagnetic torque of rated power: constant up to base speed, of constant power above.
 
     Parameters
     ----------
-    drive : Drive
+    drive : AnyDrive
         The drive; the shaft's friction is added to what the power takes.
     speed : float
         Shaft speed (rad/s), above 0.
@@ -79,7 +79,7 @@ def demanded_torque(drive: Drive, speed: float, base_speed: float, rated_power: 
 
 
 def recommended_line(
-    drive: Drive, base_speed: float, highest_speed: float, rated_power: float
+    drive: AnyDrive, base_speed: float, highest_speed: float, rated_power: float
 ) -> AdvanceLine:
     """Return the line of least advance that keeps rated power from base speed to the highest.
 
@@ -92,7 +92,7 @@ def recommended_line(
 
     Parameters
     ----------
-    drive : Drive
+    drive : AnyDrive
         The drive, taken with its band as it is.
     base_speed, highest_speed : float
         Speeds between which power is to be constant (rad/s), the first below the second.
@@ -116,7 +116,7 @@ def recommended_line(
     return AdvanceLine(base_speed, radians(start), radians(end - start) / (highest_speed - base_speed))
 
 
-def _feasible(drive: Drive, speed: float, rated: float) -> _Feasible | None:
+def _feasible(drive: AnyDrive, speed: float, rated: float) -> _Feasible | None:
     """Return the angles around that of the greatest torque that give what is demanded; none where none does."""
     torques = torques_at_limit(drive, speed, np.radians(np.arange(HIGHEST_DEGREES + 1)))
     best = int(np.argmax(torques))

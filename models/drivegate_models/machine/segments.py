@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.half_bridge.plant.stretch import Stretch
 
 START: Final = 0
 """Start (s), from the beginning of the advance."""
@@ -41,12 +40,15 @@ FIELDS: Final = 10
 @inlined
 def keep_segment(
     rows: NDArray[np.float64],
-    stretch: Stretch,
+    phase: int,
     index: int,
+    start: float,
     length: float,
     current: float,
     slope: float,
     curvature: float,
+    shape: float,
+    shape_rate: float,
     voltage: float,
     voltage_rate: float,
     rate: float,
@@ -57,12 +59,12 @@ def keep_segment(
     ----------
     rows : ndarray, shape (m, n, FIELDS)
         Receives it.
-    stretch : Stretch
-        Its phase, start and back-EMF.
+    phase : int
+        Its phase.
     index : int
         Number of segments kept of that phase.
-    length, current, slope, curvature, voltage, voltage_rate, rate : float
-        The other fields, in the units of their indices above.
+    start, length, current, slope, curvature, shape, shape_rate, voltage, voltage_rate, rate : float
+        The fields, in the units of their indices above.
 
     Returns
     -------
@@ -71,14 +73,13 @@ def keep_segment(
     """
     if index >= rows.shape[1]:
         return index
-    phase = stretch.phase
-    rows[phase, index, START] = stretch.time
+    rows[phase, index, START] = start
     rows[phase, index, LENGTH] = length
     rows[phase, index, CURRENT] = current
     rows[phase, index, SLOPE] = slope
     rows[phase, index, CURVATURE] = curvature
-    rows[phase, index, SHAPE] = stretch.shape
-    rows[phase, index, SHAPE_RATE] = stretch.shape_rate
+    rows[phase, index, SHAPE] = shape
+    rows[phase, index, SHAPE_RATE] = shape_rate
     rows[phase, index, VOLTAGE] = voltage
     rows[phase, index, VOLTAGE_RATE] = voltage_rate
     rows[phase, index, RATE] = rate

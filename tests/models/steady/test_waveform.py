@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.steady.steady_state import steady_state
-from drivegate_models.half_bridge.steady.waveform import Waveforms, periodic_waveforms
+from drivegate_models.steady.steady_state import steady_state
+from drivegate_models.steady.waveform import Waveforms, periodic_waveforms
 
 POINTS = [(1500.0, 11.386, 52.5, 0.0), (1200.0, 11.7, 40.0, 0.25), (400.0, 8.0, 0.0, 0.25)]
 

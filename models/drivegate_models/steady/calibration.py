@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from drivegate_models.errors import HarnessFault
 from drivegate_models.half_bridge.plant.drive import Drive, make_drive
-from drivegate_models.half_bridge.steady.angle_search import torque_at_limit, torque_demand
-from drivegate_models.half_bridge.steady.oracle import feasible_edge, greatest_torque_at_limit
 from drivegate_models.machine.constants_fit import ConstantsFit, fit_constants
 from drivegate_models.machine.emf import trapezoid_corners
+from drivegate_models.steady.angle_search import torque_at_limit, torque_demand
+from drivegate_models.steady.oracle import feasible_edge, greatest_torque_at_limit
 from drivegate_models.units import RADIANS_PER_RPM
 
 ASSUMED_RESISTANCE: float = 0.08

@@ -10,9 +10,9 @@ import pytest
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phases import make_phases
-from drivegate_models.half_bridge.steady.calibration import MotorConstants, calibration_drive
-from drivegate_models.half_bridge.steady.current_search import ReferenceSearch, mean_state
-from drivegate_models.half_bridge.steady.oracle import (
+from drivegate_models.steady.calibration import MotorConstants, calibration_drive
+from drivegate_models.steady.current_search import ReferenceSearch, mean_state
+from drivegate_models.steady.oracle import (
     CURRENT_TOLERANCE,
     OUT_OF_REACH,
     ROBUST,
@@ -24,7 +24,7 @@ from drivegate_models.half_bridge.steady.oracle import (
     point_at_torque,
     reference_for_torque,
 )
-from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.steady.steady_state import steady_state
 
 RPM = pi / 30.0
 IDEAL = calibration_drive(MotorConstants(0.339, 2.88e-3, radians(98.0)))

@@ -10,15 +10,15 @@ import pytest
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.steady.advance_line import RESERVE, SPEEDS, demanded_torque
-from drivegate_models.half_bridge.steady.oracle import (
+from drivegate_models.steady.advance_line import RESERVE, SPEEDS, demanded_torque
+from drivegate_models.steady.oracle import (
     AdvanceLine,
     feasible_edge,
     greatest_torque_at_limit,
     recommended_line,
     torques_at_limit,
 )
-from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.steady.steady_state import steady_state
 
 RPM = pi / 30.0
 BASE, HIGHEST = 500.0 * RPM, 1500.0 * RPM

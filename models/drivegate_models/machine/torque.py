@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.half_bridge.plant import segments
+from drivegate_models.machine import segments
 from drivegate_models.machine.winding_current import current_after, phi4
 
 Coefficients = tuple[float, float, float, float, float, float]

@@ -7,7 +7,7 @@ from math import degrees, radians
 
 import pytest
 
-from drivegate_models.half_bridge.steady.calibration import (
+from drivegate_models.steady.calibration import (
     ROUNDING,
     Calibration,
     MotorConstants,
@@ -17,8 +17,8 @@ from drivegate_models.half_bridge.steady.calibration import (
     geometry_check,
     published_facts,
 )
-from drivegate_models.half_bridge.steady.oracle import greatest_torque_at_limit
-from drivegate_models.half_bridge.steady.steady_state import steady_state
+from drivegate_models.steady.oracle import greatest_torque_at_limit
+from drivegate_models.steady.steady_state import steady_state
 
 
 @pytest.fixture(scope="module")

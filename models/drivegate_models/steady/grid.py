@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import kernel
-from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.plant.phases import Phases
-from drivegate_models.half_bridge.steady.steady_state import solve_steady_state
+from drivegate_models.steady.plant import AnyDrive, AnyPhases
+from drivegate_models.steady.steady_state import solve_steady_state
 
 POINT_COLUMNS = (
     "torque_mean_nm",
@@ -27,9 +26,9 @@ _NO_TORQUE = 1e-9
 
 @kernel
 def solve_points(
-    drive: Drive,
-    work: Phases,
-    slices: Phases,
+    drive: AnyDrive,
+    work: AnyPhases,
+    slices: AnyPhases,
     voltage: float,
     speeds: NDArray[np.float64],
     advances: NDArray[np.float64],
@@ -41,7 +40,7 @@ def solve_points(
     Parameters
     ----------
     drive, work, slices, voltage
-        As in `drivegate_models.half_bridge.steady.steady_state.solve_steady_state`.
+        As in `drivegate_models.steady.steady_state.solve_steady_state`.
     speeds : ndarray, shape (n,)
         Shaft speeds (rad/s), above 0.
     advances : ndarray, shape (n,)

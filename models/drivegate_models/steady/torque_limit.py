@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.steady.angle_search import torque_at_limit, torque_demand
+from drivegate_models.steady.angle_search import torque_at_limit, torque_demand
+from drivegate_models.steady.plant import AnyDrive
 
 HIGHEST_DEGREES: int = 90
 """Greatest advance angle that is looked at (deg), as everywhere in the oracle."""
@@ -26,13 +26,13 @@ class GreatestTorque(NamedTuple):
 
 
 def torques_at_limit(
-    drive: Drive, speed: float, advances: ArrayLike, voltage: float | None = None
+    drive: AnyDrive, speed: float, advances: ArrayLike, voltage: float | None = None
 ) -> NDArray[np.float64]:
     """Return the torque at the current limit along the advance angle.
 
     Parameters
     ----------
-    drive : Drive
+    drive : AnyDrive
         The drive, taken with its band as it is.
     speed : float
         Shaft speed (rad/s), above 0.
@@ -56,7 +56,7 @@ def torques_at_limit(
     return np.array([torque_at_limit(demand, float(advance)) for advance in angles])
 
 
-def greatest_torque_at_limit(drive: Drive, speed: float, voltage: float | None = None) -> GreatestTorque:
+def greatest_torque_at_limit(drive: AnyDrive, speed: float, voltage: float | None = None) -> GreatestTorque:
     """Return the greatest torque at the current limit over all advance angles.
 
     Parameters

@@ -14,10 +14,17 @@ from typing import NamedTuple
 import numpy as np
 
 from drivegate_models.compilation.kernels import kernel
-from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.plant.phases import Phases, advance_phases
-from drivegate_models.half_bridge.steady.steady_state import AVERAGED_CYCLES, PERIODIC, periodic_start
 from drivegate_models.machine import ledger
+from drivegate_models.machine.period import PERIODIC
+from drivegate_models.steady.plant import (
+    AnyDrive,
+    AnyPhases,
+    advance_phases,
+    least_conceivable,
+    periodic_start,
+    torque_period,
+)
+from drivegate_models.steady.steady_state import AVERAGED_CYCLES
 
 OUT_OF_REACH: int = 0
 """No current reference up to the limit gives the torque."""
@@ -65,9 +72,9 @@ class ReferenceSearch(NamedTuple):
 
 @kernel
 def mean_state(
-    drive: Drive,
-    work: Phases,
-    slices: Phases,
+    drive: AnyDrive,
+    work: AnyPhases,
+    slices: AnyPhases,
     speed: float,
     voltage: float,
     reference: float,
@@ -77,9 +84,9 @@ def mean_state(
 
     Parameters
     ----------
-    drive : Drive
+    drive : AnyDrive
         The drive's constants.
-    work, slices : Phases
+    work, slices : AnyPhases
         Room for the computation; neither needs room for segments.
     speed : float
         Shaft speed (rad/s), above 0.
@@ -93,14 +100,14 @@ def mean_state(
     Returns
     -------
     MeanState
-        As `drivegate_models.half_bridge.steady.steady_state.solve_steady_state` has them.
+        As `drivegate_models.steady.steady_state.solve_steady_state` has them.
     """
     certified = periodic_start(drive, work, slices, speed, voltage, reference, advance)
     angle = 0.5 * (pi - drive.window) - advance
     electrical = drive.pole_pairs * speed
     totals = np.zeros(ledger.ENTRIES)
     # A periodic torque repeats every pi/m; an aperiodic state is averaged over whole cycles.
-    length = pi / (drive.phases * electrical)
+    length = torque_period(drive, electrical)
     count = 1
     if certified != PERIODIC:
         length = 2.0 * pi / electrical
@@ -115,9 +122,9 @@ def mean_state(
 
 @kernel
 def greatest_torque(
-    drive: Drive,
-    work: Phases,
-    slices: Phases,
+    drive: AnyDrive,
+    work: AnyPhases,
+    slices: AnyPhases,
     speed: float,
     voltage: float,
     advance: float,
@@ -173,31 +180,10 @@ def greatest_torque(
 
 
 @kernel
-def least_conceivable(drive: Drive, torque: float) -> float:
-    """Return a current reference below which the drive cannot give a torque.
-
-    A phase whose current stays within i* + h gives at most ``k_e (i* + h)``.
-
-    Parameters
-    ----------
-    drive : Drive
-        The drive's constants.
-    torque : float
-        Mean electromagnetic torque (N m).
-
-    Returns
-    -------
-    float
-        Current reference (A), 0 or more.
-    """
-    return max(torque / (drive.phases * drive.emf_constant) - drive.hysteresis_band, 0.0)
-
-
-@kernel
 def _located(
-    drive: Drive,
-    work: Phases,
-    slices: Phases,
+    drive: AnyDrive,
+    work: AnyPhases,
+    slices: AnyPhases,
     speed: float,
     voltage: float,
     advance: float,
@@ -264,9 +250,9 @@ def _located(
 
 @kernel
 def reference_for_torque(
-    drive: Drive,
-    work: Phases,
-    slices: Phases,
+    drive: AnyDrive,
+    work: AnyPhases,
+    slices: AnyPhases,
     speed: float,
     voltage: float,
     advance: float,

@@ -11,17 +11,15 @@ from math import inf, isfinite, nan, pi, radians
 from typing import NamedTuple
 
 from drivegate_models.errors import InputError
-from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.plant.phases import Phases, make_phases
-from drivegate_models.half_bridge.steady.current_search import (
+from drivegate_models.steady.current_search import (
     CURRENT_TOLERANCE,
     ROBUST,
     ReferenceSearch,
     greatest_torque,
-    least_conceivable,
     mean_state,
     reference_for_torque,
 )
+from drivegate_models.steady.plant import AnyDrive, AnyPhases, least_conceivable, make_phases
 
 EDGE_TOLERANCE: float = radians(1e-4)
 """Width to which a feasible edge is located (rad)."""
@@ -44,11 +42,11 @@ _BELOW = 0.05
 class TorqueDemand(NamedTuple):
     """A torque demanded of a drive at a speed, with room for the computation."""
 
-    drive: Drive
+    drive: AnyDrive
     """The drive's constants."""
-    work: Phases
+    work: AnyPhases
     """Room for the state of all phases."""
-    slices: Phases
+    slices: AnyPhases
     """Room for one phase's state at each shift."""
     speed: float
     """Shaft speed (rad/s)."""
@@ -70,13 +68,13 @@ class Evaluation(NamedTuple):
 
 
 def torque_demand(
-    drive: Drive, speed: float, torque: float = 0.0, voltage: float | None = None
+    drive: AnyDrive, speed: float, torque: float = 0.0, voltage: float | None = None
 ) -> TorqueDemand:
     """Return a demand with room for its computation, after a look at the operating point.
 
     Parameters
     ----------
-    drive : Drive
+    drive : AnyDrive
         The drive.
     speed : float
         Shaft speed (rad/s), above 0.
@@ -115,11 +113,11 @@ def search_reference(
     Parameters
     ----------
     demand : TorqueDemand
-        Drive, speed, supply and torque.
+        AnyDrive, speed, supply and torque.
     advance : float
         Advance angle (rad electrical).
     tolerance, floor
-        As in `drivegate_models.half_bridge.steady.current_search.reference_for_torque`.
+        As in `drivegate_models.steady.current_search.reference_for_torque`.
 
     Returns
     -------
@@ -139,7 +137,7 @@ def torque_at_limit(demand: TorqueDemand, advance: float) -> float:
     Parameters
     ----------
     demand : TorqueDemand
-        Drive, speed and supply.
+        AnyDrive, speed and supply.
     advance : float
         Advance angle (rad electrical).
 
@@ -158,7 +156,7 @@ def reaches(demand: TorqueDemand, advance: float, static: bool = False) -> bool:
     Parameters
     ----------
     demand : TorqueDemand
-        Drive, speed, supply and torque.
+        AnyDrive, speed, supply and torque.
     advance : float
         Advance angle (rad electrical).
     static : bool
@@ -198,7 +196,7 @@ def smallest_feasible(demand: TorqueDemand, static: bool = False) -> float:
     Parameters
     ----------
     demand : TorqueDemand
-        Drive, speed, supply and torque.
+        AnyDrive, speed, supply and torque.
     static : bool
         As in `reaches`.
 
@@ -263,7 +261,7 @@ def least_cost(demand: TorqueDemand, by_power: bool) -> float:
     Parameters
     ----------
     demand : TorqueDemand
-        Drive, speed, supply and torque.
+        AnyDrive, speed, supply and torque.
     by_power : bool
         Whether the net input power is to be least, instead of the sum of current magnitudes.
 

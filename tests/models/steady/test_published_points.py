@@ -9,7 +9,8 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.steady.steady_state import PERIODIC, SteadyState, steady_state
+from drivegate_models.machine.period import PERIODIC
+from drivegate_models.steady.steady_state import SteadyState, steady_state
 
 LIMIT = 26.0
 HALF_SUPPLY = 48.0

@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import kernel
-from drivegate_models.half_bridge.plant import segments
-from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.plant.phases import Phases, advance_phases, make_phases
-from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME, PERIODIC, periodic_start
-from drivegate_models.machine import ledger
+from drivegate_models.machine import ledger, segments
+from drivegate_models.machine.period import PERIODIC
 from drivegate_models.machine.winding_current import current_after
+from drivegate_models.steady.plant import AnyDrive, AnyPhases, advance_phases, make_phases, periodic_start
+from drivegate_models.steady.steady_state import KEPT_TIME
 
 
 @dataclass(frozen=True)
@@ -85,7 +84,7 @@ def sample_rows(
             voltages[phase, k] = row[segments.VOLTAGE] + row[segments.VOLTAGE_RATE] * offset
 
 
-def _sampling_times(phases: Phases, grid: NDArray[np.float64], length: float) -> NDArray[np.float64]:
+def _sampling_times(phases: AnyPhases, grid: NDArray[np.float64], length: float) -> NDArray[np.float64]:
     """Return the grid together with the start of every segment that was kept (s)."""
     starts = [
         phases.rows[phase, :count, segments.START] for phase, count in enumerate(phases.row_counts.tolist())
@@ -94,7 +93,7 @@ def _sampling_times(phases: Phases, grid: NDArray[np.float64], length: float) ->
 
 
 def periodic_waveforms(
-    drive: Drive,
+    drive: AnyDrive,
     speed: float,
     reference: float,
     advance: float,
@@ -105,7 +104,7 @@ def periodic_waveforms(
 
     Parameters
     ----------
-    drive : Drive
+    drive : AnyDrive
         The drive.
     speed : float
         Shaft speed (rad/s), above 0.

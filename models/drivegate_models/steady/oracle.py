@@ -12,20 +12,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.plant.phases import make_phases
-from drivegate_models.half_bridge.steady.advance_line import (
+from drivegate_models.steady.advance_line import (
     AdvanceLine,
     demanded_torque,
     recommended_line,
 )
-from drivegate_models.half_bridge.steady.angle_search import (
+from drivegate_models.steady.angle_search import (
     least_cost,
     search_reference,
     smallest_feasible,
     torque_demand,
 )
-from drivegate_models.half_bridge.steady.current_search import (
+from drivegate_models.steady.current_search import (
     CURRENT_TOLERANCE,
     OUT_OF_REACH,
     ROBUST,
@@ -33,8 +31,9 @@ from drivegate_models.half_bridge.steady.current_search import (
     ReferenceSearch,
     reference_for_torque,
 )
-from drivegate_models.half_bridge.steady.steady_state import KEPT_TIME, SteadyState, solve_steady_state
-from drivegate_models.half_bridge.steady.torque_limit import (
+from drivegate_models.steady.plant import AnyDrive, make_phases
+from drivegate_models.steady.steady_state import KEPT_TIME, SteadyState, solve_steady_state
+from drivegate_models.steady.torque_limit import (
     GreatestTorque,
     greatest_torque_at_limit,
     torques_at_limit,
@@ -141,13 +140,13 @@ def _mixed(low: SteadyState, high: SteadyState, share: float, name: str) -> floa
 
 
 def point_at_torque(
-    drive: Drive, speed: float, advance: float, torque: float, voltage: float | None = None
+    drive: AnyDrive, speed: float, advance: float, torque: float, voltage: float | None = None
 ) -> TorquePoint:
     """Return the steady state at a speed, an advance angle and a mean torque.
 
     Parameters
     ----------
-    drive : Drive
+    drive : AnyDrive
         The drive, taken with its band as it is.
     speed : float
         Shaft speed (rad/s), above 0.
@@ -220,7 +219,7 @@ def point_at_torque(
 
 
 def feasible_edge(
-    drive: Drive, speed: float, torque: float, voltage: float | None = None, static: bool = False
+    drive: AnyDrive, speed: float, torque: float, voltage: float | None = None, static: bool = False
 ) -> float:
     """Return the smallest advance angle at which a torque can be produced.
 
@@ -228,7 +227,7 @@ def feasible_edge(
 
     Parameters
     ----------
-    drive : Drive
+    drive : AnyDrive
         The drive.
     speed : float
         Shaft speed (rad/s), above 0.
@@ -253,7 +252,7 @@ def feasible_edge(
     return smallest_feasible(torque_demand(drive, speed, torque, voltage), static)
 
 
-def _least(drive: Drive, speed: float, torque: float, voltage: float | None, by_power: bool) -> Optimum:
+def _least(drive: AnyDrive, speed: float, torque: float, voltage: float | None, by_power: bool) -> Optimum:
     demand = torque_demand(drive, speed, torque, voltage)
     advance = least_cost(demand, by_power)
     if isnan(advance):
@@ -263,12 +262,12 @@ def _least(drive: Drive, speed: float, torque: float, voltage: float | None, by_
     return Optimum(advance, found.current_sum, found.input_power, _mean_reference(found))
 
 
-def least_current_sum(drive: Drive, speed: float, torque: float, voltage: float | None = None) -> Optimum:
+def least_current_sum(drive: AnyDrive, speed: float, torque: float, voltage: float | None = None) -> Optimum:
     """Return the advance angle of least sum of current magnitudes, the minimum the paper's Fig. 4 looks for.
 
     Parameters
     ----------
-    drive : Drive
+    drive : AnyDrive
         The drive, taken with its band as it is.
     speed : float
         Shaft speed (rad/s), above 0.
@@ -291,7 +290,7 @@ def least_current_sum(drive: Drive, speed: float, torque: float, voltage: float 
     return _least(drive, speed, torque, voltage, False)
 
 
-def least_input_power(drive: Drive, speed: float, torque: float, voltage: float | None = None) -> Optimum:
+def least_input_power(drive: AnyDrive, speed: float, torque: float, voltage: float | None = None) -> Optimum:
     """Return the advance angle of least net input power.
 
     Parameters
@@ -313,7 +312,7 @@ def least_input_power(drive: Drive, speed: float, torque: float, voltage: float 
 
 
 def current_sum_curve(
-    drive: Drive, speed: float, torque: float, advances: ArrayLike, voltage: float | None = None
+    drive: AnyDrive, speed: float, torque: float, advances: ArrayLike, voltage: float | None = None
 ) -> CurrentSumCurve:
     """Return what a torque costs along the advance angle.
 

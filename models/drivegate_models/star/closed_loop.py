@@ -1,0 +1,29 @@
+"""The closed loop of this kind of drive."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from drivegate_models.loop import closed_loop
+from drivegate_models.loop.closed_loop import Plant, PreparedLoop, plant_of
+from drivegate_models.loop.loop_kernel import PlantKernels
+from drivegate_models.loop.schedule import Schedule
+from drivegate_models.machine.load import Load
+from drivegate_models.star.plant.drive import StarDrive, drifted
+from drivegate_models.star.plant.phases import advance_phases, make_phases, stored_energy, torque_range
+
+PLANT: Final[Plant] = plant_of(
+    PlantKernels(
+        make_phases=make_phases,
+        advance_phases=advance_phases,
+        stored_energy=stored_energy,
+        drifted=drifted,
+        torque_range=torque_range,
+    )
+)
+"""Star-connected phases with an isolated neutral on half-bridge legs."""
+
+
+def prepared_loop(drive: StarDrive, load: Load, schedule: Schedule, **options: Any) -> PreparedLoop:
+    """Make a run against this plant ready to begin; see `drivegate_models.loop.closed_loop.prepared_loop`."""
+    return closed_loop.prepared_loop(PLANT, drive, load, schedule, **options)

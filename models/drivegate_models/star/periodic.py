@@ -1,0 +1,376 @@
+"""The periodic state of the star at fixed speed, advance angle and current reference, by shooting.
+
+Phase j is now what minus phase j - (m - 1)/2 is half an m-th of a cycle later, where both half cycles are alike; where
+only the positive windows chop, it is what phase j + 1 is an m-th of a cycle later. So a state is periodic when the
+advance over that part of the cycle returns it, phases exchanged. The unknowns are m - 1 currents; the map is smooth
+between the coming and going of events, and Newton steps find its fixed point.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, kernel, unallocating
+from drivegate_models.machine import ledger
+from drivegate_models.machine.period import APERIODIC, PERIODIC, TOLERANCE
+from drivegate_models.star.plant.drive import EVERY_HALF, StarDrive
+from drivegate_models.star.plant.phases import StarPhases, advance_phases
+from drivegate_models.star.plant.window import GAP, PIECES
+
+# Steps before plain repetition takes over, and repetitions before a state counts as aperiodic.
+_STEPS = 60
+_SETTLING = 40
+# Periods before the first step: currents that die out or come to their level forget where they began.
+_WARM_UP = 2
+# A difference that is small against every current, and large against rounding.
+_DIFFERENCE = 1e-6
+# A step by an old slope is good enough where it takes off this share of the gap.
+_GOOD = 0.1
+# A step that leaves more than this share of the gap has failed.
+_POOR = 0.5
+
+
+class _Point(NamedTuple):
+    """Operating point of a search."""
+
+    speed: float
+    voltage: float
+    reference: float
+    advance: float
+    angle: float
+    duration: float
+
+
+class _Room(NamedTuple):
+    """Room for a search of n = m - 1 unknowns."""
+
+    scratch: NDArray[np.float64]
+    gap: NDArray[np.float64]
+    """What a state lacks of being periodic, shape (m,) (A)."""
+    last_gap: NDArray[np.float64]
+    step: NDArray[np.float64]
+    image: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    slopes: NDArray[np.float64]
+    """Derivatives of the gap, shape (n, n)."""
+    inverse: NDArray[np.float64]
+
+
+@inlined
+def _is_symmetric(drive: StarDrive) -> bool:
+    """Return whether positive and negative windows chop alike."""
+    return drive.regulation & 3 == (drive.regulation >> 2) & (EVERY_HALF >> 2)
+
+
+@inlined
+def torque_period(drive: StarDrive, electrical: float) -> float:
+    """Return the period of the torque in a periodic state.
+
+    Parameters
+    ----------
+    drive : StarDrive
+        The drive's constants.
+    electrical : float
+        Electrical speed (rad/s).
+
+    Returns
+    -------
+    float
+        (s).
+    """
+    return (pi if _is_symmetric(drive) else 2.0 * pi) / (drive.phases * electrical)
+
+
+@inlined
+def least_conceivable(drive: StarDrive, torque: float) -> float:
+    """Return a current reference below which the drive cannot give a torque.
+
+    Parameters
+    ----------
+    drive : StarDrive
+        The drive's constants.
+    torque : float
+        Mean electromagnetic torque (N m).
+
+    Returns
+    -------
+    float
+        Current reference (A), 0 or more; 0 where a phase that does not chop may carry more than the reference.
+    """
+    if drive.regulation != EVERY_HALF:
+        return 0.0
+    return max(torque / (drive.phases * drive.emf_constant) - drive.hysteresis_band, 0.0)
+
+
+@unallocating
+def _gap(
+    drive: StarDrive,
+    work: StarPhases,
+    slices: StarPhases,
+    point: _Point,
+    scratch: NDArray[np.float64],
+    gap: NDArray[np.float64],
+) -> float:
+    """Advance from the state in `slices`; leave in `work` what it must equal, and return the gap (A)."""
+    count = drive.phases
+    for k in range(count):
+        work.currents[k] = slices.currents[k]
+        work.pieces[k] = slices.pieces[k]
+        work.latches[k] = slices.latches[k]
+    advance_phases(
+        drive,
+        work,
+        point.angle,
+        point.speed,
+        point.voltage,
+        point.voltage,
+        point.reference,
+        point.advance,
+        point.duration,
+        scratch,
+    )
+    symmetric = _is_symmetric(drive)
+    shift = (count + 1) // 2 if symmetric else 1
+    # In place by way of the room for magnitudes, which the next advance clears.
+    for k in range(count):
+        work.magnitudes[k] = work.currents[(k + shift) % count]
+        work.row_counts[k] = work.pieces[(k + shift) % count] * 2 + work.latches[(k + shift) % count]
+    worst = 0.0
+    for k in range(count):
+        work.currents[k] = -work.magnitudes[k] if symmetric else work.magnitudes[k]
+        piece = work.row_counts[k] // 2
+        work.pieces[k] = (piece + PIECES // 2) % PIECES if symmetric else piece
+        work.latches[k] = work.row_counts[k] % 2
+        difference = work.currents[k] - slices.currents[k]
+        gap[k] = difference
+        worst = max(worst, abs(difference))
+        # With a band the comparators are part of the state.
+        if drive.hysteresis_band > 0.0 and work.latches[k] != slices.latches[k]:
+            worst = np.inf
+    return worst
+
+
+@inlined
+def _adopt(work: StarPhases, slices: StarPhases) -> None:
+    """Take what a period has led to for the next state."""
+    for k in range(work.currents.size):
+        slices.currents[k] = work.currents[k]
+        slices.pieces[k] = work.pieces[k]
+        slices.latches[k] = work.latches[k]
+
+
+@inlined
+def _shift_current(slices: StarPhases, phase: int, change: float) -> None:
+    """Change one current, and the last one against it."""
+    slices.currents[phase] += change
+    slices.currents[slices.currents.size - 1] -= change
+
+
+@inlined
+def _invert(matrix: NDArray[np.float64], inverse: NDArray[np.float64]) -> bool:
+    """Invert a small matrix, which is lost, by elimination with pivots; return whether that was possible."""
+    size = matrix.shape[0]
+    for row in range(size):
+        for column in range(size):
+            inverse[row, column] = 1.0 if row == column else 0.0
+    for column in range(size):
+        pivot = column
+        for row in range(column + 1, size):
+            if abs(matrix[row, column]) > abs(matrix[pivot, column]):
+                pivot = row
+        if not abs(matrix[pivot, column]) > 0.0:
+            return False
+        for k in range(size):
+            matrix[column, k], matrix[pivot, k] = matrix[pivot, k], matrix[column, k]
+            inverse[column, k], inverse[pivot, k] = inverse[pivot, k], inverse[column, k]
+        per = 1.0 / matrix[column, column]
+        for k in range(size):
+            matrix[column, k] *= per
+            inverse[column, k] *= per
+        for row in range(size):
+            if row != column:
+                factor = matrix[row, column]
+                for k in range(size):
+                    matrix[row, k] -= factor * matrix[column, k]
+                    inverse[row, k] -= factor * inverse[column, k]
+    return True
+
+
+@inlined
+def _improve(
+    inverse: NDArray[np.float64],
+    step: NDArray[np.float64],
+    change: NDArray[np.float64],
+    image: NDArray[np.float64],
+    weights: NDArray[np.float64],
+) -> None:
+    """Let the inverse slopes agree with a step and the change of the gap that it made (Broyden's update)."""
+    size = step.size
+    divisor = 0.0
+    for row in range(size):
+        image[row] = 0.0
+        weights[row] = 0.0
+        for column in range(size):
+            image[row] += inverse[row, column] * change[column]
+            weights[row] += step[column] * inverse[column, row]
+        divisor += step[row] * image[row]
+    if divisor == 0.0:
+        return
+    for row in range(size):
+        share = (step[row] - image[row]) / divisor
+        for column in range(size):
+            inverse[row, column] += share * weights[column]
+
+
+@unallocating
+def _differentiate(
+    drive: StarDrive, work: StarPhases, slices: StarPhases, point: _Point, room: _Room
+) -> bool:
+    """Find the slopes of the gap by differences, and their inverse; return whether there is one."""
+    gap = room.gap
+    last_gap = room.last_gap
+    unknowns = gap.size - 1
+    change = _DIFFERENCE * (1.0 + point.reference)
+    for k in range(gap.size):
+        last_gap[k] = gap[k]
+    for column in range(unknowns):
+        _shift_current(slices, column, change)
+        _gap(drive, work, slices, point, room.scratch, gap)
+        _shift_current(slices, column, -change)
+        for row in range(unknowns):
+            room.slopes[row, column] = (gap[row] - last_gap[row]) / change
+    for k in range(gap.size):
+        gap[k] = last_gap[k]
+    return _invert(room.slopes, room.inverse)
+
+
+@inlined
+def _is_wild(step: NDArray[np.float64], limit: float) -> bool:
+    """Return whether a step leads to currents that the drive cannot have."""
+    size = 0.0
+    for k in range(step.size):
+        size = max(size, abs(step[k]))
+    return not size <= limit
+
+
+@unallocating
+def _newton_step(
+    drive: StarDrive,
+    work: StarPhases,
+    slices: StarPhases,
+    point: _Point,
+    room: _Room,
+    is_known: bool,
+    before: float,
+) -> tuple[bool, float]:
+    """Take a step toward the periodic state; return whether the slopes are good for another one, and the gap (A)."""
+    gap = room.gap
+    last_gap = room.last_gap
+    step = room.step
+    inverse = room.inverse
+    if not is_known:
+        is_known = _differentiate(drive, work, slices, point, room)
+    for row in range(step.size):
+        step[row] = 0.0
+        for column in range(step.size):
+            step[row] -= inverse[row, column] * gap[column]
+    if not is_known or _is_wild(step, 10.0 * (point.reference + drive.current_limit)):
+        # A period leads closer, if not fast; the differences have left another state in `work`.
+        _gap(drive, work, slices, point, room.scratch, gap)
+        _adopt(work, slices)
+        return False, _gap(drive, work, slices, point, room.scratch, gap)
+    for k in range(step.size):
+        last_gap[k] = gap[k]
+        _shift_current(slices, k, step[k])
+    worst = _gap(drive, work, slices, point, room.scratch, gap)
+    if worst <= _GOOD * before:
+        for k in range(step.size):
+            last_gap[k] = gap[k] - last_gap[k]
+        _improve(inverse, step, last_gap, room.image, room.weights)
+        return True, worst
+    if not worst < before:
+        # The slopes beside a corner of the map may lead nowhere.
+        _adopt(work, slices)
+        worst = _gap(drive, work, slices, point, room.scratch, gap)
+    return False, worst
+
+
+@kernel
+def periodic_start(
+    drive: StarDrive,
+    work: StarPhases,
+    slices: StarPhases,
+    speed: float,
+    voltage: float,
+    reference: float,
+    advance: float,
+) -> int:
+    """Find the periodic state and leave it, at the first phase's window start, in `work`.
+
+    Parameters
+    ----------
+    drive : StarDrive
+        The drive's constants.
+    work, slices : StarPhases
+        Room for the computation; `work` receives the state of all phases.
+    speed : float
+        Shaft speed (rad/s), above 0.
+    voltage : float
+        Half of the link's voltage (V).
+    reference : float
+        Current reference (A).
+    advance : float
+        Advance angle (rad electrical).
+
+    Returns
+    -------
+    int
+        `PERIODIC`, or `APERIODIC` with the state after `_SETTLING` periods or more.
+    """
+    count = drive.phases
+    unknowns = count - 1
+    room = _Room(
+        np.zeros(ledger.ENTRIES),
+        np.zeros(count),
+        np.zeros(count),
+        np.zeros(unknowns),
+        np.zeros(unknowns),
+        np.zeros(unknowns),
+        np.zeros((unknowns, unknowns)),
+        np.zeros((unknowns, unknowns)),
+    )
+    duration = torque_period(drive, drive.pole_pairs * speed)
+    point = _Point(speed, voltage, reference, advance, 0.5 * (pi - drive.window) - advance, duration)
+    tolerance = TOLERANCE * (1.0 + reference)
+    for k in range(count):
+        slices.currents[k] = 0.0
+        slices.pieces[k] = GAP
+        slices.latches[k] = 1
+    worst = _gap(drive, work, slices, point, room.scratch, room.gap)
+    is_known = False
+    waiting = _WARM_UP
+    failures = 0
+    for attempt in range(_STEPS + _SETTLING):
+        if worst <= tolerance:
+            break
+        if waiting == 0 and attempt < _STEPS:
+            before = worst
+            is_known, worst = _newton_step(drive, work, slices, point, room, is_known, worst)
+            if worst > _POOR * before:
+                # Among the corners of the map such steps may go round for ever; periods lead out of there.
+                failures += 1
+                waiting = _WARM_UP * failures
+        else:
+            _adopt(work, slices)
+            worst = _gap(drive, work, slices, point, room.scratch, room.gap)
+            waiting = max(waiting - 1, 0)
+            is_known = False
+    for k in range(count):
+        work.currents[k] = slices.currents[k]
+        work.pieces[k] = slices.pieces[k]
+        work.latches[k] = slices.latches[k]
+    return PERIODIC if worst <= tolerance else APERIODIC

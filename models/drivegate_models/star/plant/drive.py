@@ -1,0 +1,128 @@
+"""The constants of a star-connected drive, machine and inverter, as the compiled kernels take them (SI units)."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.machine.emf import full_cycle
+
+EVERY_HALF: Final = 0b1111
+"""Every phase chops in the whole of its windows, each on a comparator of its own."""
+UPPER_ONLY: Final = 0b0011
+"""Only the upper switches chop; the lower ones are on throughout the negative windows."""
+PWM_ON: Final = 0b0101
+"""A phase chops in the first half of each window and is on in the second."""
+ON_PWM: Final = 0b1010
+"""A phase is on in the first half of each window and chops in the second."""
+
+
+class StarDrive(NamedTuple):
+    """Constants of a star-connected machine with an isolated neutral on one half-bridge leg a phase.
+
+    Angles are electrical, speeds and torques are the shaft's. The back-EMF of a phase is
+    ``emf_constant * speed * f(angle)`` with the shape f given by its corners.
+    """
+
+    resistance: float
+    """Winding resistance of a phase (ohm)."""
+    emf_constant: float
+    """Peak back-EMF of a phase a shaft speed (V s/rad); also peak torque an ampere (N m/A)."""
+    phases: int
+    """Number of phases m, odd and at least 3; phase j lags phase j - 1 by 2 pi/m electrical."""
+    pole_pairs: int
+    """Pole pairs p."""
+    inductance: float
+    """Self minus mutual inductance of a phase (H)."""
+    half_supply_voltage: float
+    """Half of the link's nominal voltage (V)."""
+    hysteresis_band: float
+    """Half-width h of the current band (A); 0 is the ideal regulator."""
+    window: float
+    """Width of each conduction window (rad electrical)."""
+    current_limit: float
+    """Greatest current reference (A)."""
+    emf_angles: NDArray[np.float64]
+    """Corners of the back-EMF shape, shape (k + 1,), from 0 to 2 pi (rad electrical)."""
+    emf_values: NDArray[np.float64]
+    """Shape at the corners, shape (k + 1,) (1)."""
+    emf_slopes: NDArray[np.float64]
+    """Slope of the shape after each corner, shape (k,) (1/rad)."""
+    regulation: int = EVERY_HALF
+    """Which halves of the windows chop, one bit each: positive first and second, negative first and second."""
+    core_loss_conductance: float = 0.0
+    """Core loss a phase over the square of the gap voltage (S)."""
+    inertia: float = 1.0
+    """Inertia of rotor and load (kg m2)."""
+    friction: float = 0.0
+    """Friction torque independent of speed (N m)."""
+    viscous_friction: float = 0.0
+    """Friction and windage torque a speed (N m s/rad)."""
+    switch_drop: float = 0.0
+    """Forward drop of a switch (V)."""
+    diode_drop: float = 0.0
+    """Forward drop of a freewheeling diode (V)."""
+    turn_on_energy: float = 0.0
+    """Energy lost at each turn-on of a switch (J)."""
+    turn_off_energy: float = 0.0
+    """Energy lost at each turn-off of a switch (J)."""
+
+
+def make_star_drive(
+    *,
+    phases: int,
+    pole_pairs: int,
+    emf_angles: NDArray[np.float64],
+    emf_values: NDArray[np.float64],
+    regulation: int = EVERY_HALF,
+    **constants: float,
+) -> StarDrive:
+    """Build the constants of a drive from people's values, in SI units.
+
+    Parameters
+    ----------
+    phases, pole_pairs, regulation : int
+        Number of phases and of pole pairs, and the halves of the windows that chop.
+    emf_angles, emf_values : ndarray, shape (k,)
+        Corners of the positive half cycle of the back-EMF shape (rad, 1); see `drivegate_models.machine.emf`.
+    **constants : float
+        The other fields of `StarDrive`, by name and in its units; its defaults hold for those left out.
+
+    Returns
+    -------
+    StarDrive
+        The constants, with the shape's corners over the whole cycle.
+    """
+    angles, values = full_cycle(emf_angles, emf_values)
+    # Each kernel is compiled for one type of drive; an int among the floats would compile it once more.
+    return StarDrive(
+        phases=int(phases),
+        pole_pairs=int(pole_pairs),
+        emf_angles=angles,
+        emf_values=values,
+        emf_slopes=np.diff(values) / np.diff(angles),
+        regulation=int(regulation),
+        **{name: float(constant) for name, constant in constants.items()},
+    )
+
+
+@inlined
+def drifted(drive: StarDrive, resistance_factor: float, emf_factor: float) -> StarDrive:
+    """Return a drive whose windings and magnets have another temperature.
+
+    Parameters
+    ----------
+    drive : StarDrive
+        The drive.
+    resistance_factor, emf_factor : float
+        Factors on the winding resistance and on the EMF constant (1).
+
+    Returns
+    -------
+    StarDrive
+        The same but for these two.
+    """
+    return StarDrive(drive.resistance * resistance_factor, drive.emf_constant * emf_factor, *drive[2:])

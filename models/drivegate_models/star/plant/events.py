@@ -1,0 +1,164 @@
+"""When a stretch ends: a current comes to a level, or the neutral to the end of an interval."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.machine.winding_current import crossing_time, current_after
+from drivegate_models.star.plant.drive import StarDrive
+from drivegate_models.star.plant.neutral import TIE, Neutral
+from drivegate_models.star.plant.places import HELD
+from drivegate_models.star.plant.regulation import comparator_level
+from drivegate_models.star.plant.staircase import Circuit, Staircase, levels_of
+
+
+class Event(NamedTuple):
+    """The first event of a stretch."""
+
+    length: float
+    """From the stretch's start (s)."""
+    phase: int
+    """Phase whose current comes to a level or that the neutral takes from it; -1 where nothing happens."""
+    other: int
+    """Phase that the neutral takes from its level to the other side at the same instant, or -1."""
+    level: float
+    """The level (A)."""
+    side: int
+    """Interval's end that the neutral comes to, 1 upper or -1 lower; 0 where a current comes to a level."""
+
+
+@inlined
+def bound_motion(drive: StarDrive, circuit: Circuit, place: Any) -> None:
+    """Set the levels between which the current of a moving phase has no event (A)."""
+    floor, ceiling = levels_of(Staircase(place.first, place.second, place.gate), place.tread)
+    level, side = comparator_level(drive, circuit, place)
+    if side > 0:
+        ceiling = min(ceiling, level)
+    elif side < 0:
+        floor = max(floor, level)
+    place.floor = floor
+    place.ceiling = ceiling
+
+
+@inlined
+def _of_current(circuit: Circuit, place: Any, start: float, length: float) -> tuple[float, float]:
+    """Return when a moving current comes to one of its levels (s), and to which (A)."""
+    slope = place.slope
+    curvature = place.curvature
+    rate = circuit.rate
+    end, end_slope = current_after(start, slope, curvature, rate, length)
+    time = inf
+    level = 0.0
+    if place.ceiling < inf and (slope > 0.0 or end_slope > 0.0 or end >= place.ceiling):
+        time = crossing_time(start, slope, curvature, rate, length, end, end_slope, place.ceiling, True)
+        level = place.ceiling
+    if place.floor > -inf and (slope < 0.0 or end_slope < 0.0 or end <= place.floor):
+        falling = crossing_time(start, slope, curvature, rate, length, end, end_slope, place.floor, False)
+        if falling < time:
+            time = falling
+            level = place.floor
+    return time, level
+
+
+@inlined
+def _of_voltage(place: Any, neutral: Neutral) -> tuple[float, int]:
+    """Return when the neutral leaves the interval of a held phase (s), and by which end."""
+    # Against the interval, which moves with the back-EMF.
+    rate = neutral.rate + place.opposed_rate
+    if rate > 0.0 and not place.at_high:
+        return (place.high - neutral.voltage) / rate, 1
+    if rate < 0.0 and not place.at_low:
+        return (place.low - neutral.voltage) / rate, -1
+    return inf, 0
+
+
+@inlined
+def _bounding(places: NDArray[Any], sign: float, tie: float) -> int:
+    """Return the phase whose interval bounds what all share, from above (1) or below (-1), from now on."""
+    bounding = 0
+    for k in range(1, places.size):
+        one = places[bounding]
+        other = places[k]
+        ahead = (one.high - other.high) if sign > 0.0 else (other.low - one.low)
+        faster = sign * (other.opposed_rate - one.opposed_rate)
+        if ahead > tie or (ahead >= -tie and faster > 0.0):
+            bounding = k
+    return bounding
+
+
+@inlined
+def _of_parting(places: NDArray[Any], tie: float, length: float) -> Event:
+    """Return what happens first where no phase moves: two of them part, or others come to bound what all share."""
+    lowest = _bounding(places, -1.0, tie)
+    highest = _bounding(places, 1.0, tie)
+    low = places[lowest]
+    high = places[highest]
+    first = Event(length, -1, -1, 0.0, 0)
+    rate = high.opposed_rate - low.opposed_rate
+    # Two that have just been let go on together do not part.
+    if rate > 0.0 and not (low.at_low and high.at_high) and lowest != highest:
+        time = (high.high - low.low) / rate
+        if time < length:
+            first = Event(max(time, 0.0), highest, lowest, 0.0, 1)
+    for k in range(places.size):
+        place = places[k]
+        rate = place.opposed_rate - high.opposed_rate
+        if rate > 0.0 and tie < place.high - high.high < rate * first.length:
+            first = Event((place.high - high.high) / rate, -1, -1, 0.0, 0)
+        rate = low.opposed_rate - place.opposed_rate
+        if rate > 0.0 and tie < low.low - place.low < rate * first.length:
+            first = Event((low.low - place.low) / rate, -1, -1, 0.0, 0)
+    return first
+
+
+@unallocating
+def first_event(
+    drive: StarDrive,
+    circuit: Circuit,
+    places: NDArray[Any],
+    currents: NDArray[np.float64],
+    neutral: Neutral,
+    length: float,
+) -> Event:
+    """Return the first event of a stretch.
+
+    Parameters
+    ----------
+    drive : StarDrive
+        The drive's constants.
+    circuit : Circuit
+        Constants of the advance.
+    places : ndarray of PLACE, shape (m,)
+        With the motion of every phase.
+    currents : ndarray, shape (m,)
+        Phase currents at its start (A).
+    neutral : Neutral
+        Where the neutral is.
+    length : float
+        Longest that it may last (s).
+
+    Returns
+    -------
+    Event
+        Of that length and without a phase where nothing happens.
+    """
+    if neutral.moving == 0:
+        return _of_parting(places, TIE * circuit.source, length)
+    first = Event(length, -1, -1, 0.0, 0)
+    for k in range(places.size):
+        place = places[k]
+        if place.tread == HELD:
+            time, side = _of_voltage(place, neutral)
+            level = 0.0
+        else:
+            bound_motion(drive, circuit, place)
+            time, level = _of_current(circuit, place, currents[k], length)
+            side = 0
+        if time < first.length or (time == first.length and first.phase < 0 and time < inf):
+            first = Event(max(time, 0.0), k, -1, level, side)
+    return first

@@ -1,0 +1,235 @@
+"""What one stretch adds to the ledger, phase by phase, and the segments that are kept of it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.machine import ledger
+from drivegate_models.machine.segments import keep_segment
+from drivegate_models.machine.winding_current import current_after, current_integrals, turning_time
+from drivegate_models.star.plant.drive import StarDrive
+from drivegate_models.star.plant.neutral import Neutral, shared_middle
+from drivegate_models.star.plant.places import HELD
+from drivegate_models.star.plant.staircase import HIGHEST, LOWEST, MIDDLE, Circuit, tread_voltage
+
+
+class Span(NamedTuple):
+    """A stretch, and the line on which the neutral moves in it."""
+
+    start: float
+    """From the beginning of the advance (s)."""
+    length: float
+    """(s)."""
+    neutral: float
+    """Voltage of the neutral at its start (V)."""
+    neutral_rate: float
+    """(V/s)."""
+    ripple_share: float
+    """Share of a chopping phase's mean square voltage ripple that the windings see (1)."""
+
+
+@inlined
+def span_of(places: NDArray[Any], neutral: Neutral, start: float, length: float) -> Span:
+    """Return the stretch of a length.
+
+    Parameters
+    ----------
+    places : ndarray of PLACE, shape (m,)
+        With the intervals of all phases.
+    neutral : Neutral
+        Where the neutral is at its start.
+    start, length : float
+        (s).
+
+    Returns
+    -------
+    Span
+        While every phase is held the neutral is free within what their intervals share; it is taken for the middle,
+        where two chopping phases have equal shares, as comparators on equal currents give them.
+    """
+    if neutral.moving == 0:
+        begin = shared_middle(places, 0.0)
+        rate = (shared_middle(places, length) - begin) / length if length > 0.0 else 0.0
+        return Span(start, length, begin, rate, 1.0)
+    # A phase that chops by itself takes the neutral with it: of its ripple u, u (n - 1)/n is left across its own
+    # winding, and u/n falls on each of the others.
+    return Span(start, length, neutral.voltage, neutral.rate, 1.0 - 1.0 / neutral.connected)
+
+
+@inlined
+def _slide(
+    drive: StarDrive,
+    circuit: Circuit,
+    place: Any,
+    span: Span,
+    current: float,
+    emf_peak: float,
+    totals: NDArray[np.float64],
+) -> float:
+    """Add a phase that the ideal regulator holds at i*; return the integral of its current's magnitude (A s)."""
+    gate = place.gate
+    length = span.length
+    source = circuit.source
+    front = tread_voltage(circuit, gate, MIDDLE)
+    back = tread_voltage(circuit, gate, HIGHEST if gate > 0 else LOWEST)
+    voltage = span.neutral + place.opposed
+    # The switch's share of time, the limit of a band that shrinks to nothing; it is linear in time.
+    share = (voltage - back) / (front - back)
+    end_share = share + (span.neutral_rate + place.opposed_rate) * length / (front - back)
+    mean_share = 0.5 * (share + end_share)
+    charge = abs(current) * length
+    taken = mean_share * source * charge
+    given = (1.0 - mean_share) * source * charge
+    totals[ledger.UPPER] += taken if gate > 0 else -given
+    totals[ledger.LOWER] += -given if gate > 0 else taken
+    totals[ledger.MAGNITUDE] += charge
+    totals[ledger.SQUARE] += current * current * length
+    totals[ledger.EXCHANGED] += taken + given
+    totals[ledger.RETURNED] += given
+    totals[ledger.DEVICE] += (
+        mean_share * circuit.switch_drop + (1.0 - mean_share) * circuit.diode_drop
+    ) * charge
+    shape = place.emf_shape
+    shape_end = shape + place.shape_rate * length
+    totals[ledger.IMPULSE] += drive.emf_constant * 0.5 * (shape + shape_end) * current * length
+    squares = (shape * shape + shape * shape_end + shape_end * shape_end) / 3.0
+    ripple = mean_share - (share * share + share * end_share + end_share * end_share) / 3.0
+    totals[ledger.CORE_SOURCE] += (
+        drive.core_loss_conductance
+        * length
+        * (emf_peak * emf_peak * squares + span.ripple_share * (front - back) * (front - back) * ripple)
+    )
+    return charge
+
+
+@inlined
+def _drag(drive: StarDrive, place: Any, length: float, emf_peak: float, totals: NDArray[np.float64]) -> None:
+    """Add the drag of a phase without a current, whose core loss the shaft supplies."""
+    shape = place.emf_shape
+    shape_end = shape + place.shape_rate * length
+    squares = length * (shape * shape + shape * shape_end + shape_end * shape_end) / 3.0
+    totals[ledger.CORE_DRAG_IMPULSE] += drive.core_loss_conductance * drive.emf_constant * emf_peak * squares
+
+
+@inlined
+def _conduct(
+    drive: StarDrive,
+    circuit: Circuit,
+    place: Any,
+    span: Span,
+    current: float,
+    totals: NDArray[np.float64],
+) -> tuple[float, float]:
+    """Add a phase whose current moves; return the current at the end (A) and the integral of its magnitude (A s)."""
+    length = span.length
+    slope = place.slope
+    curvature = place.curvature
+    end, end_slope, first, second, square = current_integrals(current, slope, curvature, circuit.rate, length)
+    peak = max(totals[ledger.PEAK], abs(end))
+    if slope * end_slope < 0.0:
+        turn = turning_time(slope, curvature, circuit.rate)
+        extreme, _ = current_after(current, slope, curvature, circuit.rate, turn)
+        peak = max(peak, abs(extreme))
+    totals[ledger.PEAK] = peak
+    tread = place.tread
+    returning = tread != MIDDLE
+    # Against the link's middle a diode leads to the rail that its current opposes.
+    rail = place.gate if tread == MIDDLE else (1 if tread == LOWEST else -1)
+    magnitude = -rail * first if returning else rail * first
+    energy = rail * circuit.source * first
+    if rail > 0:
+        totals[ledger.UPPER] += energy
+    else:
+        totals[ledger.LOWER] += energy
+    totals[ledger.MAGNITUDE] += magnitude
+    totals[ledger.SQUARE] += square
+    totals[ledger.EXCHANGED] += circuit.source * magnitude
+    if returning:
+        totals[ledger.RETURNED] += circuit.source * magnitude
+    totals[ledger.DEVICE] += (circuit.diode_drop if returning else circuit.switch_drop) * magnitude
+    shape_end = place.emf_shape + place.shape_rate * length
+    totals[ledger.IMPULSE] += drive.emf_constant * (shape_end * first - place.shape_rate * second)
+    # Gap voltage v - v_n - R i: a straight line less R i.
+    line = tread_voltage(circuit, place.gate, tread) - span.neutral
+    fall = span.neutral_rate
+    lines = length * (line * line - fall * length * (line - fall * length / 3.0))
+    products = line * first - fall * (length * first - second)
+    resistance = circuit.resistance
+    totals[ledger.CORE_SOURCE] += drive.core_loss_conductance * (
+        lines - resistance * (2.0 * products - resistance * square)
+    )
+    return end, magnitude
+
+
+@unallocating
+def add_stretch(
+    drive: StarDrive,
+    circuit: Circuit,
+    places: NDArray[Any],
+    span: Span,
+    emf_peak: float,
+    currents: NDArray[np.float64],
+    magnitudes: NDArray[np.float64],
+    totals: NDArray[np.float64],
+    rows: NDArray[np.float64],
+    row_counts: NDArray[np.int64],
+) -> None:
+    """Add a stretch to the ledger, keep its segments, and take every current to its end.
+
+    Parameters
+    ----------
+    drive : StarDrive
+        The drive's constants.
+    circuit : Circuit
+        Constants of the advance.
+    places : ndarray of PLACE, shape (m,)
+        With the motion of every phase.
+    span : Span
+        The stretch.
+    emf_peak : float
+        Peak of a back-EMF (V).
+    currents : ndarray, shape (m,)
+        Phase currents (A), updated.
+    magnitudes : ndarray, shape (m,)
+        Integrals of their magnitudes (A s), added to.
+    totals : ndarray, shape (ledger.ENTRIES,)
+        Exact integrals, added to.
+    rows, row_counts : ndarray
+        Receive the segments, as in `machine.segments`.
+    """
+    for k in range(places.size):
+        place = places[k]
+        current = currents[k]
+        if place.tread == HELD:
+            voltage = span.neutral + place.opposed
+            voltage_rate = span.neutral_rate + place.opposed_rate
+            rate = 0.0
+            if current == 0.0:
+                _drag(drive, place, span.length, emf_peak, totals)
+            else:
+                magnitudes[k] += _slide(drive, circuit, place, span, current, emf_peak, totals)
+        else:
+            voltage = tread_voltage(circuit, place.gate, place.tread)
+            voltage_rate = 0.0
+            rate = circuit.rate
+            currents[k], magnitude = _conduct(drive, circuit, place, span, current, totals)
+            magnitudes[k] += magnitude
+        row_counts[k] = keep_segment(
+            rows,
+            k,
+            row_counts[k],
+            span.start,
+            span.length,
+            current,
+            place.slope,
+            place.curvature,
+            place.emf_shape,
+            place.shape_rate,
+            voltage,
+            voltage_rate,
+            rate,
+        )

@@ -1,0 +1,447 @@
+"""All phases of the star advanced together at constant speed, supply and command, from event to event."""
+
+from __future__ import annotations
+
+from math import inf, pi
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, kernel, unallocating
+from drivegate_models.machine import ledger, segments
+from drivegate_models.machine.cycle import Shape, next_shape, shape_at, wrapped
+from drivegate_models.machine.torque import torque_extremes
+from drivegate_models.machine.winding_current import LONGEST
+from drivegate_models.star.plant.drive import StarDrive
+from drivegate_models.star.plant.events import Event, first_event
+from drivegate_models.star.plant.integrals import add_stretch, span_of
+from drivegate_models.star.plant.neutral import settle
+from drivegate_models.star.plant.places import HELD, make_places
+from drivegate_models.star.plant.regulation import gate_of, regulate
+from drivegate_models.star.plant.staircase import Circuit
+from drivegate_models.star.plant.window import GAP, next_piece, piece_at
+
+COMPLETED = 0
+"""Status: the advance reached its end."""
+TOO_MANY_EVENTS = 1
+"""Status: the phases switched more often than the limit allows (a harness fault, never a candidate's)."""
+EVENT_LIMIT = 1_000_000
+"""Greatest number of events in one advance."""
+
+_STANDSTILL = 1e-100
+_LEAST_REFERENCE = 1e-20
+_SAME_ANGLE = 2.0 * pi * 1e-13
+"""Corners and window edges no further apart are one event (rad)."""
+_NEAR = 1e-13
+"""Distance from a level, over the scale of a current in its stretch, that counts as none."""
+_ROUNDING = 1e-15
+
+
+class StarPhases(NamedTuple):
+    """State of the m phases and room for the segments of one advance; the arrays are updated in place."""
+
+    currents: NDArray[np.float64]
+    """Phase currents, shape (m,) (A); they sum to zero."""
+    pieces: NDArray[np.int64]
+    """Piece of the conduction windows that each phase is in, shape (m,)."""
+    latches: NDArray[np.int64]
+    """Comparator of each phase, shape (m,): 1 on, 0 off."""
+    magnitudes: NDArray[np.float64]
+    """Integral of each phase's current magnitude over the last advance, shape (m,) (A s)."""
+    rows: NDArray[np.float64]
+    """Segments of the last advance, shape (m, n, segments.FIELDS); n = 0 keeps none."""
+    row_counts: NDArray[np.int64]
+    """Number of segments of each phase, shape (m,)."""
+    places: NDArray[Any]
+    """Room for what is known of each phase between two events, shape (m,) of `places.PLACE`."""
+    bounds: NDArray[np.float64]
+    """Room for intervals, shape (2, m)."""
+
+
+def make_phases(drive: StarDrive, longest_advance: float = 0.0) -> StarPhases:
+    """Return phases at rest: no current, latches on.
+
+    Parameters
+    ----------
+    drive : StarDrive
+        The drive.
+    longest_advance : float
+        Longest advance whose segments are to be kept (s); 0 keeps none.
+
+    Returns
+    -------
+    StarPhases
+        With room for every segment that the drive can produce in such an advance.
+    """
+    count = drive.phases
+    capacity = 0
+    if longest_advance > 0.0:
+        # An event of any phase ends the segments of all of them.
+        band = drive.hysteresis_band
+        swing = 2.5 * drive.half_supply_voltage / drive.inductance
+        chops = longest_advance * swing / band if band > 0.0 else 0.0
+        capacity = 64 + count * (8 * drive.emf_slopes.size + int(2.0 * chops))
+    return StarPhases(
+        currents=np.zeros(count),
+        pieces=np.full(count, GAP, np.int64),
+        latches=np.ones(count, np.int64),
+        magnitudes=np.zeros(count),
+        rows=np.zeros((count, capacity, segments.FIELDS)),
+        row_counts=np.zeros(count, np.int64),
+        places=make_places(count),
+        bounds=np.zeros((2, count)),
+    )
+
+
+@inlined
+def _set_shape(place: Any, shape: Shape) -> None:
+    place.corner = shape.corner
+    place.turn = shape.turn
+    place.shape_begin = shape.begin
+    place.shape_end = shape.end
+    place.shape_start = shape.start
+    place.shape_rate = shape.rate
+
+
+@inlined
+def _circuit(drive: StarDrive, upper: float, lower: float, reference: float) -> Circuit:
+    """Return the constants of an advance."""
+    inverse_inductance = 1.0 / drive.inductance
+    rate = drive.resistance * inverse_inductance
+    return Circuit(
+        drive.resistance,
+        inverse_inductance,
+        rate,
+        LONGEST / rate if rate > 0.0 else inf,
+        # Without a tap between them only the sum of the halves acts.
+        0.5 * (upper + lower),
+        drive.switch_drop,
+        drive.diode_drop,
+        # Such a current comes and goes within the rounding of time; the gates stay blocked, as at zero.
+        reference if reference >= _LEAST_REFERENCE else 0.0,
+        drive.hysteresis_band,
+    )
+
+
+@inlined
+def _place_phase(
+    drive: StarDrive,
+    circuit: Circuit,
+    corners: NDArray[np.float64],
+    corner_values: NDArray[np.float64],
+    corner_slopes: NDArray[np.float64],
+    place: Any,
+    piece_was: int,
+    latch: int,
+    angle: float,
+    advance: float,
+    electrical: float,
+) -> None:
+    """Place a phase in its cycle at the start of an advance."""
+    angle = wrapped(angle)
+    _set_shape(place, shape_at(corners, corner_values, corner_slopes, angle, electrical))
+    place.piece, place.piece_end = piece_at(angle + advance, drive.window, drive.regulation, electrical)
+    place.gate = gate_of(circuit, drive.regulation, piece_was, latch)
+    # A latch is on when its window opens, whatever it was in the last one.
+    place.latch = latch if place.piece == piece_was else 1
+    place.reached = 0
+
+
+@inlined
+def _pass_edges(
+    drive: StarDrive,
+    corners: NDArray[np.float64],
+    corner_values: NDArray[np.float64],
+    corner_slopes: NDArray[np.float64],
+    place: Any,
+    until: float,
+    electrical: float,
+) -> None:
+    """Take a phase past every corner and window edge up to a time (s)."""
+    while until >= place.shape_end:
+        shape = Shape(
+            place.corner, place.turn, place.shape_begin, place.shape_end, place.shape_start, place.shape_rate
+        )
+        _set_shape(place, next_shape(corners, corner_values, corner_slopes, shape, electrical))
+    while until >= place.piece_end:
+        place.piece, place.piece_end = next_piece(
+            place.piece, place.piece_end, drive.window, drive.regulation, electrical
+        )
+        place.latch = 1
+
+
+@unallocating
+def _pass_all(
+    drive: StarDrive,
+    corners: NDArray[np.float64],
+    corner_values: NDArray[np.float64],
+    corner_slopes: NDArray[np.float64],
+    places: NDArray[Any],
+    until: float,
+    electrical: float,
+) -> None:
+    """Take every phase past its corners and window edges up to a time (s)."""
+    for k in range(places.size):
+        _pass_edges(drive, corners, corner_values, corner_slopes, places[k], until, electrical)
+
+
+@inlined
+def _oppose(
+    circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64], emf_peak: float, time: float
+) -> float:
+    """Set back-EMF and opposed voltage of every phase at a time; return the next corner or edge (s)."""
+    limit = inf
+    for k in range(places.size):
+        place = places[k]
+        place.emf_shape = place.shape_start + place.shape_rate * (time - place.shape_begin)
+        place.start = currents[k]
+        place.opposed = emf_peak * place.emf_shape + circuit.resistance * currents[k]
+        place.opposed_rate = emf_peak * place.shape_rate
+        limit = min(limit, place.shape_end, place.piece_end)
+    return limit
+
+
+@inlined
+def _near_level(place: Any, current: float, length: float) -> float:
+    """Return the level that a current has come to but for rounding, or the current itself (A)."""
+    start = place.start
+    near = _NEAR * max(abs(current), abs(start), abs(place.slope) * length)
+    if start != place.ceiling and abs(current - place.ceiling) <= near:
+        return float(place.ceiling)
+    if start != place.floor and abs(current - place.floor) <= near:
+        return float(place.floor)
+    return current
+
+
+@inlined
+def _sum_and_size(currents: NDArray[np.float64]) -> tuple[float, float]:
+    total = 0.0
+    size = 0.0
+    for k in range(currents.size):
+        total += currents[k]
+        size += abs(currents[k])
+    return total, size
+
+
+@unallocating
+def _land(
+    places: NDArray[Any],
+    currents: NDArray[np.float64],
+    event: Event,
+    length: float,
+) -> None:
+    """Set the currents that have come to a level to it, and let the largest other one carry what rounding has left.
+
+    Parameters
+    ----------
+    places : ndarray of PLACE, shape (m,)
+        With the motion of every phase.
+    currents : ndarray, shape (m,)
+        Phase currents at the end of the stretch (A), updated.
+    event : Event
+        What has ended it.
+    length : float
+        Its length (s).
+    """
+    free = -1
+    near = -1
+    for k in range(places.size):
+        place = places[k]
+        if place.tread == HELD:
+            continue
+        if k == event.phase:
+            currents[k] = event.level
+            continue
+        level = _near_level(place, currents[k], length)
+        if level != currents[k] or level in (place.floor, place.ceiling):
+            near = k if near < 0 or abs(level) > abs(currents[near]) else near
+            currents[k] = level
+        elif free < 0 or abs(currents[k]) > abs(currents[free]):
+            free = k
+    total, size = _sum_and_size(currents)
+    if free >= 0:
+        currents[free] -= total
+    elif near >= 0 and abs(total) > _ROUNDING * size:
+        # Not all of them can have come to their levels at once.
+        currents[near] -= total
+
+
+@unallocating
+def advance_phases(
+    drive: StarDrive,
+    phases: StarPhases,
+    angle: float,
+    speed: float,
+    upper: float,
+    lower: float,
+    reference: float,
+    advance: float,
+    duration: float,
+    totals: NDArray[np.float64],
+) -> int:
+    """Advance all phases by a control period, solving every event in it.
+
+    Parameters
+    ----------
+    drive : StarDrive
+        The drive's constants.
+    phases : StarPhases
+        State, updated; receives the segments.
+    angle : float
+        Electrical angle of the first phase at the start (rad).
+    speed : float
+        Shaft speed (rad/s), at least 0.
+    upper, lower : float
+        Voltages of the halves of the link (V); only their sum acts.
+    reference : float
+        Current reference i* (A); 0 blocks the gates.
+    advance : float
+        Advance angle (rad electrical).
+    duration : float
+        Length (s).
+    totals : ndarray, shape (ledger.ENTRIES,)
+        Exact integrals, added to.
+
+    Returns
+    -------
+    int
+        `COMPLETED` or `TOO_MANY_EVENTS`.
+    """
+    # Once for all events: every look at an array in a tuple counts a reference.
+    corners = drive.emf_angles
+    corner_values = drive.emf_values
+    corner_slopes = drive.emf_slopes
+    currents = phases.currents
+    magnitudes = phases.magnitudes
+    rows = phases.rows
+    row_counts = phases.row_counts
+    places = phases.places
+    bounds = phases.bounds
+    count = drive.phases
+    electrical = drive.pole_pairs * speed
+    if electrical < _STANDSTILL:
+        # So slow that the time of a radian is no number any more.
+        electrical = 0.0
+    circuit = _circuit(drive, upper, lower, reference)
+    emf_peak = drive.emf_constant * speed
+    same_time = _SAME_ANGLE / electrical if electrical > 0.0 else 0.0
+    for k in range(count):
+        _place_phase(
+            drive,
+            circuit,
+            corners,
+            corner_values,
+            corner_slopes,
+            places[k],
+            phases.pieces[k],
+            phases.latches[k],
+            angle - 2.0 * pi * k / count,
+            advance,
+            electrical,
+        )
+        magnitudes[k] = 0.0
+        row_counts[k] = 0
+        totals[ledger.PEAK] = max(totals[ledger.PEAK], abs(currents[k]))
+    _pass_all(drive, corners, corner_values, corner_slopes, places, same_time, electrical)
+    status = COMPLETED
+    time = 0.0
+    events = 0
+    while time < duration:
+        events += 1
+        if events > EVENT_LIMIT:
+            status = TOO_MANY_EVENTS
+            break
+        totals[ledger.SWITCHING] += regulate(drive, circuit, places, currents)
+        limit = min(_oppose(circuit, places, currents, emf_peak, time), duration)
+        neutral = settle(circuit, places, bounds, currents)
+        length = min(limit - time, circuit.longest)
+        is_whole = limit - time <= circuit.longest
+        event = first_event(drive, circuit, places, currents, neutral, length)
+        if event.phase >= 0 or event.length < length:
+            is_whole = False
+            length = event.length
+        if length > 0.0:
+            span = span_of(places, neutral, time, length)
+            add_stretch(
+                drive, circuit, places, span, emf_peak, currents, magnitudes, totals, rows, row_counts
+            )
+        if event.side != 0:
+            places[event.phase].reached = event.side
+            if event.other >= 0:
+                places[event.other].reached = -event.side
+        if neutral.moving > 0:
+            moved = event if event.side == 0 else Event(length, -1, -1, 0.0, 0)
+            _land(places, currents, moved, length)
+        # The limit itself, not the sum, so that a corner is passed exactly once.
+        time = limit if is_whole else time + length
+        if time + same_time >= limit:
+            _pass_all(drive, corners, corner_values, corner_slopes, places, time + same_time, electrical)
+    for k in range(count):
+        phases.pieces[k] = places[k].piece
+        phases.latches[k] = places[k].latch
+    totals[ledger.EVENTS] += events
+    return status
+
+
+@inlined
+def torque_range(
+    drive: StarDrive,
+    phases: StarPhases,
+    positions: NDArray[np.int64],
+    duration: float,
+    lowest: float,
+    highest: float,
+) -> tuple[float, float]:
+    """Widen a range by the torque of all phases over the last advance.
+
+    Parameters
+    ----------
+    drive : StarDrive
+        The drive's constants.
+    phases : StarPhases
+        Holds the segments of that advance.
+    positions : ndarray of int64, shape (m,)
+        Room for the computation.
+    duration : float
+        Length of the advance (s).
+    lowest, highest : float
+        Range so far (N m); start with inf and -inf.
+
+    Returns
+    -------
+    lowest, highest : float
+        Range including the advance (N m).
+    """
+    return torque_extremes(
+        phases.rows,
+        phases.row_counts,
+        positions,
+        drive.emf_constant,
+        drive.resistance / drive.inductance,
+        duration,
+        lowest,
+        highest,
+    )
+
+
+@kernel
+def stored_energy(drive: StarDrive, currents: NDArray[np.float64]) -> float:
+    """Return the energy in the windings, ``sum L i**2 / 2`` (J).
+
+    Parameters
+    ----------
+    drive : StarDrive
+        The drive's constants.
+    currents : ndarray, shape (m,)
+        Phase currents (A).
+
+    Returns
+    -------
+    float
+        Stored energy (J).
+    """
+    total = 0.0
+    for current in currents:
+        total += current * current
+    return 0.5 * drive.inductance * total

@@ -1,0 +1,98 @@
+"""Window, comparator and staircase of every phase: what the inverter does until the next event."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.star.plant.drive import StarDrive
+from drivegate_models.star.plant.staircase import Circuit, staircase, treads_beside
+from drivegate_models.star.plant.window import chops, sector_of
+
+_SLACK = 1e-13
+"""Share of a comparator's level by which it looks ahead, so that phases of equal current switch together."""
+
+
+@inlined
+def compared(circuit: Circuit, latch: int, along: float) -> int:
+    """Return the latch after both comparators have looked at the current along the sector's sign (A)."""
+    if along >= (circuit.reference + circuit.band) * (1.0 - _SLACK):
+        return 0
+    if along <= max(circuit.reference - circuit.band, 0.0) * (1.0 + _SLACK):
+        return 1
+    return latch
+
+
+@inlined
+def gate_of(circuit: Circuit, regulation: int, piece: int, latch: int) -> int:
+    """Return the switch that is on, or that the ideal regulator uses: 1 upper, -1 lower, 0 none."""
+    sector = sector_of(piece)
+    if sector == 0 or circuit.reference <= 0.0:
+        return 0
+    if circuit.band > 0.0 and chops(regulation, piece):
+        return sector * latch
+    return sector
+
+
+@unallocating
+def regulate(
+    drive: StarDrive, circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64]
+) -> float:
+    """Set latch, staircase and treads of every phase by its window and its current.
+
+    Parameters
+    ----------
+    drive : StarDrive
+        The drive's constants.
+    circuit : Circuit
+        Constants of the advance.
+    places : ndarray of PLACE, shape (m,)
+        Updated.
+    currents : ndarray, shape (m,)
+        Phase currents (A).
+
+    Returns
+    -------
+    float
+        Loss of the switches that have changed (J); an ideal regulator has no switchings to count.
+    """
+    lost = 0.0
+    for k in range(places.size):
+        place = places[k]
+        sector = sector_of(place.piece)
+        is_chopped = sector != 0 and chops(drive.regulation, place.piece)
+        if is_chopped:
+            place.latch = compared(circuit, place.latch, sector * currents[k])
+        gate = gate_of(circuit, drive.regulation, place.piece, place.latch)
+        if gate != place.gate:
+            if circuit.band > 0.0:
+                lost += drive.turn_off_energy if place.gate != 0 else 0.0
+                lost += drive.turn_on_energy if gate != 0 else 0.0
+            place.gate = gate
+        steps = staircase(gate, is_chopped and circuit.band == 0.0, circuit.reference)
+        place.first = steps.first
+        place.second = steps.second
+        place.below, place.above = treads_beside(steps, currents[k])
+    return lost
+
+
+@inlined
+def comparator_level(drive: StarDrive, circuit: Circuit, place: Any) -> tuple[float, int]:
+    """Return the current at which the comparator of a phase switches (A), and the side to come from: 1 below, -1 above.
+
+    A side of 0 stands for none.
+    """
+    sector = sector_of(place.piece)
+    if (
+        sector == 0
+        or circuit.band <= 0.0
+        or circuit.reference <= 0.0
+        or not chops(drive.regulation, place.piece)
+    ):
+        return 0.0, 0
+    if place.latch == 1:
+        return sector * (circuit.reference + circuit.band), sector
+    return sector * max(circuit.reference - circuit.band, 0.0), -sector

@@ -1,0 +1,129 @@
+"""What a leg does to its phase: gates, diodes and the ideal comparator make its voltage a falling staircase.
+
+The terminal voltage, against the middle of the link, is a falling step function of the phase current alone. It
+has three treads: below a first level the current flows back through the upper diode, above a second one it flows
+on through the lower diode, and between the two the switch of the window is on::
+
+    gates off                    levels 0 and 0        (no middle tread)
+    upper switch on              0 and infinity        middle +V, less the switch's drop
+    lower switch on              -infinity and 0       middle -V, plus the switch's drop
+    ideal regulator, positive    0 and i*              as the upper switch on
+    ideal regulator, negative    -i* and 0             as the lower switch on
+
+At a level the voltage is any between those of the treads on both sides.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Final, NamedTuple
+
+from drivegate_models.compilation.kernels import inlined
+
+LOWEST: Final = 0
+"""The tread below the first level: upper diode."""
+MIDDLE: Final = 1
+"""The tread between the levels: the window's switch."""
+HIGHEST: Final = 2
+"""The tread above the second level: lower diode."""
+
+
+class Circuit(NamedTuple):
+    """Constants of winding and inverter over one advance."""
+
+    resistance: float
+    """(ohm)."""
+    inverse_inductance: float
+    """(1/H)."""
+    rate: float
+    """R/L (1/s)."""
+    longest: float
+    """Longest stretch for which the series of `winding_current` are used (s)."""
+    source: float
+    """Voltage of half the link (V)."""
+    switch_drop: float
+    """(V)."""
+    diode_drop: float
+    """(V)."""
+    reference: float
+    """Current reference i* (A); 0 blocks the gates."""
+    band: float
+    """Half-width h of the current band (A)."""
+
+
+class Staircase(NamedTuple):
+    """The levels of a leg's staircase, and the switch that makes its middle tread."""
+
+    first: float
+    """(A)."""
+    second: float
+    """(A)."""
+    gate: int
+    """1 upper, -1 lower, 0 none."""
+
+
+@inlined
+def staircase(gate: int, is_ideal: bool, reference: float) -> Staircase:
+    """Return the staircase of a leg.
+
+    Parameters
+    ----------
+    gate : int
+        Switch that is on, or that the ideal regulator uses: 1 upper, -1 lower, 0 none.
+    is_ideal : bool
+        Whether the ideal regulator chops.
+    reference : float
+        Current reference (A).
+
+    Returns
+    -------
+    Staircase
+        Its levels.
+    """
+    end = reference if is_ideal else inf
+    return Staircase(-end if gate < 0 else 0.0, end if gate > 0 else 0.0, gate)
+
+
+@inlined
+def tread_voltage(circuit: Circuit, gate: int, tread: int) -> float:
+    """Return the terminal voltage on a tread (V)."""
+    if tread == MIDDLE:
+        return gate * (circuit.source - circuit.switch_drop)
+    back = circuit.source + circuit.diode_drop
+    return back if tread == LOWEST else -back
+
+
+@inlined
+def treads_beside(steps: Staircase, current: float) -> tuple[int, int]:
+    """Return the treads below and above a current: two at a level, the same one between levels.
+
+    Parameters
+    ----------
+    steps : Staircase
+        The leg's staircase.
+    current : float
+        Phase current (A).
+
+    Returns
+    -------
+    below, above : int
+        `LOWEST`, `MIDDLE` or `HIGHEST`.
+    """
+    # Exact comparisons will do: an event at a level sets the current to the level itself.
+    if current < steps.first:
+        return LOWEST, LOWEST
+    if current > steps.second:
+        return HIGHEST, HIGHEST
+    below = LOWEST if current == steps.first else MIDDLE
+    above = HIGHEST if current == steps.second else MIDDLE
+    return below, above
+
+
+@inlined
+def levels_of(steps: Staircase, tread: int) -> tuple[float, float]:
+    """Return the currents between which a tread lies (A)."""
+    if tread == LOWEST:
+        return -inf, steps.first
+    if tread == HIGHEST:
+        return steps.second, inf
+    return steps.first, steps.second

@@ -1,0 +1,109 @@
+"""Where a phase is in its conduction windows, cut in halves where only one of them chops.
+
+The pieces of a cycle are numbered: 0 and 1 are the halves of the positive window, 2 is the gap behind it, 3 and 4
+are the halves of the negative window, 5 is the gap behind that. A window whose halves are alike is one piece, by
+the number of its first half.
+"""
+
+from __future__ import annotations
+
+from math import inf, pi
+from typing import Final
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.machine.cycle import wrapped
+
+GAP: Final = 2
+"""The piece behind the positive window, in which the gates are off."""
+PIECES: Final = 6
+"""Number of pieces of a cycle; half a cycle has half of them."""
+
+
+@inlined
+def sector_of(piece: int) -> int:
+    """Return the sign of the window that a piece belongs to, 0 for a gap."""
+    if piece in (2, 5):
+        return 0
+    return 1 if piece < GAP else -1
+
+
+@inlined
+def chops(regulation: int, piece: int) -> bool:
+    """Return whether a phase chops in a piece of a window."""
+    return ((regulation >> (piece if piece < GAP else piece - 1)) & 1) != 0
+
+
+@inlined
+def _is_split(regulation: int, piece: int) -> bool:
+    """Return whether only one half chops of the window that a piece belongs to or follows."""
+    halves = (regulation >> (0 if piece <= GAP else 2)) & 3
+    return halves in (1, 2)
+
+
+@inlined
+def piece_at(angle: float, width: float, regulation: int, electrical: float) -> tuple[int, float]:
+    """Return the piece at an advanced angle, which is at time zero, and the time of its end.
+
+    Parameters
+    ----------
+    angle : float
+        Electrical angle, advance included (rad).
+    width : float
+        Width of each window (rad).
+    regulation : int
+        As in `StarDrive`.
+    electrical : float
+        Electrical speed (rad/s); 0 at standstill.
+
+    Returns
+    -------
+    piece : int
+        Its number.
+    end : float
+        (s); infinite at standstill.
+    """
+    position = wrapped(angle - 0.5 * (pi - width))
+    piece = 0
+    if position >= pi:
+        position -= pi
+        piece = 3
+    if position >= width:
+        edge = pi
+        piece += 2
+    elif not _is_split(regulation, piece):
+        edge = width
+    elif position < 0.5 * width:
+        edge = 0.5 * width
+    else:
+        edge = width
+        piece += 1
+    return piece, ((edge - position) / electrical if electrical > 0.0 else inf)
+
+
+@inlined
+def next_piece(piece: int, end: float, width: float, regulation: int, electrical: float) -> tuple[int, float]:
+    """Return the piece behind one, and the time of its end.
+
+    Parameters
+    ----------
+    piece : int
+        The piece that ends.
+    end : float
+        When it ends (s).
+    width, regulation, electrical
+        As in `piece_at`; the speed is above 0.
+
+    Returns
+    -------
+    piece : int
+        What follows.
+    end : float
+        When that ends (s).
+    """
+    following = (piece + 1) % PIECES
+    if piece in (0, 3) and not _is_split(regulation, piece):
+        following = piece + 2
+    length = pi - width
+    if sector_of(following) != 0:
+        length = 0.5 * width if _is_split(regulation, following) else width
+    return following, end + length / electrical
