@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.steady.advance_line import demanded_torque
-from drivegate_models.half_bridge.steady.angle_search import reaches, torque_demand
-from drivegate_models.half_bridge.steady.oracle import current_sum_curve, least_current_sum
+from drivegate_models.steady.advance_line import demanded_torque
+from drivegate_models.steady.angle_search import reaches, torque_demand
+from drivegate_models.steady.oracle import current_sum_curve, least_current_sum
 
 LOADS: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1)
 """Load of each column, as a share of rated power (1)."""

@@ -14,8 +14,8 @@ from drivegate_models.half_bridge.designs.table_values import (
     SHARES,
     SPEED_STEP_RPM,
 )
-from drivegate_models.half_bridge.steady.angle_table import LOADS, angle_table
-from drivegate_models.half_bridge.steady.oracle import least_current_sum
+from drivegate_models.steady.angle_table import LOADS, angle_table
+from drivegate_models.steady.oracle import least_current_sum
 from drivegate_models.units import RADIANS_PER_RPM
 
 pytestmark = pytest.mark.kernel

@@ -16,7 +16,7 @@ from drivegate_models.half_bridge.designs.table_values import (
     FIRST_SPEED_RPM,
     SPEED_STEP_RPM,
 )
-from drivegate_models.half_bridge.steady.angle_table import AngleTable, angle_table
+from drivegate_models.steady.angle_table import AngleTable, angle_table
 from drivegate_models.units import RADIANS_PER_RPM
 
 _KEPT: Final = 20

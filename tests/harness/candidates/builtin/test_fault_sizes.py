@@ -13,7 +13,7 @@ from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument, drive_names, load_drive
 from drivegate_cases.drive.limits import limits_of
 from drivegate_models.errors import HarnessFault
-from drivegate_models.half_bridge.steady.oracle import current_sum_curve, demanded_torque, least_current_sum
+from drivegate_models.steady.oracle import current_sum_curve, demanded_torque, least_current_sum
 from drivegate_models.units import RADIANS_PER_RPM
 
 PAPER = load_drive("paper-5-phase")

@@ -31,7 +31,7 @@ _FINE_STEPS: Final = 21
 @lru_cache(maxsize=_KEPT)
 def _edge_at_rated_power(drive: DriveDocument, speed_rpm: float) -> float:
     """Give the least angle that gives rated power (deg); NaN where none does."""
-    from drivegate_models.half_bridge.steady.oracle import demanded_torque
+    from drivegate_models.steady.oracle import demanded_torque
 
     rating, plant = drive.rating, drive.plant()
     base, speed = rating.base_speed_rpm * RADIANS_PER_RPM, speed_rpm * RADIANS_PER_RPM
@@ -46,7 +46,7 @@ def _edge_at_point(drive: DriveDocument) -> float:
 
 
 def _edge(drive: DriveDocument, speed: float, torque: float) -> float:
-    from drivegate_models.half_bridge.steady.oracle import feasible_edge
+    from drivegate_models.steady.oracle import feasible_edge
 
     return degrees(feasible_edge(drive.plant(), speed, torque))
 
@@ -111,7 +111,7 @@ def _excesses(drive: DriveDocument, part: float, angles: tuple[float, ...]) -> t
 
     NaN where an angle gives no torque any more.
     """
-    from drivegate_models.half_bridge.steady.oracle import (
+    from drivegate_models.steady.oracle import (
         current_sum_curve,
         demanded_torque,
         least_current_sum,
