@@ -182,10 +182,14 @@ def is_creeping(state: Any, power: float) -> bool:
         False as long as no good angle is known, and well above it.
     """
     near = state.offset < state.good_offset + state.first_step
+    known = state.good_power
+    if state.mode == HOLDING and state.rest_power < inf:
+        # What was read when the speed was calm is known better than what the last step left.
+        known = max(known, state.rest_power)
     creeping: bool = (
         near
         and state.integral > _CREEP * state.good_integral + _CREEP_LEAST * state.current_limit
-        and power < (1.0 + 0.5 * _CHANGED) * state.good_power
+        and power < (1.0 + 0.5 * _CHANGED) * known
     )
     return creeping
 
@@ -382,6 +386,27 @@ def may_step_farther(state: Any, power: float, change: float) -> bool:
 
 
 @inlined
+def remember(state: Any, power: float) -> None:
+    """Keep of a decision interval how calm the speed was, and whether the integral grew for no more current.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Mean current sum of the decision interval (A).
+    """
+    # An encoder may show a speed as exact by chance, which is no measure of its steps.
+    if state.worst_error > EXACT:
+        state.calm_error = min(state.calm_error, state.worst_error)
+    winding = state.integral - state.last_integral > _WINDING * state.current_limit
+    winding = winding and abs(power - state.last_power) < _IDLE * power
+    state.winding = state.winding + 1 if winding else 0
+    state.last_integral = state.integral
+    state.last_power = power
+
+
+@inlined
 def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int, float]:
     """Make the part of a decision that is the same for every search.
 
@@ -402,14 +427,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         Change of the mean current sum from the interval before (A).
     """
     power = state.power_sum / state.count
-    # An encoder may show a speed as exact by chance, which is no measure of its steps.
-    if state.worst_error > EXACT:
-        state.calm_error = min(state.calm_error, state.worst_error)
-    winding = state.integral - state.last_integral > _WINDING * state.current_limit
-    winding = winding and abs(power - state.last_power) < _IDLE * power
-    state.winding = state.winding + 1 if winding else 0
-    state.last_integral = state.integral
-    state.last_power = power
+    remember(state, power)
     if power > _HEAVIER_LOAD * state.forbidden_power:
         # It was this load that lost the torque, not the angle with the load of before.
         state.forbidden = -inf
@@ -437,6 +455,11 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     back = abs(state.offset - state.good_offset) <= 0.5 * state.first_step and state.good_power < inf
     if state.mode == SETTLING and settled and back and is_another_load(state, power, state.good_power):
         rearm(state)
+        return WAITING, change
+    if state.moved < 0.0 and state.integral > state.good_integral and power < (1.0 - fall) * state.good_power:
+        # A lighter load would take less current reference too: this step has lost the torque.
+        state.integral = state.good_integral
+        walk_back(state, 0.5 * state.first_step - state.moved, True)
         return WAITING, change
     seems = (settled or state.mode != SETTLING) and load_has_changed(state, power, fall, rise)
     if (seems or is_jolted(state, jolt)) and rearm_unless_repeated(state):
