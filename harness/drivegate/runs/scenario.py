@@ -17,7 +17,6 @@ from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
 from drivegate.containment.restarting import Restarter
 from drivegate.scenarios.windows import observed_windows
-from drivegate_cases.drive.converter_ranges import converter_ranges
 from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.load import (
     GRAVITY,
@@ -101,19 +100,18 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     given = scenario.sensors
     if isinstance(given, IdealSensors):
         return sensors.ideal_sensors(scenario.drive.machine.phases, dropouts, gains, offsets)
-    chosen = converter_ranges(scenario.drive)
     glitches = np.array([(glitch.time_s, glitch.counts) for glitch in scenario.glitches], np.float64)
     return sensors.real_sensors(
         scenario.drive.machine.phases,
         encoder_lines=given.encoder_lines,
         speed_window=given.speed_window_s,
         clock=given.clock_s,
-        current_range=_stated(given.current_range_a, chosen.current_range_a),
+        current_range=_stated(given.current_range_a),
         current_gain_spread=given.current_gain_spread,
-        current_offset=_stated(given.current_offset_a, chosen.current_offset_a),
-        current_noise=_stated(given.current_noise_a, chosen.current_noise_a),
-        voltage_range=_stated(given.voltage_range_v, chosen.voltage_range_v),
-        voltage_noise=_stated(given.voltage_noise_v, chosen.voltage_noise_v),
+        current_offset=_stated(given.current_offset_a),
+        current_noise=_stated(given.current_noise_a),
+        voltage_range=_stated(given.voltage_range_v),
+        voltage_noise=_stated(given.voltage_noise_v),
         converter_bits=given.converter_bits,
         control_period=scenario.control_period_s,
         initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
@@ -125,8 +123,9 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     )
 
 
-def _stated(value: float | None, otherwise: float) -> float:
-    return otherwise if value is None else value
+def _stated(value: float | None) -> float:
+    assert value is not None, "a scenario's sensors are fitted to its drive"
+    return value
 
 
 def _signal(lost: Dropout) -> int:

@@ -71,7 +71,9 @@ def _sensor_size(sensors: str | Mapping[str, Any]) -> int:
     keys = {"kind": sensors} if isinstance(sensors, str) else sensors
     if keys["kind"] == IDEAL.kind:
         return 0
-    return _PARAMETER + _LOAD * len([key for key, value in keys.items() if getattr(MCS96, key) != value])
+    return _PARAMETER + _LOAD * len(
+        [key for key, value in keys.items() if getattr(MCS96, key) not in (None, value)]
+    )
 
 
 def _digits(number: float) -> int:

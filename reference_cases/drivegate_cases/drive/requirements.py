@@ -62,8 +62,8 @@ class Requirements(Section):
         ge=0.1,
         le=3600.0,
         description="time in which a search has to converge, by default 66 mechanical time constants (inertia times "
-        "base speed over rated torque) or 550 electrical periods at base speed, the longer of both in steps of 1, 2, 5 "
-        "times 6 s and never less than 6 s",
+        "base speed over rated torque) or 550 electrical periods at base speed, the longer of both in steps of "
+        "1, 1.5, 2, 3, 5, 7 times 6 s and never less than 6 s",
     )
     optimum_tolerance_percent: float = Field(
         default=2.0,

@@ -5,7 +5,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from drivegate_cases.documents.document import Document
 from drivegate_cases.documents.packaged import load_named, packaged_names
@@ -14,7 +14,7 @@ from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
 from drivegate_cases.scenario.load import ConstantPowerLoad, Load, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, check_times, value_from, value_until
-from drivegate_cases.scenario.sensors import IDEAL, Sensors
+from drivegate_cases.scenario.sensors import IDEAL, Sensors, fitted, unfitted
 from drivegate_models.contract.outer_loop.signals import Nameplate
 
 LONGEST_CONTROL_PERIOD_S = 0.0005
@@ -98,6 +98,13 @@ class Scenario(Document):
                 return {**values, "initial_speed_rpm": first}
         # The profile itself is refused, and reported, where it has no valid first speed.
         return {**values, "initial_speed_rpm": 0.0}
+
+    @field_validator("sensors")
+    @classmethod
+    def _sensors_fit_the_drive(cls, sensors: Sensors, info: ValidationInfo) -> Sensors:
+        """Take converters chosen for the drive; a drive that is refused is reported by itself."""
+        drive = info.data.get("drive")
+        return sensors if drive is None else fitted(sensors, drive)
 
     @field_validator("restarts_s")
     @classmethod
@@ -204,6 +211,12 @@ class Scenario(Document):
                             f"the key 'speed_rpm' is 0 at {time} s, but must be above 0 wherever a load "
                             "of constant power is drawn"
                         )
+
+    def replaced(self, **changes: Any) -> Self:
+        """Make a scenario that differs in a few keys; on another drive, its converters are chosen anew."""
+        if "drive" in changes:
+            changes.setdefault("sensors", unfitted(self.sensors, self.drive))
+        return super().replaced(**changes)
 
     @property
     def supply_profile(self) -> Profile:

@@ -1,10 +1,13 @@
 """What stands between plant and controller: ideal sensors, or those of the published implementation (Fig. 8)."""
 
+from dataclasses import fields
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
 from drivegate_cases.documents.document import Section
+from drivegate_cases.drive.converter_ranges import ConverterRanges, converter_ranges
+from drivegate_cases.drive.drive_document import DriveDocument
 
 
 class IdealSensors(Section):
@@ -79,3 +82,22 @@ Sensors = Annotated[
 
 IDEAL = IdealSensors(kind="ideal")
 MCS96 = Mcs96Sensors(kind="mcs96")
+_OF_CONVERTERS = tuple(field.name for field in fields(ConverterRanges))
+
+
+def fitted(sensors: Sensors, drive: DriveDocument) -> Sensors:
+    """Take the ranges and errors of the drive's converters where none are stated."""
+    if not isinstance(sensors, Mcs96Sensors):
+        return sensors
+    missing = [key for key in _OF_CONVERTERS if getattr(sensors, key) is None]
+    ranges = converter_ranges(drive)
+    return sensors.model_copy(update={key: getattr(ranges, key) for key in missing})
+
+
+def unfitted(sensors: Sensors, drive: DriveDocument) -> Sensors:
+    """Leave out the ranges and errors that are those of the drive's converters."""
+    if not isinstance(sensors, Mcs96Sensors):
+        return sensors
+    ranges = converter_ranges(drive)
+    own = [key for key in _OF_CONVERTERS if getattr(sensors, key) == getattr(ranges, key)]
+    return sensors.model_copy(update=dict.fromkeys(own))

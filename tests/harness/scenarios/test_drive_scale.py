@@ -53,6 +53,7 @@ def test_the_drive_of_the_paper_has_the_numbers_of_the_paper() -> None:
         gear_unit=1.0,
         drag_area_m2=0.6,
         time_unit_s=1.0,
+        load_ramp_s=0.2,
         settling_s=6.0,
         shortest_window_s=3.0,
         dropout_step_s=0.001,

@@ -39,7 +39,7 @@ def test_the_reference_is_the_cycle_s_speed_through_wheel_and_gear():
     assert highest * RADIANS_PER_RPM * VEHICLE.lever_m * 3.6 == pytest.approx(50.0)
     assert scenario.duration_s == 195.0
     assert scenario.sensors.kind == "ideal"
-    assert cycle_scenario(SHORT, DRIVE, noise_seed=3).sensors == MCS96
+    assert cycle_scenario(SHORT, DRIVE, noise_seed=3).sensors.kind == MCS96.kind
 
 
 def test_the_vehicle_of_the_paper_s_drive_is_a_scooter():

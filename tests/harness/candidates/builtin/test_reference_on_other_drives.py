@@ -1,0 +1,31 @@
+"""The reference converges where its own steps look like another load, and where inertia is small."""
+
+import pytest
+
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.convergence import converges, reaches_optimum
+from drivegate.drives.running import run_scenario
+from drivegate.runs.record import RunRecord
+from drivegate.scenarios.building import steady_scenario, vehicle_scenario
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.scenario import Scenario
+
+FAN, TRACTION, PAPER = map(load_drive, ("fan-3-phase", "traction-7-phase", "paper-5-phase"))
+BARE_ROTOR = PAPER.replaced(name="bare-rotor", inertia_kg_m2=0.2 * PAPER.machine.inertia_kg_m2)
+RUNS = (
+    steady_scenario(FAN, 5550.0, power_share=0.1, constant_power=False),
+    vehicle_scenario(FAN, 6000.0, mass_units=4, gear_units=6, grade_percent=((0.0, 0.0),)),
+    steady_scenario(TRACTION, 3320.0, power_share=0.1, constant_power=False),
+    steady_scenario(BARE_ROTOR, 550.0, power_share=1.0, constant_power=True),
+    steady_scenario(BARE_ROTOR, 1500.0, power_share=0.5, constant_power=False),
+)
+
+
+@pytest.mark.parametrize("scenario", RUNS, ids=lambda scenario: f"{scenario.drive.name}, {scenario.name}")
+def test_the_search_rests_at_the_optimum(scenario: Scenario) -> None:
+    candidate = resolve_candidate("reference")
+    record = RunRecord(scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration)
+    for check in (converges, reaches_optimum):
+        margin = check(record)
+        assert margin is None or margin.advisory or margin.met, margin
