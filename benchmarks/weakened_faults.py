@@ -191,7 +191,8 @@ class WeakenedFault:
         value = self.weakest * (self.strongest / self.weakest) ** severity
         if self.factor is None:
             return replace(mutation, size=value)
-        return replace(mutation, factors=((self.factor, value),))
+        others = tuple(constant for constant in mutation.constants if constant[0] != self.factor)
+        return replace(mutation, factors=((self.factor, value),), constants=others)
 
     def half_width(self, share: float) -> float:
         """Find half the width of a pocket that takes up a share of the cube."""

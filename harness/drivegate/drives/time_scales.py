@@ -78,7 +78,9 @@ def time_scales(drive: RatedDrive, points: Sequence[SpeedPoint]) -> TimeScales:
         current_rise=constants.inductance * constants.current_limit / constants.half_supply_voltage,
         mechanical_at_base=at_base,
         mechanical_at_highest=at_highest,
-        run_up=constants.inertia * (rating.highest_speed**2 - rating.base_speed**2) / (2.0 * rating.power),
+        run_up=constants.inertia
+        * (rating.highest_speed * rating.highest_speed - rating.base_speed * rating.base_speed)
+        / (2.0 * rating.power),
         electrical_frequency=frequency,
         half_cycle=0.5 / frequency,
         drift=SPEED_TOLERANCE_SHARE * at_base,

@@ -46,7 +46,10 @@ def test_json_is_the_result_document(command, engine, tmp_path):
     assert set(document["checks"][0]) >= {
         "id", "level", "verdict", "margin", "runs", "message", "counterexample",
     }  # fmt: skip
-    assert document["drive"] == {**load_drive("paper-5-phase").identity(), "specification": None}
+    paper = load_drive("paper-5-phase")
+    assert document["drive"] == {
+        **paper.identity(), "specification": None, "document": paper.to_mapping()
+    }  # fmt: skip
     stored = json.loads((tmp_path / "drivegate-report" / "result.json").read_text(encoding="utf-8"))
     assert stored == document
 
