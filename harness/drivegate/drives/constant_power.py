@@ -7,11 +7,12 @@ from typing import Final
 
 import numpy as np
 
+from drivegate.drives.bisection import last_met
 from drivegate.drives.rating import RatedDrive
 
 SPEEDS: Final = 41
 """Speeds from the lowest loaded to overspeed at which the greatest power is found."""
-_BISECTIONS: Final = 12
+_HALVINGS: Final = 12
 
 
 @dataclass(frozen=True)
@@ -65,10 +66,4 @@ def greatest_power(drive: RatedDrive, speed: float) -> float:
 
 
 def _edge(drive: RatedDrive, low: float, high: float) -> float:
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        if greatest_power(drive, middle) >= drive.rating.power:
-            low = middle
-        else:
-            high = middle
-    return low
+    return last_met(lambda speed: greatest_power(drive, speed) >= drive.rating.power, low, high, _HALVINGS)
