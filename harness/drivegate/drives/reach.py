@@ -14,6 +14,7 @@ from drivegate.drives.drive_kind import FloatArray
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.drives.rating import RatedDrive, rated_drive
 from drivegate.drives.required_ripple import UnreachableRipple, unreachable_ripple
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.limits import decimal_exponent, time_unit
 from drivegate_models.errors import InputError
@@ -223,7 +224,7 @@ def _rounded(value: float, *, up: bool) -> float:
         return 0.0
     unit = float(f"1e{decimal_exponent(value) - _DIGITS + 1}")
     whole = floor(value / unit * (1.0 + (-_ROUNDING if up else _ROUNDING))) + (1 if up else 0)
-    return float(f"{whole * unit:.{_DIGITS}g}")
+    return significant(whole * unit, _DIGITS)
 
 
 def _rpm(speed: float) -> str:
