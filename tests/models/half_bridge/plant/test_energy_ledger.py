@@ -11,10 +11,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from drivegate_models.half_bridge.plant.drive import Drive, make_drive
-from drivegate_models.half_bridge.plant.phase import COMPLETED
-from drivegate_models.half_bridge.plant.phases import Phases, advance_phases, make_phases, stored_energy
+from drivegate_models.half_bridge.plant.phases import Phases, advance_phases, make_phases
 from drivegate_models.machine import ledger
+from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.machine.emf import trapezoid_corners
+from drivegate_models.machine.ledger import stored_energy
 
 CLOSURE = 1e-9
 """Greatest part of the throughput that may be missing."""

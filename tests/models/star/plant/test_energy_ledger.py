@@ -11,7 +11,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from drivegate_models.machine import ledger
+from drivegate_models.machine.advance_status import COMPLETED, TOO_MANY_EVENTS
 from drivegate_models.machine.emf import trapezoid_corners
+from drivegate_models.machine.ledger import stored_energy
 from drivegate_models.star.plant.drive import (
     EVERY_HALF,
     ON_PWM,
@@ -20,13 +22,7 @@ from drivegate_models.star.plant.drive import (
     StarDrive,
     make_star_drive,
 )
-from drivegate_models.star.plant.phases import (
-    COMPLETED,
-    TOO_MANY_EVENTS,
-    advance_phases,
-    make_phases,
-    stored_energy,
-)
+from drivegate_models.star.plant.phases import advance_phases, make_phases
 
 CLOSURE = 1e-9
 """Greatest part of the throughput that may be missing."""
