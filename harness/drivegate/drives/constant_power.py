@@ -7,11 +7,12 @@ from typing import Final
 
 import numpy as np
 
+from drivegate.drives.bisection import last_met
 from drivegate.drives.rating import RatedDrive
 
 SPEEDS: Final = 41
 """Speeds from the lowest loaded to overspeed at which the greatest power is found."""
-_BISECTIONS: Final = 12
+_HALVINGS: Final = 12
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ def constant_power(drive: RatedDrive) -> ConstantPower:
     """
     rating = drive.rating
     speeds = [float(speed) for speed in np.linspace(rating.lowest_speed, rating.overspeed, SPEEDS)]
-    powers = [greatest_power(drive, speed) for speed in speeds]
+    powers = [greatest_shaft_power(drive, speed) for speed in speeds]
     missing = next((place for place, power in enumerate(powers) if not power >= rating.power), None)
     if missing is None:
         reached: float | None = rating.overspeed
@@ -58,17 +59,17 @@ def constant_power(drive: RatedDrive) -> ConstantPower:
     return ConstantPower(tuple(speeds), tuple(powers), reached)
 
 
-def greatest_power(drive: RatedDrive, speed: float) -> float:
-    """Find the greatest power at the shaft, after what it loses on the way, at the current limit and a speed (W)."""
+def greatest_shaft_power(drive: RatedDrive, speed: float) -> float:
+    """Find the greatest power at the shaft, after friction, at the current limit and a speed (W).
+
+    The envelope's `greatest_power_w` is before friction: the electromagnetic torque times the speed. The core loss's
+    drag is taken off neither.
+    """
     greatest = drive.oracle.greatest_torque_at_limit(drive.constants, speed).torque
     return float((greatest - drive.demanded_torque(speed)) * speed + drive.rating.power)
 
 
 def _edge(drive: RatedDrive, low: float, high: float) -> float:
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        if greatest_power(drive, middle) >= drive.rating.power:
-            low = middle
-        else:
-            high = middle
-    return low
+    return last_met(
+        lambda speed: greatest_shaft_power(drive, speed) >= drive.rating.power, low, high, _HALVINGS
+    )

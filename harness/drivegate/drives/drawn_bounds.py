@@ -8,6 +8,8 @@ from random import Random
 from types import MappingProxyType
 from typing import Final
 
+from drivegate_cases.documents.rounding import significant
+
 DIGITS: Final = 3
 """Digits that a drawn value is rounded to, so that its file reads well."""
 
@@ -56,7 +58,7 @@ class Bound:
 
 def rounded(value: float) -> float:
     """Round a drawn value, or what follows from drawn values."""
-    return float(f"{value:.{DIGITS}g}")
+    return significant(value, DIGITS)
 
 
 SINES: Final = 0.25

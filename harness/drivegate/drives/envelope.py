@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from drivegate.drives.bisection import last_met
 from drivegate.drives.rating import RatedDrive, Rating
 from drivegate.drives.required_ripple import ideal_ripple
 
@@ -22,7 +23,7 @@ CONSTANT_POWER: Final = 20
 BEYOND: Final = 10
 """Speeds from there to overspeed."""
 _FEW: Final = (2, 4, *range(6, 25, 2), 29, 34)
-_BISECTIONS: Final = 12
+_HALVINGS: Final = 12
 
 
 @dataclass(frozen=True)
@@ -98,18 +99,10 @@ def speed_without_advance(drive: RatedDrive) -> float | None:
     low: float | None = None
     for speed in speeds_of(drive.rating)[:BELOW_BASE]:
         if not _needs_no_advance(drive, speed):
-            return None if low is None else _located(drive, low, speed)
+            if low is None:
+                return None
+            return last_met(lambda tried: _needs_no_advance(drive, tried), low, speed, _HALVINGS)
         low = speed
-    return low
-
-
-def _located(drive: RatedDrive, low: float, high: float) -> float:
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        if _needs_no_advance(drive, middle):
-            low = middle
-        else:
-            high = middle
     return low
 
 

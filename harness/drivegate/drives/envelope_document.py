@@ -98,6 +98,7 @@ def _point(point: SpeedPoint) -> dict[str, float]:
         "rated_torque_nm": point.rated_torque,
         "greatest_torque_nm": point.greatest_torque,
         "greatest_torque_deg": degrees(point.greatest_torque_advance),
+        # Before friction; what is left of it at the shaft is `constant_power.greatest_shaft_power`.
         "greatest_power_w": point.greatest_torque * point.speed,
         "torque_without_advance_nm": point.torque_without_advance,
         "edge_deg": degrees(point.edge),

@@ -9,10 +9,12 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.drives.bisection import last_met
 from drivegate.drives.drive_kind import FloatArray
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.drives.rating import RatedDrive, rated_drive
 from drivegate.drives.required_ripple import UnreachableRipple, unreachable_ripple
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.limits import decimal_exponent, time_unit
 from drivegate_models.errors import InputError
@@ -25,7 +27,7 @@ LONGEST_TIME_UNIT_S: Final = 600.0
 _DIGITS: Final = 3
 _ROUNDING: Final = 1e-9
 _MORE_CURRENT: Final = (1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0)
-_STEPS: Final = 8
+_HALVINGS: Final = 8
 _KILO: Final = 1000.0
 _LARGE_TORQUE: Final = 10.0
 
@@ -211,14 +213,9 @@ def _sufficient_limit(drive: RatedDrive) -> float | None:
         low = high
     else:
         return None
-    for _ in range(_STEPS):
-        middle = 0.5 * (low + high)
-        if rating_is_met(drive.limited_to(middle)):
-            high = middle
-        else:
-            low = middle
-    rounded = _rounded(high, up=True)
-    return rounded if rating_is_met(drive.limited_to(rounded)) else high
+    least = last_met(lambda tried: rating_is_met(drive.limited_to(tried)), high, low, _HALVINGS)
+    rounded = _rounded(least, up=True)
+    return rounded if rating_is_met(drive.limited_to(rounded)) else least
 
 
 def _rounded(value: float, *, up: bool) -> float:
@@ -227,7 +224,7 @@ def _rounded(value: float, *, up: bool) -> float:
         return 0.0
     unit = float(f"1e{decimal_exponent(value) - _DIGITS + 1}")
     whole = floor(value / unit * (1.0 + (-_ROUNDING if up else _ROUNDING))) + (1 if up else 0)
-    return float(f"{whole * unit:.{_DIGITS}g}")
+    return significant(whole * unit, _DIGITS)
 
 
 def _rpm(speed: float) -> str:

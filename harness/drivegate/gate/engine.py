@@ -17,7 +17,6 @@ from drivegate.checks.margin import Margin
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.pool import WorkerPool
 from drivegate.drives.choice import drive_for
-from drivegate.drives.envelope_document import envelope_of
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.gate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
 from drivegate.gate.focus import WHOLE, Focus
@@ -276,7 +275,6 @@ def _result(
         fail_on=fail_on,
         traces=traces,
         focus=progress.focus.document(stopped=progress.stopped),
-        envelope=envelope_of(drive),
     )
 
 

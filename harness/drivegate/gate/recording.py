@@ -15,6 +15,7 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.running import recorded
 from drivegate.results.result import CheckOutcome, Recording
 from drivegate_cases.documents.document import parse_document
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.scenario.scenario import Scenario
 
 MOST_POINTS: Final = 300
@@ -119,7 +120,7 @@ def thinned(trace: NDArray[Any]) -> dict[str, list[float]]:
         if name == "half_supply_v" and np.ptp(values) == 0.0:
             continue
         means = np.add.reduceat(values, begins) / counts
-        columns[name] = [float(f"{mean:.{_DIGITS}g}") for mean in means]
+        columns[name] = [significant(mean, _DIGITS) for mean in means]
     return columns
 
 

@@ -10,22 +10,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.gate.recording import thinned
+from drivegate.gate.recording import COLUMNS, thinned
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 
-_NEEDED: Final = (
-    "time_s",
-    "speed_reference_rpm",
-    "speed_rpm",
-    "current_sum_a",
-    "current_reference_a",
-    "advance_deg",
-    "torque_nm",
-    "load_torque_nm",
-)
+# Nothing is told of the supply.
+_NEEDED: Final = tuple(name for name in COLUMNS if name != "half_supply_v")
 _MOST_POINTS: Final = 5_000
 _GREATEST: Final = 1e9
 

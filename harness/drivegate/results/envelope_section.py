@@ -58,7 +58,7 @@ class SpeedPointSection(Section):
     rated_torque_nm: Finite = Field(description="torque of rated power, constant below base speed")
     greatest_torque_nm: Finite = Field(description="greatest torque at the current limit over all angles")
     greatest_torque_deg: Finite = Field(description="the angle that gives it")
-    greatest_power_w: Finite = Field(description="its power")
+    greatest_power_w: Finite = Field(description="its power, before friction takes its part")
     torque_without_advance_nm: Finite = Field(description="torque at the current limit and 0°")
     edge_deg: Number = Field(description="smallest angle for rated torque")
     advance_deg: Number = Field(description="angle that gives it with the least Σ|i|")

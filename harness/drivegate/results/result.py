@@ -215,8 +215,6 @@ class CheckResult:
         ended with the first failure; None for a whole check.
     drive_named : str or None
         The string that named the drive; None where the candidate's manifest or nothing did.
-    envelope : dict or None
-        What the drive can do; None where nobody computed it.
     """
 
     candidate: Candidate
@@ -238,10 +236,12 @@ class CheckResult:
     traces: tuple[dict[str, list[float]], ...] = ()
     focus: dict[str, Any] | None = None
     drive_named: str | None = None
-    envelope: dict[str, Any] | None = None
 
     def document(self) -> dict[str, Any]:
-        """Write the result as plain data."""
+        """Write the result as plain data, with what its drive can do."""
+        # It brings the compiler, which reading results does not need.
+        from drivegate.drives.envelope_document import envelope_of
+
         candidate = self.candidate
         content: dict[str, Any] = {
             "schema": RESULT_SCHEMA,
@@ -258,7 +258,7 @@ class CheckResult:
                 "specification": self.drive_named,
                 "document": self.drive.to_mapping(),
             },
-            "envelope": self.envelope,
+            "envelope": envelope_of(self.drive),
             "verdict": self.verdict,
             "exit_code": self.exit_code,
             "seed": self.seed,

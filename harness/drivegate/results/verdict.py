@@ -20,6 +20,7 @@ from drivegate.results.result import (
     CheckOutcome,
     counted_levels,
 )
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.documents.wording import counted
 from drivegate_cases.drive.drive_document import DriveDocument
 
@@ -87,7 +88,7 @@ def _outcome(
 
 def _spread(margins: Sequence[float]) -> tuple[float, ...]:
     """Order margins, and of very many take a part that keeps the least and the greatest."""
-    ordered = sorted(float(f"{margin:.{_DIGITS}g}") for margin in margins)
+    ordered = sorted(significant(margin, _DIGITS) for margin in margins)
     if len(ordered) <= MOST_MARGINS:
         return tuple(ordered)
     step = (len(ordered) - 1) / (MOST_MARGINS - 1)

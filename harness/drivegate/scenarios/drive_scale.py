@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import Any, Final
 
 from drivegate_cases.documents.document import parse_document
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of, mechanical_time, nearest_step, time_unit
 from drivegate_models.units import RADIANS_PER_RPM
@@ -193,13 +194,13 @@ def scale_of(drive: DriveDocument) -> DriveScale:
         speed_step_rpm=nearest_step(0.02 * base),
         rated_torque_nm=torque,
         torque_step_nm=nearest_step(0.0035 * torque),
-        standstill_torque_nm=two_digits(0.42 * torque),
+        standstill_torque_nm=significant(0.42 * torque, 2),
         offset_step_a=nearest_step(0.00077 * rating.current_limit_a),
         supply_step_v=nearest_step(0.0021 * drive.inverter.supply_voltage_v),
-        current_sum_a=two_digits(0.31 * drive.machine.phases * rating.current_limit_a),
-        mass_unit_kg=two_digits(power / 30.0),
-        gear_unit=two_digits(highest / 1500.0),
-        drag_area_m2=two_digits(power / 2500.0),
+        current_sum_a=significant(0.31 * drive.machine.phases * rating.current_limit_a, 2),
+        mass_unit_kg=significant(power / 30.0, 2),
+        gear_unit=significant(highest / 1500.0, 2),
+        drag_area_m2=significant(power / 2500.0, 2),
         time_unit_s=unit,
         load_ramp_s=max(0.2 * unit, nearest_step(_load_ramp(drive))),
         settling_s=limits_of(drive).settling_s,
@@ -231,11 +232,6 @@ def _scale_of_text(text: str) -> DriveScale:
 def tidy(value: float) -> float:
     """Take off what binary fractions add to sums of decimal ones."""
     return round(value, 9)
-
-
-def two_digits(value: float) -> float:
-    """Round to two significant digits."""
-    return float(f"{value:.2g}")
 
 
 def whole_tenths(time_s: float) -> float:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import Any, Final
 
 from drivegate_models.half_bridge.plant.drive import Drive, drifted
-from drivegate_models.half_bridge.plant.phases import advance_phases, make_phases, stored_energy, torque_range
+from drivegate_models.half_bridge.plant.phases import advance_phases, make_phases
 from drivegate_models.loop import closed_loop
 from drivegate_models.loop.closed_loop import Plant, PreparedLoop, plant_of
 from drivegate_models.loop.loop_kernel import PlantKernels
 from drivegate_models.loop.schedule import Schedule
+from drivegate_models.machine.ledger import stored_energy
 from drivegate_models.machine.load import Load
+from drivegate_models.machine.torque import torque_range
 
 PLANT: Final[Plant] = plant_of(
     PlantKernels(

@@ -51,7 +51,7 @@ class PlantKernels:
         both of shape (m,), `rows` and `row_counts`, where the segments of an advance are kept.
     advance_phases : callable
         ``(drive, phases, angle, speed, upper, lower, reference, advance, duration, totals)`` advances them in SI
-        units and returns 0.
+        units and returns `machine.advance_status.COMPLETED`, or another status of it.
     stored_energy : callable
         ``(drive, currents)`` gives the energy in the windings (J).
     drifted : callable

@@ -8,12 +8,12 @@ Every entry is a sum over the phases of an integral over time. What the entries 
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined
+from drivegate_models.compilation.kernels import inlined, kernel
 
 MAGNITUDE: Final = 0
 """Integral of the magnitudes of the phase currents (A s)."""
@@ -75,3 +75,25 @@ def add_period(totals: NDArray[np.float64], period: NDArray[np.float64]) -> None
     for entry in range(ENTRIES):
         totals[entry] += period[entry]
     totals[PEAK] = peak
+
+
+@kernel
+def stored_energy(drive: Any, currents: NDArray[np.float64]) -> float:
+    """Return the energy in the windings, ``sum L i**2 / 2`` (J).
+
+    Parameters
+    ----------
+    drive : named tuple
+        The drive's constants, of any kind of drive; `inductance` (H) is taken.
+    currents : ndarray, shape (m,)
+        Phase currents (A).
+
+    Returns
+    -------
+    float
+        Stored energy (J).
+    """
+    total = 0.0
+    for current in currents:
+        total += current * current
+    return float(0.5 * drive.inductance * total)

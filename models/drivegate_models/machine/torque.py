@@ -6,6 +6,8 @@ third derivative has one zero at most. Nested isolation from there up finds ever
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -181,3 +183,44 @@ def torque_extremes(
             low, high = _interval_extremes((c0, c1, d0, d1, q0, q1), rate, until - time, low, high)
         time = until
     return low * emf_constant, high * emf_constant
+
+
+@inlined
+def torque_range(
+    drive: Any,
+    phases: Any,
+    positions: NDArray[np.int64],
+    duration: float,
+    lowest: float,
+    highest: float,
+) -> tuple[float, float]:
+    """Widen a range by the torque of all phases over the last advance.
+
+    Parameters
+    ----------
+    drive : named tuple
+        The drive's constants, of any kind of drive; `emf_constant`, `resistance` and `inductance` are taken.
+    phases : named tuple
+        Holds the segments of that advance, in `rows` and `row_counts`; see `torque_extremes`.
+    positions : ndarray of int64, shape (m,)
+        Room for the computation.
+    duration : float
+        Length of the advance (s).
+    lowest, highest : float
+        Range so far (N m); start with inf and -inf.
+
+    Returns
+    -------
+    lowest, highest : float
+        Range including the advance (N m).
+    """
+    return torque_extremes(
+        phases.rows,
+        phases.row_counts,
+        positions,
+        drive.emf_constant,
+        drive.resistance / drive.inductance,
+        duration,
+        lowest,
+        highest,
+    )

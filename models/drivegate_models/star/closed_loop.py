@@ -8,9 +8,11 @@ from drivegate_models.loop import closed_loop
 from drivegate_models.loop.closed_loop import Plant, PreparedLoop, plant_of
 from drivegate_models.loop.loop_kernel import PlantKernels
 from drivegate_models.loop.schedule import Schedule
+from drivegate_models.machine.ledger import stored_energy
 from drivegate_models.machine.load import Load
+from drivegate_models.machine.torque import torque_range
 from drivegate_models.star.plant.drive import StarDrive, drifted
-from drivegate_models.star.plant.phases import advance_phases, make_phases, stored_energy, torque_range
+from drivegate_models.star.plant.phases import advance_phases, make_phases
 
 PLANT: Final[Plant] = plant_of(
     PlantKernels(

@@ -72,8 +72,6 @@ def make_phases(drive: AnyDrive, longest_advance: float = 0.0) -> Any:
 
 advance_phases: Final = _of_any_drive("advance_phases")
 """Advance all phases exactly."""
-torque_range: Final = _of_any_drive("torque_range")
-"""Widen a range by the torque over the last advance."""
 periodic_start: Final = _of_any_drive("periodic_start")
 """Find the periodic state and leave it, at the first phase's window start."""
 torque_period: Final = _of_any_drive("torque_period")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.kernels import kernel
 from drivegate_models.machine import ledger
 from drivegate_models.machine.period import APERIODIC, PERIODIC
+from drivegate_models.machine.torque import torque_range
 from drivegate_models.steady.plant import (
     AnyDrive,
     AnyPhases,
@@ -22,7 +23,6 @@ from drivegate_models.steady.plant import (
     make_phases,
     periodic_start,
     torque_period,
-    torque_range,
 )
 
 AVERAGED_CYCLES: int = 32

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import nearest_step
 
@@ -39,13 +40,9 @@ def converter_ranges(drive: DriveDocument) -> ConverterRanges:
     """Choose the converters for a drive."""
     limit, supply = drive.rating.current_limit_a, drive.inverter.supply_voltage_v
     return ConverterRanges(
-        current_range_a=_two_digits(_CURRENT_RANGE * limit),
+        current_range_a=significant(_CURRENT_RANGE * limit, 2),
         current_offset_a=nearest_step(_CURRENT_OFFSET * limit),
         current_noise_a=nearest_step(_CURRENT_NOISE * limit),
-        voltage_range_v=_two_digits(_VOLTAGE_RANGE * supply),
+        voltage_range_v=significant(_VOLTAGE_RANGE * supply, 2),
         voltage_noise_v=nearest_step(_VOLTAGE_NOISE * supply),
     )
-
-
-def _two_digits(value: float) -> float:
-    return float(f"{value:.2g}")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.requirements import RequiredPoint
 from drivegate_models.units import RADIANS_PER_RPM
@@ -139,4 +140,4 @@ def decimal_exponent(value: float) -> int:
 def rounded(value: float, digits: int) -> float:
     """Round to decimals, or to as many significant digits where that would lose what there is."""
     few = round(value, digits)
-    return few if abs(few) >= float(f"1e{2 - digits}") else float(f"{value:.{digits}g}")
+    return few if abs(few) >= float(f"1e{2 - digits}") else significant(value, digits)

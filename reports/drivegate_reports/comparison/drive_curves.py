@@ -53,9 +53,9 @@ def drive_figures(document: Mapping[str, Any]) -> tuple[PageFigure, ...]:
             ),
             placed_figure(
                 "greatest-power",
-                "Greatest power at the current limit",
+                "Greatest shaft power at the current limit",
                 lambda: draw_greatest_power(document),
-                "Greatest power of each drive over speed, per unit of rated power, up to overspeed. "
+                "Greatest shaft power of each drive over speed, per unit of rated power, up to overspeed. "
                 + " ".join(
                     f"{name(row['drive'])}: rated power up to {written(row['constant_power_up_to_pu'], 2)} pu."
                     for row in document["tables"]["drives"]
@@ -159,7 +159,7 @@ def draw_greatest_power(document: Mapping[str, Any]) -> Figure:
         height = 0.9 * (1.0 - (place + 0.5) / len(lines))
         axis.plot(held, [height] * len(held), **{**style, "linestyle": "none"}, zorder=3)
     axis.set_xlabel(_SPEED)
-    axis.set_ylabel("greatest power (pu)")
+    axis.set_ylabel("greatest shaft power (pu)")
     axis.set_ylim(bottom=0.0)
     _legend(figure, document)
     return figure

@@ -12,6 +12,7 @@ import numpy as np
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.drives.running import run_scenario
 from drivegate_cases.documents.document import parse_document
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.publication.facts import Fact, Quantity
 from drivegate_cases.scenario.operating_point import load_operating_point
 from drivegate_cases.scenario.scenario import Scenario
@@ -210,5 +211,5 @@ def _with_unit(value: float, unit: str) -> str:
 
 
 def _difference(value: float, unit: str) -> str:
-    text = _with_unit(float(f"{value:.2g}"), unit)
+    text = _with_unit(significant(value, 2), unit)
     return f"+{text}" if value > 0.0 else text.replace("-", "−")

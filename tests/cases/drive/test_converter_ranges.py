@@ -3,7 +3,7 @@
 import pytest
 
 from drivegate_cases.drive.converter_ranges import ConverterRanges, converter_ranges
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_cases.scenario.sensors import Mcs96Sensors
 
@@ -27,7 +27,7 @@ def test_the_drive_of_the_paper_has_the_published_converters() -> None:
 
 
 @pytest.mark.parametrize("drive", [PAPER, TRACTION, load_drive("fan-3-phase")], ids=lambda drive: drive.name)
-def test_converters_show_what_the_drive_can_have(drive) -> None:  # type: ignore[no-untyped-def]
+def test_converters_show_what_the_drive_can_have(drive: DriveDocument) -> None:
     ranges = converter_ranges(drive)
     assert 1.3 * drive.rating.current_limit_a < ranges.current_range_a < 2.0 * drive.rating.current_limit_a
     supply = drive.inverter.supply_voltage_v

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegate.drives.constant_power import constant_power, greatest_power
+from drivegate.drives.constant_power import constant_power, greatest_shaft_power
 from drivegate.drives.rating import rated_drive
 from drivegate_cases.drive.drive_document import load_drive
 
@@ -23,8 +23,8 @@ def test_where_power_runs_out_lies_between_a_speed_that_gives_it_and_one_that_do
     found = constant_power(drive)
     assert found.reached is not None
     assert drive.rating.lowest_speed < found.reached < drive.rating.overspeed
-    assert greatest_power(drive, found.reached) >= drive.rating.power
-    assert greatest_power(drive, 1.001 * found.reached) < drive.rating.power
+    assert greatest_shaft_power(drive, found.reached) >= drive.rating.power
+    assert greatest_shaft_power(drive, 1.001 * found.reached) < drive.rating.power
 
 
 def test_a_drive_too_weak_from_the_start_has_no_range():

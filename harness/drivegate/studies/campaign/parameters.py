@@ -7,6 +7,7 @@ from typing import Any
 
 from drivegate.scenarios.parameters import DRIVE_KEYS, SCALES, SPEED
 from drivegate.studies.campaign.file import NormalSpread, Spread
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
@@ -25,7 +26,7 @@ def drawn(spread: Spread, share: float) -> float:
         value = spread.mean + spread.sigma * float(ndtri(low + share * (high - low)))
     else:
         value = spread.lowest + share * (spread.highest - spread.lowest)
-    return min(max(float(f"{value:.{_DIGITS}g}"), spread.lowest), spread.highest)
+    return min(max(significant(value, _DIGITS), spread.lowest), spread.highest)
 
 
 def with_parameters(case: Scenario, parameters: Mapping[str, float], *, name: str, seed: int) -> Scenario:

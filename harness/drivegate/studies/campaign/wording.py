@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from drivegate_cases.documents.rounding import significant
+
 
 def probability_text(value: float | None) -> str:
     """Write a probability with three digits and never in powers of ten."""
-    return "–" if value is None else np.format_float_positional(float(f"{value:.3g}"), trim="-")
+    return "–" if value is None else np.format_float_positional(significant(value, 3), trim="-")
 
 
 def interval_text(stated: Mapping[str, Any]) -> str:

@@ -14,7 +14,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from drivegate.scenarios.drive_scale import scale_of, tidy, two_digits
+from drivegate.scenarios.drive_scale import scale_of, tidy
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.drive_cycle import DriveCycle
 from drivegate_cases.scenario.load import GRAVITY, VehicleLoad
@@ -59,10 +60,10 @@ def cycle_vehicle(drive: DriveDocument) -> VehicleLoad:
         mass_kg=tidy(_MASS_UNITS * scale.mass_unit_kg),
         wheel_radius_m=0.25,
         gear_ratio=min(
-            tidy(_GEAR_UNITS * scale.gear_unit), two_digits(scale.overspeed_rpm / _OVERSPEED_RPM_PER_GEAR)
+            tidy(_GEAR_UNITS * scale.gear_unit), significant(scale.overspeed_rpm / _OVERSPEED_RPM_PER_GEAR, 2)
         ),
         rolling_resistance=0.010,
-        drag_area_m2=two_digits(_DRAG_AREA_M2_PER_W * drive.rating.rated_power_w),
+        drag_area_m2=significant(_DRAG_AREA_M2_PER_W * drive.rating.rated_power_w, 2),
     )
 
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
-from typing import Any, Final
+from typing import Final
 
 from drivegate.drives.constant_power import ConstantPower
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.per_unit import Bases, bases_of
 from drivegate.studies.compare.plan import EFFORTS, PlannedRun, operating_speed
 from drivegate.studies.compare.ranking import Row, status_of
+from drivegate.studies.compare.statistics import mean_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_models.units import RADIANS_PER_RPM
@@ -62,7 +62,7 @@ def _drive_row(label: str, drive: DriveDocument, power: ConstantPower) -> Row:
 def power_rows(
     labels: Sequence[str], drives: Sequence[DriveDocument], ranges: Sequence[ConstantPower]
 ) -> list[Row]:
-    """List the greatest power of each drive over speed, whatever the controller."""
+    """List the greatest power of each drive at the shaft over speed, whatever the controller."""
     rows: list[Row] = []
     for label, drive, found in zip(labels, drives, ranges, strict=True):
         bases = bases_of(drive)
@@ -175,7 +175,7 @@ def _summary_row(
     compared = made.all_compared[place]
     over = [row for row in points if _place(row) in shared]
     full = [row for row in points if row["load_percent"] == _FULL_PERCENT]
-    shaft, power = (_mean(row[key] for row in over) for key in ("shaft_power_w", "input_power_w"))
+    shaft, power = (mean_of(row[key] for row in over) for key in ("shaft_power_w", "input_power_w"))
     failed = None
     if compared.outcomes is not None:
         failed = sum(made.level == "required" and made.verdict == "fail" for made in compared.outcomes)
@@ -187,7 +187,7 @@ def _summary_row(
         "points_held": sum(row["held"] for row in points),
         "points": len(points),
         "points_shared": len(over),
-        **{key: _mean(row[key] for row in over) for key in _MEANS},
+        **{key: mean_of(row[key] for row in over) for key in _MEANS},
         "efficiency_percent": 100.0 * shaft / power if shaft is not None and power else None,
         "ripple_full_load_percent": max(
             (row["ripple_percent"] for row in over if row["load_percent"] == _FULL_PERCENT), default=None
@@ -207,8 +207,3 @@ def _held_up_to(full: Sequence[Row]) -> Row:
             "rated_power_held_up_to_pu": row["speed_pu"],
         }
     return reached
-
-
-def _mean(values: Iterable[Any]) -> float | None:
-    known = list(values)
-    return math.fsum(known) / len(known) if known else None

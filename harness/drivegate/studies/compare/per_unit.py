@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Final
 
+from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
-from drivegate_models.units import RADIANS_PER_RPM
 
 BASES_IN_WORDS: Final = (
     "Per unit (pu): speed over base speed, torque over that of rated power at base speed, Σ|i| over phases times "
@@ -49,7 +49,7 @@ def bases_of(drive: DriveDocument) -> Bases:
     rating = drive.rating
     return Bases(
         speed_rpm=rating.base_speed_rpm,
-        torque_nm=rating.rated_power_w / (rating.base_speed_rpm * RADIANS_PER_RPM),
+        torque_nm=scale_of(drive).rated_torque_nm,
         current_sum_a=drive.machine.phases * rating.current_limit_a,
         power_w=rating.rated_power_w,
     )

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from drivegate.scenarios.drive_scale import DriveScale
 from drivegate.studies.compare.engine import Compared
-from drivegate.studies.compare.statistics import LEAST_EFFECT
+from drivegate.studies.compare.statistics import LEAST_EFFECT, mean_of
 
 Row = dict[str, Any]
 
@@ -75,7 +75,7 @@ def _placed(standings: list[Row], held: dict[str, dict[Place, Row]]) -> list[Row
     for _, equals in sorted(by_merit.items()):
         common = set.intersection(*(set(held[row["candidate"]]) for row in equals))
         watts = {
-            row["candidate"]: _mean(held[row["candidate"]][place]["input_power_w"] for place in common)
+            row["candidate"]: mean_of(held[row["candidate"]][place]["input_power_w"] for place in common)
             for row in equals
         }
         equals.sort(key=lambda row: watts[row["candidate"]] or 0.0)
@@ -105,10 +105,10 @@ def _standing(compared: Compared, points: Sequence[Row], held: dict[Place, Row])
         "failed_checks": "" if failed is None else " ".join(failed),
         "points_held": len(held),
         "points_feasible": sum(row["feasible"] for row in own),
-        "gap_power_w": _mean(_known(held.values(), "gap_power_w")),
-        "gap_current_percent": _mean(_known(held.values(), "gap_current_percent")),
+        "gap_power_w": mean_of(_known(held.values(), "gap_power_w")),
+        "gap_current_percent": mean_of(_known(held.values(), "gap_current_percent")),
         "ripple_worst_percent": max((row["ripple_percent"] for row in held.values()), default=None),
-        "converged_after_s": _mean(_known(held.values(), "converged_after_s")),
+        "converged_after_s": mean_of(_known(held.values(), "converged_after_s")),
     }
 
 
@@ -116,9 +116,11 @@ def _against(row: Row, best: Row, held: dict[str, dict[Place, Row]]) -> Row:
     """Compare a candidate with the best over the points that both hold."""
     own, others = held[row["candidate"]], held[best["candidate"]]
     both = sorted(set(own) & set(others))
-    watts, amperes = (_mean(own[place][key] for place in both) for key in ("input_power_w", "current_sum_a"))
+    watts, amperes = (
+        mean_of(own[place][key] for place in both) for key in ("input_power_w", "current_sum_a")
+    )
     best_watts, best_amperes = (
-        _mean(others[place][key] for place in both) for key in ("input_power_w", "current_sum_a")
+        mean_of(others[place][key] for place in both) for key in ("input_power_w", "current_sum_a")
     )
     return {
         "points_shared": len(both),
@@ -135,11 +137,6 @@ def _place(row: Row) -> Place:
 
 def _known(rows: Iterable[Row], key: str) -> list[float]:
     return [row[key] for row in rows if row[key] is not None]
-
-
-def _mean(values: Iterable[float]) -> float | None:
-    known = list(values)
-    return math.fsum(known) / len(known) if known else None
 
 
 def region_rows(all_compared: Sequence[Compared], points: Sequence[Row], scale: DriveScale) -> list[Row]:
@@ -160,7 +157,7 @@ def _region(name: str, runs: dict[str, list[Row]]) -> list[Row]:
     for label, own in runs.items():
         held = [row for row in own if row["held"]]
         whole = bool(own) and len(held) == len(own)
-        means = {key: _mean(row[key] for row in held) if whole else None for key in _MEANS}
+        means = {key: mean_of(row[key] for row in held) if whole else None for key in _MEANS}
         counts = {"points": len(own), "points_held": len(held)}
         rows.append({"region": name, "candidate": label, **counts, **means})
     for key, above in _MEANS.items():

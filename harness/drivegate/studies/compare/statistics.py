@@ -1,9 +1,9 @@
-"""Whether two candidates really differ: intervals of the mean of paired differences."""
+"""Means over runs, and whether two candidates really differ: intervals of the mean of paired differences."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -47,6 +47,12 @@ class PairedDifference:
     high: float | None
     relative_percent: float | None
     verdict: str
+
+
+def mean_of(values: Iterable[float]) -> float | None:
+    """Give the mean of values; None where there are none."""
+    known = list(values)
+    return math.fsum(known) / len(known) if known else None
 
 
 def paired_difference(

@@ -21,13 +21,10 @@ from drivegate_models.half_bridge.plant.leg import ideal_latch
 from drivegate_models.half_bridge.plant.modes import not_sliding, slide
 from drivegate_models.half_bridge.plant.stretch import Demand, Motion, Stretch, Sums, Winding, no_sums
 from drivegate_models.machine import ledger
+from drivegate_models.machine.advance_status import COMPLETED, TOO_MANY_EVENTS
 from drivegate_models.machine.cycle import next_shape, next_window, shape_at, window_at, wrapped
 from drivegate_models.machine.winding_current import LONGEST
 
-COMPLETED = 0
-"""Status: the advance reached its end."""
-TOO_MANY_EVENTS = 1
-"""Status: the phase switched more often than the limit allows (a harness fault, never a candidate's)."""
 EVENT_LIMIT = 200_000
 """Greatest number of events of one phase in one advance."""
 

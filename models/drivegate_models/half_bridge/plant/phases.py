@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined, kernel
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.plant.phase import COMPLETED, advance_phase
+from drivegate_models.half_bridge.plant.phase import advance_phase
 from drivegate_models.machine import ledger, segments
-from drivegate_models.machine.torque import torque_extremes
+from drivegate_models.machine.advance_status import COMPLETED
 
 
 class Phases(NamedTuple):
@@ -105,7 +105,7 @@ def advance_phases(
     Returns
     -------
     int
-        `drivegate_models.half_bridge.plant.phase.COMPLETED` or another status of it.
+        A status of `drivegate_models.machine.advance_status`.
     """
     status = COMPLETED
     # Once for all phases: every look at an array in a tuple counts a reference.
@@ -145,66 +145,3 @@ def advance_phases(
         if outcome != COMPLETED:
             status = outcome
     return status
-
-
-@inlined
-def torque_range(
-    drive: Drive,
-    phases: Phases,
-    positions: NDArray[np.int64],
-    duration: float,
-    lowest: float,
-    highest: float,
-) -> tuple[float, float]:
-    """Widen a range by the torque of all phases over the last advance.
-
-    Parameters
-    ----------
-    drive : Drive
-        The drive's constants.
-    phases : Phases
-        Holds the segments of that advance.
-    positions : ndarray of int64, shape (m,)
-        Room for the computation.
-    duration : float
-        Length of the advance (s).
-    lowest, highest : float
-        Range so far (N m); start with inf and -inf.
-
-    Returns
-    -------
-    lowest, highest : float
-        Range including the advance (N m).
-    """
-    return torque_extremes(
-        phases.rows,
-        phases.row_counts,
-        positions,
-        drive.emf_constant,
-        drive.resistance / drive.inductance,
-        duration,
-        lowest,
-        highest,
-    )
-
-
-@kernel
-def stored_energy(drive: Drive, currents: NDArray[np.float64]) -> float:
-    """Return the energy in the windings, ``sum L i**2 / 2`` (J).
-
-    Parameters
-    ----------
-    drive : Drive
-        The drive's constants.
-    currents : ndarray, shape (m,)
-        Phase currents (A).
-
-    Returns
-    -------
-    float
-        Stored energy (J).
-    """
-    total = 0.0
-    for current in currents:
-        total += current * current
-    return 0.5 * drive.inductance * total

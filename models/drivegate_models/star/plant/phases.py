@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined, kernel, unallocating
+from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.machine import ledger, segments
+from drivegate_models.machine.advance_status import COMPLETED, TOO_MANY_EVENTS
 from drivegate_models.machine.cycle import Shape, next_shape, shape_at, wrapped
-from drivegate_models.machine.torque import torque_extremes
 from drivegate_models.machine.winding_current import LONGEST
 from drivegate_models.star.plant.drive import StarDrive
 from drivegate_models.star.plant.events import Event, first_event
@@ -22,10 +22,6 @@ from drivegate_models.star.plant.regulation import gate_of, regulate
 from drivegate_models.star.plant.staircase import Circuit
 from drivegate_models.star.plant.window import GAP, next_piece, piece_at
 
-COMPLETED = 0
-"""Status: the advance reached its end."""
-TOO_MANY_EVENTS = 1
-"""Status: the phases switched more often than the limit allows (a harness fault, never a candidate's)."""
 EVENT_LIMIT = 1_000_000
 """Greatest number of events in one advance."""
 
@@ -382,66 +378,3 @@ def advance_phases(
         phases.latches[k] = places[k].latch
     totals[ledger.EVENTS] += events
     return status
-
-
-@inlined
-def torque_range(
-    drive: StarDrive,
-    phases: StarPhases,
-    positions: NDArray[np.int64],
-    duration: float,
-    lowest: float,
-    highest: float,
-) -> tuple[float, float]:
-    """Widen a range by the torque of all phases over the last advance.
-
-    Parameters
-    ----------
-    drive : StarDrive
-        The drive's constants.
-    phases : StarPhases
-        Holds the segments of that advance.
-    positions : ndarray of int64, shape (m,)
-        Room for the computation.
-    duration : float
-        Length of the advance (s).
-    lowest, highest : float
-        Range so far (N m); start with inf and -inf.
-
-    Returns
-    -------
-    lowest, highest : float
-        Range including the advance (N m).
-    """
-    return torque_extremes(
-        phases.rows,
-        phases.row_counts,
-        positions,
-        drive.emf_constant,
-        drive.resistance / drive.inductance,
-        duration,
-        lowest,
-        highest,
-    )
-
-
-@kernel
-def stored_energy(drive: StarDrive, currents: NDArray[np.float64]) -> float:
-    """Return the energy in the windings, ``sum L i**2 / 2`` (J).
-
-    Parameters
-    ----------
-    drive : StarDrive
-        The drive's constants.
-    currents : ndarray, shape (m,)
-        Phase currents (A).
-
-    Returns
-    -------
-    float
-        Stored energy (J).
-    """
-    total = 0.0
-    for current in currents:
-        total += current * current
-    return 0.5 * drive.inductance * total

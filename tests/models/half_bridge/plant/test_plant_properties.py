@@ -14,9 +14,9 @@ from scipy.optimize import minimize_scalar
 
 from drivegate_models.half_bridge.periodic import periodic_start
 from drivegate_models.half_bridge.plant.drive import Drive
-from drivegate_models.half_bridge.plant.phase import COMPLETED
 from drivegate_models.half_bridge.plant.phases import Phases, advance_phases, make_phases
 from drivegate_models.machine import ledger, segments
+from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.machine.period import PERIODIC
 from drivegate_models.machine.torque import torque_extremes
 from drivegate_models.steady.steady_state import (

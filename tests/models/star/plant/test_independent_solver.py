@@ -20,8 +20,9 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from drivegate_models.machine import ledger
+from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.star.plant.drive import EVERY_HALF, ON_PWM, PWM_ON, UPPER_ONLY, StarDrive
-from drivegate_models.star.plant.phases import COMPLETED, advance_phases, make_phases
+from drivegate_models.star.plant.phases import advance_phases, make_phases
 
 AGREEMENT = 1e-9
 """Greatest difference of a current or an integral, relative to the scale of each."""

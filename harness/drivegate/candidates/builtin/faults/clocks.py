@@ -7,13 +7,14 @@ from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_cases.documents.rounding import significant
 from drivegate_models.half_bridge.faults import state as faults
 
 KIND: Final = "Clocks and whole numbers"
 
 # A milliampere on the drive of the paper, where 200 steps lie between two decisions and 104 A flow at most.
 _MILLIAMPERES: Final = sizes.Size(
-    lambda drive: sizes.significant(sizes.CONDUCTED.of(drive) / 104.0 / sizes.PACE.of(drive), 3)
+    lambda drive: significant(sizes.CONDUCTED.of(drive) / 104.0 / sizes.PACE.of(drive), 3)
 )
 _SUM_OF_24_BITS: Final = sizes.Size(lambda drive: 2.0**24 * _MILLIAMPERES.of(drive) / 1000.0, "A")
 

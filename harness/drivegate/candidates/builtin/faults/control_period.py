@@ -6,6 +6,7 @@ from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_cases.documents.rounding import significant
 from drivegate_models.half_bridge.faults import state as faults
 
 KIND: Final = "Control period"
@@ -42,9 +43,7 @@ FAULTS: Final = (
         "CNV-1",
         fault=faults.SLEWED,
         size=sizes.Size(
-            lambda drive: sizes.significant(
-                0.000192 * sizes.CURRENT_LIMIT.of(drive) * sizes.PACE.of(drive), 2
-            ),
+            lambda drive: significant(0.000192 * sizes.CURRENT_LIMIT.of(drive) * sizes.PACE.of(drive), 2),
             "A",
         ),
     ),

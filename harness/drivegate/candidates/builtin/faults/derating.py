@@ -6,13 +6,14 @@ from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_cases.documents.rounding import significant
 from drivegate_models.half_bridge.faults import state as faults
 
 KIND: Final = "Thermal derating"
 
 # At 500 µs eight times the time to converge, and a little.
 _STEPS_UNDER_LOAD: Final = sizes.Size(
-    lambda drive: sizes.significant(25.0 / 3.0 * sizes.SETTLING.of(drive) / sizes.CONTROL_PERIOD, 3)
+    lambda drive: significant(25.0 / 3.0 * sizes.SETTLING.of(drive) / sizes.CONTROL_PERIOD, 3)
 )
 
 FAULTS: Final = (

@@ -6,6 +6,7 @@ from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.limits import limits_of
 from drivegate_models.half_bridge.faults import state as faults
 
@@ -13,9 +14,7 @@ KIND: Final = "Speed regulation"
 
 # Peak to peak three quarters of what is allowed of the torque, which has a ripple of its own.
 _RIPPLE: Final = sizes.Size(
-    lambda drive: sizes.significant(
-        0.385 * limits_of(drive).closed_loop_ripple * drive.rating.current_limit_a, 2
-    ),
+    lambda drive: significant(0.385 * limits_of(drive).closed_loop_ripple * drive.rating.current_limit_a, 2),
     "A",
 )
 

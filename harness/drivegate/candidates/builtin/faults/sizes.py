@@ -12,6 +12,7 @@ from functools import lru_cache
 from math import frexp, ldexp, pi, radians
 from typing import Any, Final, TypeAlias
 
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of, mechanical_time, nearest_step
 from drivegate_models.units import RADIANS_PER_RPM
@@ -62,11 +63,6 @@ class Size:
 def share(part: float, quantity: Size, digits: int = 3) -> Size:
     """Make a size that is a share of another one."""
     return Size(lambda drive: significant(part * quantity.of(drive), digits), quantity.unit)
-
-
-def significant(value: float, digits: int) -> float:
-    """Round to significant digits."""
-    return float(f"{value:.{digits}g}")
 
 
 def in_range(part: float, steps: float = 0.0) -> Size:

@@ -1,0 +1,10 @@
+"""How the advance of a plant ends, whatever the kind of drive."""
+
+from __future__ import annotations
+
+from typing import Final
+
+COMPLETED: Final = 0
+"""The advance reached its end."""
+TOO_MANY_EVENTS: Final = 1
+"""The phases switched more often than the plant's limit allows: a fault of the harness, never of a candidate."""
