@@ -12,11 +12,10 @@ from drivegate.checks.feasible_angles import given_below_limit
 from drivegate.checks.margin import Margin, at_most, worst_required
 from drivegate.runs.record import RunRecord, SteadyWindow, rated_torque
 from drivegate_cases.documents.wording import figure
-from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.limits import limits_of, mean_time
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.sensors import IdealSensors
-from drivegate_models.loop import observation
 from drivegate_models.steady.oracle import feasible_edge, least_current_sum, point_at_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -71,7 +70,7 @@ def unseen_share(window: SteadyWindow) -> float:
         return 0.0
     step = window.speed * sensors.clock_s / sensors.speed_window_s
     inertia = window.scenario.nameplate().inertia
-    return 2.0 * inertia * step / observation.MEAN_TIME / torque
+    return 2.0 * inertia * step / mean_time(window.scenario.drive) / torque
 
 
 def judged_current_sum(window: SteadyWindow) -> float:
@@ -213,7 +212,7 @@ CNV_1 = Check(
     id="CNV-1",
     requirement=(
         "Within {settling} of a steady reference the search has converged: from then on the true speed error stays "
-        "within k1, the 100 ms means of Σ|i| within k2 (of no less than Σ|i| at a fifth of the rated torque), and the "
+        "within k1, the {mean} means of Σ|i| within k2 (of no less than Σ|i| at a fifth of the rated torque), and the "
         "advance angle within {angle}; required up to {highest}, the range of constant power, advisory beyond."
     ),
     source="P6",
@@ -222,7 +221,7 @@ CNV_1 = Check(
     limit="k1 = {k1}, k2 = {k2} of Σ|i|, {angle}",
     scenarios="every first loaded steady stretch of {stretch} or more above base speed, on the nominal drive",
     formula=(
-        "least of 1 - |speed error| / k1, 1 - (max - min of the 100 ms means of Σ|i|) / k2, "
+        "least of 1 - |speed error| / k1, 1 - (max - min of the {mean} means of Σ|i|) / k2, "
         "1 - (max - min of the angle) / {angle}"
     ),
     why="A search that goes on for ever shakes torque and speed, and one that loses the speed does not drive.",

@@ -9,7 +9,7 @@ from typing import Final
 from drivegate.checks.check import Check
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.limits import limits_of, mean_time
 
 TEXTS: Final = ("requirement", "limit", "scenarios", "formula", "why")
 """Texts of a check that have a drive's numbers in them."""
@@ -40,6 +40,7 @@ def drive_numbers(drive: DriveDocument) -> dict[str, str]:
         "angle": f"{limits.angle_tolerance_deg:g}°",
         "settling": f"{limits.settling_s:g} s",
         "stretch": f"{tidy(limits.settling_s + scale.shortest_window_s):g} s",
+        "mean": f"{tidy(_KILO * mean_time(drive)):g} ms",
         "optimum": _percent(limits.optimum_tolerance),
         "ripple": _percent(limits.ripple),
         "closed_loop_ripple": _percent(limits.closed_loop_ripple),

@@ -17,6 +17,7 @@ from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
 from drivegate.containment.restarting import Restarter
 from drivegate.scenarios.windows import observed_windows
+from drivegate_cases.drive.limits import mean_time
 from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.load import (
     GRAVITY,
@@ -178,6 +179,7 @@ def run_in_closed_loop(
         restarts=restarter.restarts(restarts),
         windows=observed_windows(scenario),
         power_window=power_window,
+        mean_time=mean_time(scenario.drive),
         trace_every=trace_every,
         kept=kept,
     )

@@ -155,6 +155,7 @@ def prepared_loop(
     restarts: Restarts | None = None,
     sensors: Sensors | None = None,
     power_window: float = 0.0,
+    mean_time: float = observation.MEAN_TIME,
     progress: NDArray[np.int64] | None = None,
     kept: NDArray[Any] | None = None,
     trace_every: int = 0,
@@ -193,6 +194,8 @@ def prepared_loop(
         What the controller sees the plant through, made for this run; ideal by default.
     power_window : float
         Time over which the controller's estimate of its input power is a mean (s); 0 for the last period alone.
+    mean_time : float
+        Time of the means of the current sum, whose extremes are observed in each window (s).
     progress : ndarray of int64, shape (1,), optional
         Receives the number of steps begun.
     kept : ndarray of COMMAND, shape (n,), optional
@@ -208,7 +211,7 @@ def prepared_loop(
     exchange = make_exchange(
         drive.phases, step_address=step_address, state_address=state_address, progress=progress, kept=kept
     )
-    timing = _timing(control_period, duration, windows, trace_every)._replace(
+    timing = _timing(control_period, duration, windows, mean_time, trace_every)._replace(
         initial_speed=initial_speed,
         initial_angle=initial_angle,
         clock_start=clock_start,
@@ -243,6 +246,7 @@ def _timing(
     control_period: float,
     duration: float,
     windows: list[tuple[float, float]],
+    mean_time: float,
     trace_every: int,
 ) -> Timing:
     """Turn times into control periods; where the shaft and the clock begin is left at 0."""
@@ -257,7 +261,7 @@ def _timing(
         0.0,
         0.0,
         0.0,
-        max(round(observation.MEAN_TIME / control_period), 1),
+        max(round(mean_time / control_period), 1),
         max(trace_every, 1),
         np.array(steps, np.int64).reshape(-1, 3),
     )

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MEAN_TIME: Final = 0.1
-"""Length of the means of the current sum (s)."""
+"""Length of the means of the current sum where none is given (s)."""
 
 RIPPLE_TIME: Final = 1.0
 """Time at a window's end in which the torque's extremes are followed (s)."""
@@ -70,7 +70,7 @@ class WindowObservation(NamedTuple):
     angle_highest: float
     """Greatest (rad)."""
     mean_lowest: float
-    """Least 100 ms mean of the current sum (A)."""
+    """Least mean of the current sum over the time of a mean (A)."""
     mean_highest: float
     """Greatest (A)."""
     current_sum: float

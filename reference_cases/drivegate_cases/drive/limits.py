@@ -21,7 +21,9 @@ MECHANICAL_TIMES: Final = 11.0
 ELECTRICAL_PERIODS: Final = 91.0
 """Electrical periods at base speed in a unit of time (1)."""
 SHORTEST_TIME_UNIT_S: Final = 1.0
-"""Ten of the means over 0.1 s by which convergence is judged, whatever the drive (s)."""
+"""Whatever the drive, ten of the means over `MEAN_UNITS` by which convergence is judged, of 0.1 s and more (s)."""
+MEAN_UNITS: Final = 0.1
+"""Units of time over which the means of the current sum are taken: nine electrical periods, and a tenth more (1)."""
 SETTLING_UNITS: Final = 6.0
 """Units of time in which a search has to converge, where no time is stated (1)."""
 _KEPT: Final = 100
@@ -115,6 +117,24 @@ def time_unit(drive: DriveDocument) -> float:
     electrical = 2.0 * math.pi / (drive.machine.pole_pairs * speed)
     wanted = max(MECHANICAL_TIMES * mechanical_time(drive), ELECTRICAL_PERIODS * electrical)
     return max(nearest_step(wanted, _STEPS_OF_TIME), SHORTEST_TIME_UNIT_S)
+
+
+def mean_time(drive: DriveDocument) -> float:
+    """Give the time of the means of the current sum by which convergence is judged.
+
+    Over fewer electrical periods, the part of one that is left over moves the mean of a current sum that stands still.
+
+    Parameters
+    ----------
+    drive : DriveDocument
+        The drive.
+
+    Returns
+    -------
+    float
+        The time (s).
+    """
+    return MEAN_UNITS * time_unit(drive)
 
 
 def mechanical_time(drive: DriveDocument) -> float:

@@ -4,7 +4,7 @@ import pytest
 
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.drive_file import drive_schema
-from drivegate_cases.drive.limits import Limits, limits_of, nearest_step, rounded, time_unit
+from drivegate_cases.drive.limits import Limits, limits_of, mean_time, nearest_step, rounded, time_unit
 from drivegate_cases.drive.requirements import RequiredPoint
 from drivegate_models.errors import InputError
 
@@ -53,6 +53,7 @@ def test_times_follow_from_inertia_and_electrical_frequency(changes: dict[str, f
     drive = UNSTATED.replaced(**changes)
     assert time_unit(drive) == unit
     assert limits_of(drive).settling_s == 6.0 * unit
+    assert mean_time(drive) == pytest.approx(0.1 * unit), "a mean of a slow drive has too few periods"
 
 
 @pytest.mark.parametrize(

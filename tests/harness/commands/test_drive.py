@@ -112,6 +112,11 @@ def test_torques_of_a_small_drive_keep_their_digits(command):
     assert "100 W needs 0.434 N·m at 2200 rpm; at the current limit of 4 A this drive gives 0.301 N·m" in weak
 
 
+def test_a_band_that_chops_too_often_is_told_with_what_it_costs(command):
+    shown = command("drive", "paper-5-phase", "--set", "hysteresis_band_a=0.001")
+    assert "a check computes each chop, and takes long" in shown.out
+
+
 def test_a_ripple_out_of_reach_leads_to_the_one_that_is_not(command):
     ended = command("drive", *QUICK, "--set", "ripple_percent=3")
     (row,) = command("drive", *QUICK, "--set", "ripple_percent=3", "--json").document["unreachable"]

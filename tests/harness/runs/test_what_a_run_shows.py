@@ -15,6 +15,7 @@ from drivegate.candidates.python.bridge import PythonController
 from drivegate.checks.power import estimated_power
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
+from drivegate.runs.scenario import run_in_closed_loop
 from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import (
     with_beginning,
@@ -26,6 +27,8 @@ from drivegate.scenarios.changes import (
 from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.half_bridge.closed_loop import prepared_loop
+from drivegate_models.loop.closed_loop import PreparedLoop
 
 PLAIN = steady_scenario(load_drive("paper-5-phase"), 700.0, power_share=0.5, constant_power=False)
 
@@ -61,6 +64,19 @@ def test_the_clock_begins_where_the_scenario_says() -> None:
     assert times[0] == 4294.9
     assert np.diff(times) == pytest.approx(0.0005, abs=1e-9)
     assert times[-1] == pytest.approx(4295.3995)
+
+
+@pytest.mark.parametrize(("pole_pairs", "lasts"), [(11, 0.1), (2, 0.5)])
+def test_means_are_taken_over_the_drives_own_time(pole_pairs: int, lasts: float) -> None:
+    given: dict[str, Any] = {}
+
+    def prepare(*plant: Any, **options: Any) -> PreparedLoop:
+        given.update(options)
+        return prepared_loop(*plant, **options)
+
+    slow = PLAIN.replaced(drive=PLAIN.drive.replaced(pole_pairs=pole_pairs), duration_s=0.5)
+    run_in_closed_loop(prepare, slow, PythonController(Noting()))
+    assert given["mean_time"] == pytest.approx(lasts)
 
 
 def test_the_rotor_begins_where_the_scenario_says() -> None:

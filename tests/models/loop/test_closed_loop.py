@@ -49,6 +49,7 @@ def simulate(
     factor: tuple[tuple[float, float], ...] = ((0.0, 0.0), (0.2, 1.0)),
     trace_every: int = 0,
     initial_speed: float | None = None,
+    mean_time: float = 0.1,
 ) -> ClosedLoopRun:
     state = np.zeros(1, CONTROLLER_STATE)
     nameplate = Nameplate(
@@ -84,7 +85,18 @@ def simulate(
         duration=duration,
         windows=[(0.5 * duration, duration)],
         trace_every=trace_every,
+        mean_time=mean_time,
     ).run()
+
+
+def test_a_mean_over_more_periods_of_a_current_sum_that_stands_still_varies_less(motor: Any) -> None:
+    load = Load(CONSTANT_TORQUE, 8.0, 1.0)
+    spreads = [
+        float(window.mean_highest - window.mean_lowest)
+        for mean_time in (0.0015, 0.1)
+        for window in simulate(motor(), load, name="initial", mean_time=mean_time).windows
+    ]
+    assert spreads[1] < 0.1 * spreads[0], f"Σ|i| varies by {spreads} A"
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.4])

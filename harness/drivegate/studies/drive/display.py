@@ -60,7 +60,12 @@ def show_drive(console: Console, document: dict[str, Any], name: str, required: 
     for words in (*facts(document), *required):
         console.print(plain(words))
     if not document["has_band"]:
-        console.print(plain("the band is so narrow that it is taken as none, which the means do not show"))
+        console.print(
+            plain(
+                "the band is so narrow that it is taken as none, which the means do not show; a check computes each "
+                "chop, and takes long"
+            )
+        )
     for row in document["unreachable"]:
         console.print(plain(f"out of reach: {row['message']}", "bold red"))
     for path in document["files"]:

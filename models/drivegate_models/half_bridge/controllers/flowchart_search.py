@@ -9,6 +9,12 @@ from __future__ import annotations
 from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.half_bridge.controllers.another_load import (
+    LOAD_CHANGED,
+    is_another_load,
+    may_step_farther,
+    rearm_unless_repeated,
+)
 from drivegate_models.half_bridge.controllers.protection import (
     MARGIN,
     SMALLEST_STEP,
@@ -16,19 +22,8 @@ from drivegate_models.half_bridge.controllers.protection import (
     forget_other_load,
     take_step,
 )
-from drivegate_models.half_bridge.controllers.watch import (
-    BEGINNING,
-    JOLT,
-    LOAD_CHANGED,
-    WAITING,
-    begin_holding,
-    is_another_load,
-    is_uneasy,
-    may_step_farther,
-    noise_of_power,
-    rearm_unless_repeated,
-    watch_search,
-)
+from drivegate_models.half_bridge.controllers.unrest import JOLT, is_uneasy, noise_of_power
+from drivegate_models.half_bridge.controllers.watch import BEGINNING, WAITING, begin_holding, watch_search
 
 _IMPROVEMENTS = 3
 _WORSE = 3

@@ -10,8 +10,9 @@ from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.half_bridge.controllers.another_load import greatest_current_sum
 from drivegate_models.half_bridge.controllers.protection import MARGIN
-from drivegate_models.half_bridge.controllers.watch import greatest_current_sum, is_uneasy
+from drivegate_models.half_bridge.controllers.unrest import is_uneasy
 from drivegate_models.half_bridge.designs.state import LOWEST_ANGLE
 
 OFF_EDGE: Final = radians(0.8)

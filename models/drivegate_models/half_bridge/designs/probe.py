@@ -7,7 +7,7 @@ from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.controllers.protection import MARGIN, take_step
-from drivegate_models.half_bridge.controllers.watch import is_uneasy, noise_of_power
+from drivegate_models.half_bridge.controllers.unrest import is_uneasy, noise_of_power
 from drivegate_models.half_bridge.designs.state import SWEEP
 
 _IMPROVEMENTS = 3

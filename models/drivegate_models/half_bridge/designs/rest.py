@@ -13,7 +13,7 @@ from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.half_bridge.controllers.watch import EXACT, noise_of_regulator
+from drivegate_models.half_bridge.controllers.unrest import EXACT, noise_of_regulator
 from drivegate_models.half_bridge.designs.confirmation import is_worth_confirming
 from drivegate_models.half_bridge.designs.probe import aim
 

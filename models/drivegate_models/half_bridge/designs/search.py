@@ -6,16 +6,14 @@ from math import inf
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.half_bridge.controllers.another_load import LOAD_CHANGED, differs, greatest_current_sum
 from drivegate_models.half_bridge.controllers.protection import HOLDING, MARGIN, forget_other_load
+from drivegate_models.half_bridge.controllers.unrest import is_uneasy
 from drivegate_models.half_bridge.controllers.watch import (
     BEGINNING,
     CONTINUING,
-    LOAD_CHANGED,
     WAITING,
     begin_holding,
-    differs,
-    greatest_current_sum,
-    is_uneasy,
     watch_search,
 )
 from drivegate_models.half_bridge.designs.confirmation import (
