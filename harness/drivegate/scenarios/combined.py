@@ -193,7 +193,7 @@ def _changed(run: Scenario, row: Row, random: Random) -> Scenario:
     )
     for changes in (_PLANTS, _SENSORS, _SUPPLIES, _FAULTS):
         for level in row.values():
-            if level in changes:
+            if level in changes and (level != _UNEQUAL or run.drive.has_split_supply):
                 run = changes[level](run, random, _moment(run.drive, row, random))
     return run
 
@@ -240,6 +240,7 @@ def _with_lost_samples(run: Scenario, random: Random, at: float) -> Scenario:
     return run
 
 
+_UNEQUAL: Final = "unequal halves"
 _PLANTS: Final[Mapping[str, Change]] = {
     "resistance": lambda run, random, _: with_scales(run, resistance=random.choice((0.5, 1.5, 2.0))),
     "inductance": lambda run, random, _: with_scales(run, inductance=random.choice((0.8, 1.1, 1.2))),
@@ -264,9 +265,7 @@ _FAULTS: Final[Mapping[str, Change]] = {
     "supply lost": lambda run, random, at: with_dropout(run, "supply", at, _lost_s(run, random)),
     "sample of a phase lost twenty times": _with_lost_samples,
     "false edges": lambda run, random, at: with_glitch(run, random.choice((-50, -20, 20, 50)), at),
-    "unequal halves": lambda run, random, at: with_imbalance(
-        run, stepped(0.0, random.choice((-0.03, 0.03)), at)
-    ),
+    _UNEQUAL: lambda run, random, at: with_imbalance(run, stepped(0.0, random.choice((-0.03, 0.03)), at)),
     "drift": _with_drift,
     "restart": lambda run, _, at: with_restarts(run, at),
     "restarted twenty times": lambda run, _, at: with_restarts(run, *_times(run, at)),

@@ -173,7 +173,11 @@ def _faults(drive: DriveDocument) -> list[Scenario]:
     return [
         with_dropout(_torque(drive, 1.0, 0.8), "speed", at, tidy(10 * scale.dropout_step_s)),
         with_glitch(with_mcs96(_torque(drive, 0.5, 0.8), seed=4), 20, at),
-        with_imbalance(_torque(drive, 0.7, 0.8), stepped(0.0, 0.03, at)),
+        *(
+            [with_imbalance(_torque(drive, 0.7, 0.8), stepped(0.0, 0.03, at))]
+            if drive.has_split_supply
+            else []
+        ),
         with_drift(
             _torque(drive, 0.8, 0.9),
             resistance=stepped(1.0, 1.4, early, over_s=over),

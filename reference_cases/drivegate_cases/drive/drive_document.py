@@ -160,6 +160,11 @@ class DriveDocument(Document):
         """Give name, kind and hash, by which results tell what drive they are of."""
         return {"name": self.name, "kind": self.kind, "hash": self.values_hash}
 
+    @property
+    def has_split_supply(self) -> bool:
+        """Whether its phases are between legs and the tap of a split supply, whose halves may differ."""
+        return self.kind == "half-bridge"
+
     def value(self, key: str) -> Any:
         """Give the value of a key of any table, by its bare name."""
         return getattr(getattr(self, _TABLE_OF_KEY[key]), key)
@@ -194,61 +199,9 @@ class DriveDocument(Document):
 
     def plant(self, scales: Scales | None = None) -> AnyDrive:
         """Make the plant's parameters, in SI units."""
-        from drivegate_models.machine.emf import sine_corners, table_corners, trapezoid_corners
+        from drivegate_cases.drive.plant_constants import plant_constants
 
-        factors = scales or NOMINAL
-        machine, inverter = self.machine, self.inverter
-        if machine.emf_shape == "table":
-            angles = [math.radians(angle) for angle, _ in machine.emf_table]
-            corners = table_corners(angles, [value for _, value in machine.emf_table])
-        elif machine.emf_shape == "sine":
-            corners = sine_corners()
-        else:
-            assert machine.emf_flat_deg is not None, "a trapezoid without its flat width is refused on entry"
-            corners = trapezoid_corners(math.radians(machine.emf_flat_deg))
-        constants = {
-            "resistance": machine.resistance_ohm * factors.resistance,
-            "inductance": machine.inductance_h * factors.inductance,
-            "emf_constant": machine.emf_constant_v_s_per_rad * factors.emf_constant,
-            "half_supply_voltage": inverter.supply_voltage_v,
-            "hysteresis_band": inverter.hysteresis_band_a,
-            "window": math.radians(inverter.window_deg),
-            "current_limit": self.rating.current_limit_a,
-            "core_loss_conductance": machine.core_loss_conductance_s,
-            "inertia": machine.inertia_kg_m2,
-            "friction": machine.friction_n_m + factors.friction_added_n_m,
-            "viscous_friction": machine.viscous_friction_n_m_s_per_rad,
-            "switch_drop": inverter.switch_drop_v,
-            "diode_drop": inverter.diode_drop_v,
-            "turn_on_energy": inverter.turn_on_energy_j,
-            "turn_off_energy": inverter.turn_off_energy_j,
-        }
-        if self.kind == "star":
-            from drivegate_models.star.plant import drive as star
-
-            schemes = {
-                "every-half": star.EVERY_HALF,
-                "upper-only": star.UPPER_ONLY,
-                "pwm-on": star.PWM_ON,
-                "on-pwm": star.ON_PWM,
-            }
-            return star.make_star_drive(
-                phases=machine.phases,
-                pole_pairs=machine.pole_pairs,
-                regulation=schemes[inverter.regulation or "every-half"],
-                emf_angles=corners[0],
-                emf_values=corners[1],
-                **constants,
-            )
-        from drivegate_models.half_bridge.plant.drive import make_drive
-
-        return make_drive(
-            phases=machine.phases,
-            pole_pairs=machine.pole_pairs,
-            emf_angles=corners[0],
-            emf_values=corners[1],
-            **constants,
-        )
+        return plant_constants(self, scales or NOMINAL)
 
     def nameplate(self, control_period: float) -> Nameplate:
         """Make what a controller is given before a run, in SI units."""

@@ -145,6 +145,11 @@ class Scenario(Document):
         self._check_disturbances_end_in_time()
         self._check_load_fits_speed()
         self._check_phases()
+        if self.imbalance is not None and not self.drive.has_split_supply:
+            raise ValueError(
+                f"the key 'imbalance' is for a split supply, but the drive's kind is \"{self.drive.kind}\", whose link "
+                "has no tap that halves could differ about"
+            )
         if self.glitches and self.sensors.kind == "ideal":
             raise ValueError("the key 'glitches' needs the sensors 'mcs96', since ideal ones have no encoder")
         return self

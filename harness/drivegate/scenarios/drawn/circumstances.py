@@ -87,7 +87,8 @@ def fault_scenarios(
         nonzero(5),
         runs,
     )
-    return st.one_of(lost, false_edges, unequal, _drifts(drive, runs))
+    supplies = (unequal,) if drive.has_split_supply else ()
+    return st.one_of(lost, false_edges, *supplies, _drifts(drive, runs))
 
 
 def _drifts(drive: DriveDocument, runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:

@@ -10,7 +10,7 @@ from drivegate.output.console import number, plain, table
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from drivegate_models.half_bridge.plant.drive import Drive
+    from drivegate_models.steady.plant import AnyDrive
 
 _ROWS: Final = (
     ("speed_rpm", "speed", "rpm"),
@@ -28,7 +28,7 @@ _ROWS: Final = (
 )
 
 
-def show_point(console: Console, document: dict[str, Any], drive: Drive, torque: float | None) -> None:
+def show_point(console: Console, document: dict[str, Any], drive: AnyDrive, torque: float | None) -> None:
     """Print the values, and what they do not hold for."""
     values = table("quantity", "value", "unit", right=("value",))
     for key, name, unit in _ROWS:
