@@ -14,6 +14,7 @@ from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.loop.exchange import COMPLETED, Exchange, digested_command
 from drivegate_models.loop.observing import (
     Applied,
+    observe_balance,
     observe_command,
     observe_energy,
     observe_power_estimate,
@@ -311,6 +312,7 @@ def loop_of(kernels: PlantKernels) -> Any:
             ledger.add_period(records.totals, period)
             now_stored = stored_energy(drive, phases.currents)
             observe_energy(observed, plant.resistance, speed, stored, now_stored, period)
+            observe_balance(observed, phases.currents, upper == lower, period)
             stored = now_stored
             current_sum = period[ledger.MAGNITUDE] / length
             load_now = load_torque(load, conditions.load_factor, speed)
