@@ -26,7 +26,7 @@ def _unless_regulated(_declaration: Declaration, drive: DriveDocument) -> str | 
     regulation = drive.inverter.regulation
     if regulation in (None, "every-half"):
         return None
-    return f'this drive does not regulate every half window (regulation = "{regulation}"), so no reference bounds a current'
+    return f'a drive with regulation = "{regulation}" does not regulate every half window: no reference bounds a current'
 
 
 CUR_1 = Check(

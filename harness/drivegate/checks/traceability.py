@@ -31,7 +31,7 @@ DRAWN: Final[Mapping[str, tuple[str, ...]]] = {
     "standstill": ("ADV-1", "CNV-2", "CNV-3", "RIP-3", "TRQ-1"),
     "base speed": ("ADV-1",),
     "overspeed": ("CNV-1", "CNV-2", "CPW-2", "RIP-3", "TRQ-1"),
-    "vehicle": ("CNV-2", "CNV-3", "RIP-3", "TRQ-1"),
+    "vehicle": ("CNV-2", "CNV-3", "RIP-3"),
 }
 """For each family of `scenarios.drawn`, the checks that it is there for, beside those of every run."""
 SPECIAL: Final[Mapping[str, tuple[str, ...]]] = {

@@ -22,9 +22,8 @@ def test_a_packaged_star_has_a_source_for_each_value(name: str) -> None:
     told = {f"{table}.{key}" for table, sentences in drive.provenance.items() for key in sentences}
     stated = {
         f"{table}.{key}"
-        for table, values in drive.to_mapping().items()
-        if isinstance(values, dict) and table != "provenance"
-        for key in values
+        for table in ("machine", "inverter", "rating", "advance", "requirements")
+        for key in getattr(drive, table).model_fields_set
     }
     assert stated - told == set(), f"{name} does not say where these are from"
 
@@ -33,7 +32,7 @@ def test_the_star_has_the_iron_and_copper_of_the_paper_drive() -> None:
     machine, other = STAR.machine, PAPER.machine
     share = PAPER.machine.phases / STAR.machine.phases
     assert machine.resistance_ohm * share == pytest.approx(other.resistance_ohm)
-    assert machine.inductance_h == pytest.approx(other.inductance_h * share, rel=1e-3)
+    assert machine.inductance_h * share == pytest.approx(other.inductance_h)
     assert machine.emf_constant_v_s_per_rad == other.emf_constant_v_s_per_rad
     assert machine.core_loss_conductance_s == pytest.approx(other.core_loss_conductance_s * share)
     assert STAR.rating.current_limit_a == pytest.approx(PAPER.rating.current_limit_a * share, rel=1e-3)
@@ -82,7 +81,7 @@ def test_the_link_of_a_star_has_no_halves_to_differ(refusal: Callable[..., str])
         "drive": "star-3-phase",
         "duration_s": 1.0,
         "speed_rpm": [[0.0, 600.0]],
-        "load": {"kind": "constant_torque", "torque_nm": 1.0},
+        "load": {"kind": "constant_torque", "torque_nm": 1.0, "factor": [[0.0, 0.0], [0.2, 1.0]]},
         "imbalance": [[0.0, 0.03]],
     }
     message = refusal(parse_document, mapping, Scenario, "here")
