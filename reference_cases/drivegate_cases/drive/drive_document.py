@@ -201,7 +201,8 @@ class DriveDocument(Document):
         """Make the plant's parameters, in SI units."""
         from drivegate_cases.drive.plant_constants import plant_constants
 
-        return plant_constants(self, scales or NOMINAL)
+        limit = self.rating.current_limit_a
+        return plant_constants(self.kind, self.machine, self.inverter, limit, scales or NOMINAL)
 
     def nameplate(self, control_period: float) -> Nameplate:
         """Make what a controller is given before a run, in SI units."""

@@ -12,19 +12,25 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from drivegate_cases.drive.drive_document import DriveDocument
+    from drivegate_cases.drive.inverter import Inverter
     from drivegate_cases.drive.machine import Machine
     from drivegate_cases.drive.scales import Scales
     from drivegate_models.steady.plant import AnyDrive
 
 
-def plant_constants(drive: DriveDocument, scales: Scales) -> AnyDrive:
+def plant_constants(
+    kind: str, machine: Machine, inverter: Inverter, current_limit_a: float, scales: Scales
+) -> AnyDrive:
     """Make the constants of a drive's plant, in SI units.
 
     Parameters
     ----------
-    drive : DriveDocument
-        The drive.
+    kind : str
+        Kind of the drive.
+    machine, inverter : Machine, Inverter
+        Its tables.
+    current_limit_a : float
+        Its current limit (A).
     scales : Scales
         How the plant differs from it.
 
@@ -33,10 +39,9 @@ def plant_constants(drive: DriveDocument, scales: Scales) -> AnyDrive:
     AnyDrive
         The constants, of the type of its kind, by which compiled functions find the plant.
     """
-    machine, inverter = drive.machine, drive.inverter
     angles, values = _emf_corners(machine)
-    return _MAKE[drive.kind](
-        drive,
+    return _MAKE[kind](
+        inverter,
         phases=machine.phases,
         pole_pairs=machine.pole_pairs,
         resistance=machine.resistance_ohm * scales.resistance,
@@ -47,7 +52,7 @@ def plant_constants(drive: DriveDocument, scales: Scales) -> AnyDrive:
         half_supply_voltage=inverter.supply_voltage_v,
         hysteresis_band=inverter.hysteresis_band_a,
         window=math.radians(inverter.window_deg),
-        current_limit=drive.rating.current_limit_a,
+        current_limit=current_limit_a,
         core_loss_conductance=machine.core_loss_conductance_s,
         inertia=machine.inertia_kg_m2,
         friction=machine.friction_n_m + scales.friction_added_n_m,
@@ -69,16 +74,16 @@ def _emf_corners(machine: Machine) -> tuple[NDArray[np.float64], NDArray[np.floa
     return trapezoid_corners(math.radians(machine.emf_flat_deg))
 
 
-def _half_bridge(_drive: DriveDocument, **constants: Any) -> AnyDrive:
+def _half_bridge(_inverter: Inverter, **constants: Any) -> AnyDrive:
     from drivegate_models.half_bridge.plant.drive import make_drive
 
     return make_drive(**constants)
 
 
-def _star(drive: DriveDocument, **constants: Any) -> AnyDrive:
+def _star(inverter: Inverter, **constants: Any) -> AnyDrive:
     from drivegate_models.star.plant.drive import REGULATIONS, make_star_drive
 
-    return make_star_drive(regulation=REGULATIONS[drive.inverter.regulation or "every-half"], **constants)
+    return make_star_drive(regulation=REGULATIONS[inverter.regulation or "every-half"], **constants)
 
 
 _MAKE: Final[Mapping[str, Callable[..., AnyDrive]]] = {"half-bridge": _half_bridge, "star": _star}
