@@ -26,7 +26,7 @@ def _unless_regulated(_declaration: Declaration, drive: DriveDocument) -> str | 
     regulation = drive.inverter.regulation
     if regulation in (None, "every-half"):
         return None
-    return f'a drive with regulation = "{regulation}" does not regulate every half window: no reference bounds a current'
+    return f'with regulation = "{regulation}" not every half window is regulated, so no reference bounds a current'
 
 
 CUR_1 = Check(

@@ -13,7 +13,9 @@ class Inverter(Section):
     """Half-bridge legs, each with a hysteresis current regulator, at a split supply or a link of twice its voltage."""
 
     supply_voltage_v: float = Field(
-        gt=0.0, le=1e5, description="voltage of one half of the supply, or of a star's link, in volts"
+        gt=0.0,
+        le=1e5,
+        description="voltage of one half of the supply, in volts; of a star, half of its link's",
     )
     hysteresis_band_a: float = Field(
         ge=0.0, le=1e4, description="half-width of the current band, in ampere, or 0 for the ideal regulator"
