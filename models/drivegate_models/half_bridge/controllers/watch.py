@@ -241,7 +241,9 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         state.integral = state.good_integral
         walk_back(state, 0.5 * state.first_step - state.moved, True)
         return WAITING, change
-    seems = (settled or state.mode != SETTLING) and load_has_changed(state, power, fall, rise)
+    # Nor does one with the speed still on its way back tell of another load.
+    read = not is_uneasy(state) if state.mode == SETTLING else True
+    seems = (settled or state.mode != SETTLING) and read and load_has_changed(state, power, fall, rise)
     if (seems or is_jolted(state, jolt)) and rearm_unless_repeated(state):
         return WAITING, change
     if state.mode == SETTLING:
