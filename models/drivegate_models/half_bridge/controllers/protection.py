@@ -50,6 +50,7 @@ _LONGEST_CLIMB = radians(8.0)
 _LIGHTER = 0.88
 _HEAVIER = 1.35
 _HEAVIER_THAN_HELD = 1.1
+_SAME_AS_INITIAL = 1.03
 
 
 @inlined
@@ -117,6 +118,26 @@ def forbid(state: Any) -> None:
 
 
 @inlined
+def is_way_back(state: Any, power: float) -> bool:
+    """Return whether the way back to the initial angle explains a current sum, under the load that is known.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power : float
+        Mean current sum of the decision interval (A).
+
+    Returns
+    -------
+    bool
+        False as long as the current sum at the initial angle is not known.
+    """
+    explained: bool = power <= _SAME_AS_INITIAL * state.initial_power
+    return explained
+
+
+@inlined
 def forget_other_load(state: Any, power: float) -> None:
     """Drop the forbidden angle where it was forbidden under another load.
 
@@ -127,7 +148,8 @@ def forget_other_load(state: Any, power: float) -> None:
     power : float
         Mean current sum of the decision interval (A).
     """
-    if power < _LIGHTER * state.forbidden_power or power > _HEAVIER * state.forbidden_power:
+    heavier = power > _HEAVIER * state.forbidden_power and not is_way_back(state, power)
+    if power < _LIGHTER * state.forbidden_power or heavier:
         # A lighter load has a lower edge; and a load that has become much heavier costs speed at any angle.
         state.forbidden = -inf
 
@@ -231,6 +253,7 @@ def guard_regulation(
     if speed_reference != state.speed_reference or supply_moved:
         state.speed_reference = speed_reference
         state.supply_voltage = voltage
+        state.initial_power = 0.0
         rearm(state)
     sag = speed_reference - speed
     if state.offset < 0.0 and sag > (1.0 if state.mode == HOLDING else 3.0) * state.speed_tolerance:

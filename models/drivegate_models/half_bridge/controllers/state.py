@@ -79,6 +79,7 @@ CONTROLLER_STATE: Final = np.dtype(
         ("confirmed", np.int64),
         ("jolted_at", np.float64),
         ("waited", np.int64),
+        ("initial_power", np.float64),
     ],
     align=True,
 )

@@ -28,6 +28,7 @@ from drivegate_models.half_bridge.controllers.protection import (
     STEPPED_OFF,
     begin_settling,
     forbid,
+    is_way_back,
     rearm,
     walk_back,
 )
@@ -208,7 +209,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     """
     power = state.power_sum / state.count
     remember(state, power)
-    if power > _HEAVIER_LOAD * state.forbidden_power:
+    if power > _HEAVIER_LOAD * state.forbidden_power and not is_way_back(state, power):
         # It was this load that lost the torque, not the angle with the load of before.
         state.forbidden = -inf
     regulated = state.worst_error <= state.speed_tolerance and state.saturated == 0
@@ -254,6 +255,8 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
             return WAITING, change
         state.quiet = 0
         state.mode = SEARCHING
+        if state.offset == 0.0:
+            state.initial_power = power
         state.climb = 0.5 * state.first_step
         state.regained = -inf
         return BEGINNING, change
