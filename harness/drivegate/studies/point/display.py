@@ -17,6 +17,8 @@ _ROWS: Final = (
     ("advance_deg", "advance angle", "°"),
     ("current_reference_a", "current reference", "A"),
     ("torque_mean_nm", "torque, mean", "N·m"),
+    ("torque_lowest_nm", "torque, least", "N·m"),
+    ("torque_highest_nm", "torque, greatest", "N·m"),
     ("torque_ripple_percent", "torque ripple, peak to peak over mean", "%"),
     ("torque_ripple_one_sided_percent", "torque ripple, greatest deviation over mean", "%"),
     ("current_sum_a", "Σ|i|, mean", "A"),

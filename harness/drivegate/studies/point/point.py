@@ -90,6 +90,8 @@ def _values(
         "current_reference_a": reference,
         "feasible": feasible,
         "torque_mean_nm": mean,
+        "torque_lowest_nm": lowest,
+        "torque_highest_nm": highest,
         "torque_ripple_percent": _percent(highest - lowest, mean),
         "torque_ripple_one_sided_percent": _percent(max(highest - mean, mean - lowest), mean),
         "current_sum_a": state.current_sum,
