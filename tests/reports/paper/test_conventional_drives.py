@@ -89,6 +89,9 @@ def test_the_map_has_the_published_ripple_between_narrow_and_wide_emfs() -> None
     assert data.flats_where(data.further.as_published) == (130.0, 155.0)
     assert not data.necessary.changes_sign[at[150.0]].any(), "at the smallest angle the torque keeps its sign"
     assert data.further.changes_sign[at[150.0]].any(), "15° further on it does not"
+    for one in (data.necessary, data.further):
+        growth = np.diff(one.ripple_percent[data.flat_deg >= 125.0], axis=0)
+        assert np.nanmin(growth) > 0.0, "the wider the EMF, the more ripple"
 
 
 def test_power_is_out_of_reach_with_much_inductance() -> None:

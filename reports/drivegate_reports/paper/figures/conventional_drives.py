@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from drivegate_reports.page.style import BLUE, GREEN, GREY, ORANGE, VERMILION, label, new_grid
 from drivegate_reports.paper.conventional_drives import (
     FASTEST_RPM,
+    ComparedDrive,
     at_rated_power,
     compared_drives,
     constant_power_range,
@@ -87,25 +88,27 @@ class ConventionalDrives:
         return tuple(float(drive.ripple_percent[at]) for drive in self.drives)
 
 
+def _over_speed(drive: ComparedDrive) -> DriveOverSpeed:
+    plant = drive.document.plant()
+    found = [at_rated_power(plant, speed) for speed in SPEEDS_RPM]
+    start, end = constant_power_range(drive.document)
+    return DriveOverSpeed(
+        drive.name,
+        ripple_percent=np.array([one.ripple_percent for one in found]),
+        advance_deg=np.array([one.advance_deg for one in found]),
+        current_sum_a=np.array([one.point.current_sum for one in found]),
+        copper_loss_w=np.array([one.point.copper_loss for one in found]),
+        input_w=np.array([one.point.input_power for one in found]),
+        from_rpm=start,
+        to_rpm=end,
+    )
+
+
 @cache
 def conventional_drives() -> ConventionalDrives:
     """Compute all drives over speed."""
-    drives = []
-    for drive in compared_drives():
-        plant = drive.document.plant()
-        found = [at_rated_power(plant, speed) for speed in SPEEDS_RPM]
-        rows = [
-            (
-                one.ripple_percent,
-                one.advance_deg,
-                one.point.current_sum,
-                one.point.copper_loss,
-                one.point.input_power,
-            )
-            for one in found
-        ]
-        drives.append(DriveOverSpeed(drive.name, *np.array(rows).T, *constant_power_range(drive.document)))
-    return ConventionalDrives(reference_drive().rating.rated_power_w, np.array(SPEEDS_RPM), tuple(drives))
+    drives = tuple(_over_speed(drive) for drive in compared_drives())
+    return ConventionalDrives(reference_drive().rating.rated_power_w, np.array(SPEEDS_RPM), drives)
 
 
 TITLE = "Five phases against a conventional star (on section Optimal Efficiency Control)"

@@ -157,7 +157,7 @@ def alternative(data: RippleMap) -> str:
     ]
     return (
         "Two maps of torque ripple over inductance and flat width of the EMF, in steps of shade. "
-        f"{'; '.join(told)}. From a flat width of 120° upward ripple grows with the width; from "
+        f"{'; '.join(told)}. From a flat width of 125° upward ripple grows with the width; from "
         f"{data.inductance_mh[~np.isfinite(data.edge_deg).any(axis=0)].min():.2f} mH on the power is out of reach."
     )
 
