@@ -15,7 +15,7 @@ from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.requirements import RequiredPoint
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES
 from drivegate_models.units import RADIANS_PER_RPM
 
 PAPER = load_drive("paper-5-phase")
