@@ -186,6 +186,38 @@ def remember(state: Any, power: float) -> None:
 
 
 @inlined
+def settle(state: Any, power: float, settled: bool) -> int:
+    """Wait until current sum and speed have settled, and begin to search then.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Mean current sum of the decision interval (A).
+    settled : bool
+        Whether it is that of the interval before.
+
+    Returns
+    -------
+    int
+        `WAITING` or `BEGINNING`.
+    """
+    # A load that is still coming on would be taken for the effect of the first step.
+    wound = state.integral > STARVED * power / state.conducting_phases + SLACK * state.current_limit
+    state.quiet = state.quiet + 1 if settled else 0
+    if state.quiet < _SETTLED_INTERVALS or wound or is_uneasy(state):
+        return WAITING
+    state.quiet = 0
+    state.mode = SEARCHING
+    if state.offset == 0.0:
+        state.initial_power = power
+    state.climb = 0.5 * state.first_step
+    state.regained = -inf
+    return BEGINNING
+
+
+@inlined
 def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int, float]:
     """Make the part of a decision that is the same for every search.
 
@@ -246,18 +278,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     if (seems or is_jolted(state, jolt)) and rearm_unless_repeated(state):
         return WAITING, change
     if state.mode == SETTLING:
-        # A load that is still coming on would be taken for the effect of the first step.
-        wound = state.integral > STARVED * power / state.conducting_phases + SLACK * state.current_limit
-        state.quiet = state.quiet + 1 if settled else 0
-        if state.quiet < _SETTLED_INTERVALS or wound or is_uneasy(state):
-            return WAITING, change
-        state.quiet = 0
-        state.mode = SEARCHING
-        if state.offset == 0.0:
-            state.initial_power = power
-        state.climb = 0.5 * state.first_step
-        state.regained = -inf
-        return BEGINNING, change
+        return settle(state, power, settled), change
     if state.waited == 0 and is_read_too_soon(state, power, change):
         state.waited = 1
         state.old_power = power - change
