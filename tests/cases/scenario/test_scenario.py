@@ -99,7 +99,7 @@ RAMP = [[0, 0], [0.2, 1]]
         ({"seed": 1.0}, "the key 'seed' is 1.0, but must be a whole number"),
         (
             {"sensors": "perfect"},
-            "the key 'sensors.kind' is \"perfect\", but must be one of 'ideal', 'mcs96'",
+            "the key 'sensors.kind' is \"perfect\", but must be one of 'ideal', 'mcs96', 'hall'",
         ),
         ({"initial_speed_rpm": -1}, "the key 'initial_speed_rpm' is -1"),
         ({"speed_rpm": 1500}, "the key 'speed_rpm' is 1500, but must be a list"),

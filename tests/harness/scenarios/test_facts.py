@@ -10,7 +10,7 @@ from drivegate.scenarios.changes import (
     with_glitch,
     with_imbalance,
     with_load_shares,
-    with_mcs96,
+    with_real_sensors,
     with_scales,
     with_speed,
     with_supply,
@@ -46,7 +46,7 @@ def steady(speed_rpm: float, *, constant_power: bool = False) -> Scenario:
         (with_drift(PLAIN, resistance=stepped(1.0, 1.4, 2.0)), ("R drifts by 1 → 1.4 times at 2 s",)),
         (with_dropout(PLAIN, "speed", 10.0, 0.01), ("speed lost for 10 ms at 10 s",)),
         (
-            with_glitch(with_mcs96(PLAIN, 3), 20, 10.0),
+            with_glitch(with_real_sensors(PLAIN, 3), 20, 10.0),
             ("mcs96 sensors of seed 3", "+20 encoder counts at 10 s"),
         ),
     ],
