@@ -64,6 +64,16 @@ def test_the_paper_s_texts_are_as_published() -> None:
     assert rows["CNV-2"]["limit"] == "2 % above the least Σ|i|"
 
 
+def test_the_sensors_are_those_that_the_drive_has() -> None:
+    for drive, told in (
+        (PAPER, "the sensors of the published implementation: encoder, Hall sensors, converter."),
+        (load_drive("star-3-phase"), "three Hall switches, current sensors, converter."),
+    ):
+        (row,) = [row for row in traced_checks(drive) if row["id"] == "ROB-2"]
+        assert row["requirement"].startswith("CNV-1 and CNV-3 hold through the sensors of")
+        assert row["requirement"].endswith(told)
+
+
 def test_a_candidate_s_speeds_are_compared_with_the_drive_s() -> None:
     declaration = Declaration(speed_range_rpm=(3240.0, 7000.0))
     assert BY_ID["CPW-1"].reason_not_applicable(declaration, OTHER) is None

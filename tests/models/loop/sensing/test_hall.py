@@ -1,4 +1,4 @@
-"""Hall switches: exact where nothing is wrong, six edges a cycle whatever is, and what a timer knows of a slow shaft."""
+"""Hall switches: exact where nothing is wrong, six edges a cycle whatever is, and the speed of a slow shaft."""
 
 from __future__ import annotations
 
