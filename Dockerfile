@@ -15,7 +15,7 @@ RUN python -m pip install --no-cache-dir /source pytest && rm -rf /source
 
 # Compiled once, here. On a processor of another kind it is compiled anew, so that the folder stays open to all.
 ENV DRIVEGATE_CACHE=/var/cache/drivegate HOME=/tmp
-RUN python -c "from drivegate.gate.warm_up import compile_kernels, missing_marker; compile_kernels(missing_marker())" \
+RUN python -c "from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds; compile_kernels(uncompiled_kinds())" \
     && chmod -R a+rwX /var/cache/drivegate
 
 USER 65534:65534

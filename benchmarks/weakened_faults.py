@@ -25,7 +25,7 @@ from drivegate.scenarios.changes import with_load_shares, with_scales
 from drivegate.scenarios.feasibility import unfair_because
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.half_bridge.faults.state import NO_FAULT
+from drivegate_models.outer_loop.faults.state import NO_FAULT
 from drivegate_models.units import RADIANS_PER_RPM
 
 Point: TypeAlias = tuple[float, ...]

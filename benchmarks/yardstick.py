@@ -21,7 +21,7 @@ from drivegate_models.units import RADIANS_PER_RPM
 if TYPE_CHECKING:
     from drivegate.candidates.controller import Controller
     from drivegate_cases.scenario.scenario import Scenario
-    from drivegate_models.half_bridge.plant.drive import Drive
+    from drivegate_models.steady.plant import AnyDrive
 
 FLAGS: Final = ("-std=c11", "-O3", "-march=native", "-ffp-contract=fast")
 """Flags that the yardstick is compiled with."""
@@ -133,7 +133,7 @@ class PreparedRun:
         if load.kind != CONSTANT_TORQUE or any(np.ptp(course.values) > 0.0 for course in steady):
             raise HarnessFault("the yardstick knows constant torque at steady speed and supply only")
         self._function, self._controller, self._scenario = function, controller, scenario
-        drive: Drive = scenario.drive.plant(scenario.scales)
+        drive: AnyDrive = scenario.drive.plant(scenario.scales)
         # The supply that a schedule gives is the one that the plant has.
         drive = drive._replace(half_supply_voltage=float(schedule.supply.values[0]))
         times, torques = schedule.load.times, load.size * schedule.load.values

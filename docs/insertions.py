@@ -25,6 +25,7 @@ from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.drive_file import TABLES
+from drivegate_cases.scenario.sensors import PLAIN
 
 DOCS: Final = Path(__file__).parent
 PLACE: Final = re.compile(r"<!-- inserted: ([\w-]+)(?: (\S+))? -->\n.*?<!-- end -->", re.DOTALL)
@@ -197,6 +198,16 @@ def _left_out(required: bool, default: object) -> str:
     return f"{default:g}" if isinstance(default, float) else "none"
 
 
+def sensor_keys(kind: str) -> str:
+    """Every key of a kind of sensors."""
+    rows = [
+        (f"`{key}`", _plain(field.description or ""), "–" if field.default is None else f"{field.default:g}")
+        for key, field in type(PLAIN[kind]).model_fields.items()
+        if key != "kind"
+    ]
+    return _table(("key", "is", "left out"), rows)
+
+
 def source(path: str) -> str:
     """A file of the repository, in full."""
     text = (DOCS.parent / path).read_text(encoding="utf-8").rstrip("\n")
@@ -224,6 +235,7 @@ INSERTED: Final = MappingProxyType(
         "signal-table": signal_table,
         "joint-table": joint_table,
         "drive-keys": drive_keys,
+        "sensor-keys": sensor_keys,
         "source": source,
         "opening-comment": opening_comment,
     }

@@ -11,11 +11,13 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the kernels once before workers start, each of which would compile them for itself."""
     if not getattr(session.config.option, "numprocesses", None) or "NUMBA_DISABLE_JIT" in os.environ:
         return
-    from drivegate.gate.warm_up import compile_kernels, missing_marker
+    from drivegate.drives.kinds import DRIVE_KINDS
+    from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
+    from drivegate_cases.drive.drive_document import load_drive
 
-    marker = missing_marker()
-    if marker is not None:
-        compile_kernels(marker)
+    kinds = uncompiled_kinds(load_drive(kind.default_drive) for kind in DRIVE_KINDS.values())
+    if kinds:
+        compile_kernels(kinds)
 
 
 @pytest.fixture(autouse=True, scope="session")

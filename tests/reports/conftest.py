@@ -34,7 +34,7 @@ from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES
 from drivegate_reports.campaign import report as campaign
 from drivegate_reports.comparison import drive_report
 from drivegate_reports.comparison import report as comparison

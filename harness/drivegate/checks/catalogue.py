@@ -10,21 +10,25 @@ from drivegate.checks.constant_power import CPW_1, CPW_2
 from drivegate.checks.convergence import CNV_1, CNV_2, CNV_3
 from drivegate.checks.current import CUR_1
 from drivegate.checks.determinism import DET_1
+from drivegate.checks.neutral import NEU_1
 from drivegate.checks.power import PWR_1, PWR_2
 from drivegate.checks.profile import FLO_1
 from drivegate.checks.ripple import RIP_1, RIP_2, RIP_3
 from drivegate.checks.robustness import ROB_1, ROB_2, ROB_3
 from drivegate.checks.timing import TIM_1
+from drivegate.checks.torque_sign import TRQ_1
 
 CHECKS: Final[tuple[Check, ...]] = (
     PWR_1,
     PWR_2,
+    NEU_1,
     ADV_1,
     ADV_2,
     CMD_1,
     RIP_1,
     RIP_2,
     RIP_3,
+    TRQ_1,
     CNV_1,
     CNV_2,
     CNV_3,

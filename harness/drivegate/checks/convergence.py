@@ -15,7 +15,7 @@ from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.limits import limits_of, mean_time
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_cases.scenario.load import LockedLoad
-from drivegate_cases.scenario.sensors import IdealSensors
+from drivegate_cases.scenario.sensors import IdealSensors, counted_s
 from drivegate_models.steady.oracle import feasible_edge, least_current_sum, point_at_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -68,7 +68,8 @@ def unseen_share(window: SteadyWindow) -> float:
     torque = window.values.torque
     if isinstance(sensors, IdealSensors) or torque <= 0.0:
         return 0.0
-    step = window.speed * sensors.clock_s / sensors.speed_window_s
+    electrical_speed = window.scenario.drive.machine.pole_pairs * window.speed
+    step = window.speed * sensors.clock_s / counted_s(sensors, electrical_speed)
     inertia = window.scenario.nameplate().inertia
     return 2.0 * inertia * step / mean_time(window.scenario.drive) / torque
 

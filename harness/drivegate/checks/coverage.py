@@ -26,6 +26,7 @@ DRAWS: Final = 60
 _NO_PART = "says what a run is called or how it is written, and is no part of it"
 _VEHICLE = "part of a vehicle's torque, which its mass, gear and grade vary"
 _PUBLISHED = "as in the published implementation; its errors vary with the seed"
+_HALL = "of Hall switches, which stars have; the error of each edge varies with the seed"
 _DRIVE = "the drive's, which `--drive` names; the plant's own varies by `scales`"
 
 NOT_VARIED: Final[Mapping[str, str]] = {
@@ -57,6 +58,7 @@ NOT_VARIED: Final[Mapping[str, str]] = {
         ),
         _PUBLISHED,
     ),
+    **dict.fromkeys(("sensors.placement_error_deg", "sensors.hysteresis_deg"), _HALL),
     **dict.fromkeys(
         (
             "nameplate phases",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.record import RunRecord
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.machine import ledger
 
 ROUNDING = 1e-12
@@ -20,6 +22,13 @@ def peak_current(record: RunRecord) -> Margin:
     return Margin("CUR-1", at_most(peak, allowed), f"{peak:.5g} A")
 
 
+def _unless_regulated(_declaration: Declaration, drive: DriveDocument) -> str | None:
+    regulation = drive.inverter.regulation
+    if regulation in (None, "every-half"):
+        return None
+    return f'with regulation = "{regulation}" not every half window is regulated, so no reference bounds a current'
+
+
 CUR_1 = Check(
     id="CUR-1",
     requirement="No phase current exceeds the limit plus the hysteresis band, diode overshoot included.",
@@ -31,4 +40,5 @@ CUR_1 = Check(
     formula="1 - greatest phase current / ({current} + band)",
     why="Devices and magnets are chosen for that current; where EMF exceeds the supply, the diodes can drive more.",
     evaluate=peak_current,
+    reason_not_applicable=_unless_regulated,
 )

@@ -10,11 +10,16 @@ from drivegate.checks.check import Check
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of, mean_time
+from drivegate_cases.scenario.sensors import real_sensors
 
 TEXTS: Final = ("requirement", "limit", "scenarios", "formula", "why")
 """Texts of a check that have a drive's numbers in them."""
 _KILO: Final = 1000.0
 _KEPT: Final = 1_000
+_SENSORS: Final = {
+    "mcs96": "the sensors of the published implementation: encoder, Hall sensors, converter",
+    "hall": "the sensors of conventional brushless DC drives: three Hall switches, current sensors, converter",
+}
 
 
 @lru_cache(maxsize=_KEPT)
@@ -25,7 +30,7 @@ def on_drive(check: Check, drive: DriveDocument) -> Check:
 
 
 def drive_numbers(drive: DriveDocument) -> dict[str, str]:
-    """Write the numbers that checks tell, by the names that stand in their texts."""
+    """Write the numbers that checks tell, and what sensors the drive has, by the names that stand in their texts."""
     scale, limits, rating = scale_of(drive), limits_of(drive), drive.rating
     points = [f"{point.speed_rpm:g} rpm and {point.torque_n_m:g} N·m" for point in limits.points]
     return {
@@ -45,6 +50,7 @@ def drive_numbers(drive: DriveDocument) -> dict[str, str]:
         "ripple": _percent(limits.ripple),
         "closed_loop_ripple": _percent(limits.closed_loop_ripple),
         "points": " or ".join(points),
+        "sensors": _SENSORS[real_sensors(drive).kind],
         "friction": f"{scale.friction_claimed_nm:g} N·m",
     }
 

@@ -38,7 +38,7 @@ def estimated_power(record: RunRecord) -> Margin | None:
         return None
     error = record.run.observed.power_error_relative
     margin = Margin("PWR-2", at_most(error, TOLERANCE), _relative(error))
-    step = plant_sensors(record.scenario).current_step
+    step = plant_sensors(record.scenario).converters.current_step
     if step == 0.0:
         return margin
     lowest = min(voltage for _, voltage in record.scenario.supply_profile)

@@ -77,9 +77,7 @@ ROB_1 = Check(
 )
 ROB_2 = Check(
     id="ROB-2",
-    requirement=(
-        "CNV-1 and CNV-3 hold through the sensors of the published implementation: encoder, Hall sensors, converter."
-    ),
+    requirement="CNV-1 and CNV-3 hold through {sensors}.",
     source="P6, P11",
     subject="candidate",
     level="required",

@@ -11,26 +11,26 @@ from drivegate.checks.drive_numbers import on_drive
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.publication.facts import Fact, facts
 
-EVERY_RUN: Final = ("PWR-1", "PWR-2", "ADV-2", "CMD-1", "CUR-1")
+EVERY_RUN: Final = ("PWR-1", "PWR-2", "NEU-1", "ADV-2", "CMD-1", "CUR-1")
 """Checks that judge every run in the closed loop."""
 FIXED: Final = "fixed"
 """Name of the scenarios that are run first, whatever the seed; they exercise all checks but those of `SPECIAL`."""
 DRAWN: Final[Mapping[str, tuple[str, ...]]] = {
-    "steady": ("CNV-1", "CNV-2", "RIP-3"),
-    "constant power": ("CNV-1", "CNV-2", "CPW-1", "RIP-2", "RIP-3"),
+    "steady": ("CNV-1", "CNV-2", "RIP-3", "TRQ-1"),
+    "constant power": ("CNV-1", "CNV-2", "CPW-1", "RIP-2", "RIP-3", "TRQ-1"),
     "parameter": ("ROB-1",),
-    "load step": ("CNV-2", "CNV-3", "RIP-3"),
-    "load course": ("CNV-2", "CNV-3", "RIP-3"),
+    "load step": ("CNV-2", "CNV-3", "RIP-3", "TRQ-1"),
+    "load course": ("CNV-2", "CNV-3", "RIP-3", "TRQ-1"),
     "sensor": ("ROB-2",),
     "phase": ("ROB-2", "ROB-3"),
-    "supply": ("CNV-2", "CNV-3", "RIP-3"),
-    "beginning": ("CNV-1", "CNV-2", "RIP-3"),
+    "supply": ("CNV-2", "CNV-3", "RIP-3", "TRQ-1"),
+    "beginning": ("CNV-1", "CNV-2", "RIP-3", "TRQ-1"),
     "fault": ("ROB-3",),
-    "restart": ("CNV-2", "CNV-3", "RIP-3"),
-    "speed step": ("CNV-2", "CNV-3", "RIP-3"),
-    "standstill": ("ADV-1", "CNV-2", "CNV-3", "RIP-3"),
+    "restart": ("CNV-2", "CNV-3", "RIP-3", "TRQ-1"),
+    "speed step": ("CNV-2", "CNV-3", "RIP-3", "TRQ-1"),
+    "standstill": ("ADV-1", "CNV-2", "CNV-3", "RIP-3", "TRQ-1"),
     "base speed": ("ADV-1",),
-    "overspeed": ("CNV-1", "CNV-2", "CPW-2", "RIP-3"),
+    "overspeed": ("CNV-1", "CNV-2", "CPW-2", "RIP-3", "TRQ-1"),
     "vehicle": ("CNV-2", "CNV-3", "RIP-3"),
 }
 """For each family of `scenarios.drawn`, the checks that it is there for, beside those of every run."""

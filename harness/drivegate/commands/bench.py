@@ -119,13 +119,13 @@ def _command(program: str, quick: bool, cold: bool, names: tuple[str, ...]) -> s
 
 
 def _measured(plan: Sequence[Planned], bench: Workbench) -> list[BenchRow]:
-    from drivegate.gate.warm_up import compile_kernels, missing_marker
+    from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
     from drivegate.output.progress import progress_on
 
-    marker = missing_marker()
+    kinds = uncompiled_kinds()
     # A gate starts its own processes; everything else is compiled by the first round, which is not timed.
-    if marker is not None and any(one.name.startswith("gate.") for one in plan):
-        compile_kernels(marker)
+    if kinds and any(one.name.startswith("gate.") for one in plan):
+        compile_kernels(kinds)
     rows = []
     with progress_on(sys.stderr) as display:
         display.begin("bench", len(plan))

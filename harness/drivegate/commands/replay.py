@@ -77,7 +77,7 @@ def _replay_all(folder: Path, candidate: str | None) -> Outcome:
     from drivegate.studies.replay.folder import document_of_all, kept_in, replayed_all
 
     all_kept = kept_in(folder, candidate)
-    with_compiled_kernels()
+    with_compiled_kernels(kept.stored.scenario.drive for kept in all_kept)
     with progress_on(sys.stderr) as display:
         document = document_of_all(folder, replayed_all(all_kept, display))
 

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate.drives.drive_kind import DriveKind
 from drivegate.drives.half_bridge import HALF_BRIDGE
+from drivegate.drives.star import STAR
 
 if TYPE_CHECKING:
     from drivegate_cases.drive.drive_document import DriveDocument
 
-DRIVE_KINDS: Final[Mapping[str, DriveKind]] = {kind.name: kind for kind in (HALF_BRIDGE,)}
+DRIVE_KINDS: Final[Mapping[str, DriveKind]] = {kind.name: kind for kind in (HALF_BRIDGE, STAR)}
 """Every kind there is, by its name, which is the `kind` of its documents."""
 DEFAULT_KIND: Final = HALF_BRIDGE
 """The kind that controllers are made for where nothing says another."""

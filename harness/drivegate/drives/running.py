@@ -22,8 +22,9 @@ def run_scenario(
     trace_every: int = 0,
     wrap: Wrap | None = None,
     kept: NDArray[Any] | None = None,
+    sees_plant: bool = False,
 ) -> ClosedLoopRun:
-    """Reset a controller and run it through a scenario."""
+    """Reset a controller and run it through a scenario, or past what its sensors show (`sees_plant`)."""
     return run_in_closed_loop(
         kind_of(scenario.drive).prepare_loop(),
         scenario,
@@ -32,6 +33,7 @@ def run_scenario(
         trace_every=trace_every,
         wrap=wrap,
         kept=kept,
+        sees_plant=sees_plant,
     )
 
 

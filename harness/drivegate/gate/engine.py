@@ -26,7 +26,7 @@ from drivegate.gate.repetition import repeated_elsewhere
 from drivegate.gate.same_drive import require_same_drive
 from drivegate.gate.shrinking import Shrunk
 from drivegate.gate.simplest import simplest_failures, with_simplest
-from drivegate.gate.warm_up import compile_kernels, missing_marker
+from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
 from drivegate.results.baseline import Baseline, compared
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import machine, provenance
@@ -138,10 +138,10 @@ def check_candidate(
         focus=focus,
     )
     yield CheckStarted(candidate.name, sum(item.runs for item in work))
-    marker = missing_marker()
-    if marker is not None:
+    kinds = uncompiled_kinds([judged_on])
+    if kinds:
         yield Compiling()
-        compile_kernels(marker)
+        compile_kernels(kinds)
 
     waived = {waiver.check for waiver in waivers if waiver.candidate == candidate.name}
     counting = frozenset(check.id for check in CHECKS if check.level in counted_levels(fail_on)) - waived

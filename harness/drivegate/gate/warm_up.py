@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from itertools import product
-from pathlib import Path
 
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.fault import Fault
@@ -11,30 +11,30 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
-from drivegate.drives.kinds import DRIVE_KINDS
+from drivegate.drives.kinds import DEFAULT_KIND, DRIVE_KINDS
 from drivegate.drives.running import recorded
 from drivegate.runs.record import rated_torque
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import choose_cache_folder
 from drivegate_models.errors import HarnessFault
 from drivegate_models.units import RADIANS_PER_RPM
 
 MARKER = "all-kernels"
-"""Name of the file in the cache folder that tells that every kernel has been compiled."""
+"""Begin of the names of files in the cache folder, each of which tells that every kernel of a kind is compiled."""
 
 
-def missing_marker() -> Path | None:
-    """Tell whether the kernels are still to be compiled."""
+def uncompiled_kinds(drives: Iterable[DriveDocument | None] = (None,)) -> tuple[str, ...]:
+    """Find the kinds of some drives, the default one's for None, whose kernels are still to be compiled."""
     folder = choose_cache_folder()
     if folder is None:
-        return None
-    marker = folder / MARKER
-    return None if marker.exists() else marker
+        return ()
+    kinds = dict.fromkeys(DEFAULT_KIND.name if drive is None else drive.kind for drive in drives)
+    return tuple(kind for kind in kinds if not (folder / f"{MARKER}-{kind}").exists())
 
 
-def compile_kernels(marker: Path) -> None:
-    """Compile every kernel in processes of their own, and note that it is done.
+def compile_kernels(kinds: Collection[str]) -> None:
+    """Compile every kernel of some kinds of drives in processes of their own, and note that it is done.
 
     The oracle is compiled beside all else. What both need comes early in the one and late in the other, which finds it
     compiled by then: the phase in the oracle, the whole steady state in what is beside it.
@@ -42,11 +42,14 @@ def compile_kernels(marker: Path) -> None:
     candidate = resolve_candidate(next(iter(BUILTIN_CANDIDATES)))
     with WorkerPool(candidate, workers=2) as pool:
         rounds = ((_use_oracle, _use_closed_loop, _use_steady_state), (_judge_a_run,))
-        for kind, targets in product(DRIVE_KINDS, rounds):
+        for kind, targets in product(kinds, rounds):
             for outcome in pool.map([Job(target, kind) for target in targets]):
                 if isinstance(outcome, Fault):
                     raise HarnessFault(f"the kernels cannot be compiled: {outcome.message}")
-    marker.touch()
+    folder = choose_cache_folder()
+    assert folder is not None, "kernels without a folder are never to be compiled"
+    for kind in kinds:
+        (folder / f"{MARKER}-{kind}").touch()
 
 
 def _use_oracle(_loaded: JudgedCandidate, kind: str) -> None:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 
-from drivegate.gate.warm_up import compile_kernels, missing_marker
+from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
 from drivegate.output.streams import write_to
+from drivegate_cases.drive.drive_document import DriveDocument
 
 
-def with_compiled_kernels() -> None:
-    """Compile the kernels unless they are kept from before.
+def with_compiled_kernels(drives: Iterable[DriveDocument]) -> None:
+    """Compile the kernels of some drives' kinds unless they are kept from before.
 
     A process that compiles a kernel itself may round otherwise, in the last digit, than one that loads it.
     """
-    marker = missing_marker()
-    if marker is not None:
+    kinds = uncompiled_kinds(drives)
+    if kinds:
         write_to(sys.stderr, "compiling the kernels, which is done once and takes about half a minute\n")
-        compile_kernels(marker)
+        compile_kernels(kinds)

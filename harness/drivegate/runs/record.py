@@ -14,9 +14,9 @@ from drivegate_cases.scenario.circumstance import Circumstance, circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells, is_after_change
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.observation import WindowObservation
+from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
 _SAME = 1e-6
@@ -104,7 +104,7 @@ class RunRecord:
     parting: str = ""
 
     @cached_property
-    def drive(self) -> Drive:
+    def drive(self) -> AnyDrive:
         """The plant that the run was made on."""
         return self.scenario.drive.plant(self.scenario.scales)
 

@@ -30,13 +30,16 @@ from drivegate_cases.scenario.load import (
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.profile import profile_arrays
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_cases.scenario.sensors import IdealSensors
+from drivegate_cases.scenario.sensors import HallSensors, IdealSensors, Mcs96Sensors
 from drivegate_models.contract.outer_loop.signals import Sense
 from drivegate_models.errors import HarnessFault
-from drivegate_models.loop import sensors
 from drivegate_models.loop.closed_loop import ClosedLoopRun, PreparedLoop
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.schedule import Course, Schedule
+from drivegate_models.loop.sensing import sensors
+from drivegate_models.loop.sensing.converters import Converters, real_converters
+from drivegate_models.loop.sensing.encoder import Encoder, turning_encoder
+from drivegate_models.loop.sensing.hall import EDGES, Hall, turning_hall
 from drivegate_models.machine import load
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -101,12 +104,23 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     given = scenario.sensors
     if isinstance(given, IdealSensors):
         return sensors.ideal_sensors(scenario.drive.machine.phases, dropouts, gains, offsets)
-    glitches = np.array([(glitch.time_s, glitch.counts) for glitch in scenario.glitches], np.float64)
-    return sensors.real_sensors(
-        scenario.drive.machine.phases,
-        encoder_lines=given.encoder_lines,
-        speed_window=given.speed_window_s,
-        clock=given.clock_s,
+    generator = np.random.default_rng(scenario.seed)
+    converters = _plant_converters(given, generator, gains, offsets)
+    if isinstance(given, HallSensors):
+        return sensors.real_sensors(converters, dropouts, hall=_plant_hall(scenario, given, generator))
+    return sensors.real_sensors(converters, dropouts, encoder=_plant_encoder(scenario, given))
+
+
+def _plant_converters(
+    given: Mcs96Sensors | HallSensors,
+    generator: np.random.Generator,
+    gains: NDArray[np.float64],
+    offsets: NDArray[np.float64],
+) -> Converters:
+    return real_converters(
+        generator,
+        gains,
+        offsets,
         current_range=_stated(given.current_range_a),
         current_gain_spread=given.current_gain_spread,
         current_offset=_stated(given.current_offset_a),
@@ -114,13 +128,31 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
         voltage_range=_stated(given.voltage_range_v),
         voltage_noise=_stated(given.voltage_noise_v),
         converter_bits=given.converter_bits,
+    )
+
+
+def _plant_encoder(scenario: Scenario, given: Mcs96Sensors) -> Encoder:
+    glitches = np.array([(glitch.time_s, glitch.counts) for glitch in scenario.glitches], np.float64)
+    return turning_encoder(
+        lines=given.encoder_lines,
+        speed_window=given.speed_window_s,
+        clock=given.clock_s,
         control_period=scenario.control_period_s,
         initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
-        seed=scenario.seed,
-        dropouts=dropouts,
         glitches=glitches.reshape(-1, 2),
-        gains=gains,
-        offsets=offsets,
+    )
+
+
+def _plant_hall(scenario: Scenario, given: HallSensors, generator: np.random.Generator) -> Hall:
+    greatest = math.radians(given.placement_error_deg)
+    return turning_hall(
+        pole_pairs=scenario.drive.machine.pole_pairs,
+        placement_errors=greatest * generator.uniform(-1.0, 1.0, EDGES),
+        greatest_error=greatest,
+        hysteresis=math.radians(given.hysteresis_deg),
+        clock=given.clock_s,
+        initial_angle=math.radians(scenario.initial_angle_deg),
+        initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
     )
 
 
@@ -143,14 +175,17 @@ def run_in_closed_loop(
     trace_every: int = 0,
     wrap: Wrap | None = None,
     kept: NDArray[Any] | None = None,
+    sees_plant: bool = False,
 ) -> ClosedLoopRun:
     """Reset a controller and run it through a scenario, against the plant of a closed loop.
 
     A candidate's instance runs in its own process, beside a plant that is there to close the loop; what is observed is
-    what the plant here comes to by the same commands. `kept` receives the command of each step.
+    what the plant here comes to by the same commands. `kept` receives the command of each step. With `sees_plant` the
+    controller is shown the plant as it is, whatever the sensors that commutate it.
     """
     nameplate = scenario.nameplate()
     plant = (scenario.drive.plant(scenario.scales), plant_load(scenario), plant_schedule(scenario))
+    given = plant_sensors(scenario)
     options = {
         "initial_speed": scenario.initial_speed_rpm * RADIANS_PER_RPM,
         "base_speed": nameplate.base_speed,
@@ -158,7 +193,7 @@ def run_in_closed_loop(
         "duration": scenario.duration_s,
         "initial_angle": math.radians(scenario.initial_angle_deg),
         "clock_start": scenario.clock_start_s,
-        "sensors": plant_sensors(scenario),
+        "sensors": sensors.showing_the_plant(given) if sees_plant else given,
     }
     restarts = [round(time / scenario.control_period_s) for time in scenario.restarts_s]
     show_drive(controller, scenario.drive)

@@ -10,6 +10,7 @@ from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, G
 from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import real_sensors
 
 TWENTY = 20
 """Number of times that something happens that is repeated (1)."""
@@ -77,9 +78,9 @@ def with_scales(scenario: Scenario, **factors: float) -> Scenario:
     return titled(scenario.replaced(scales=factors))
 
 
-def with_mcs96(scenario: Scenario, seed: int) -> Scenario:
-    """Put the sensors of the published implementation between plant and controller."""
-    return titled(scenario.replaced(sensors="mcs96", seed=seed))
+def with_real_sensors(scenario: Scenario, seed: int) -> Scenario:
+    """Put the sensors that the drive has between plant and controller."""
+    return titled(scenario.replaced(sensors=real_sensors(scenario.drive).kind, seed=seed))
 
 
 def with_beginning(scenario: Scenario, **changes: float) -> Scenario:

@@ -21,7 +21,7 @@ from drivegate.scenarios.changes import (
     with_imbalance,
     with_load_factor,
     with_load_shares,
-    with_mcs96,
+    with_real_sensors,
     with_restarts,
     with_scales,
     with_speed,
@@ -38,6 +38,7 @@ from drivegate_cases.drive.limits import rounded
 from drivegate_cases.scenario.load import FanLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import has_encoder, real_sensors
 from drivegate_models.units import RADIANS_PER_RPM
 
 Change: TypeAlias = Callable[[Scenario, Random, float], Scenario]
@@ -81,7 +82,7 @@ def long_scenarios(drive: DriveDocument, speed_range: SpeedRange | None, seed: i
     to_and_fro = repeated(1.0, 0.5, rest, times=12, every_s=2.0 * rest)
     return (
         titled(plain.replaced(duration_s=scale.long_s)),
-        with_mcs96(changed, random.randrange(1000)),
+        with_real_sensors(changed, random.randrange(1000)),
         with_load_factor(busy, (*coming_on(drive), *to_and_fro[1:])),
     )
 
@@ -193,9 +194,19 @@ def _changed(run: Scenario, row: Row, random: Random) -> Scenario:
     )
     for changes in (_PLANTS, _SENSORS, _SUPPLIES, _FAULTS):
         for level in row.values():
-            if level in changes:
+            if level in changes and _is_possible_on(run.drive, level):
                 run = changes[level](run, random, _moment(run.drive, row, random))
     return run
+
+
+def _is_possible_on(drive: DriveDocument, level: str) -> bool:
+    """Tell whether a drive has what a change is about; without it, that of a row is left out."""
+    match level:
+        case "unequal halves":
+            return drive.has_split_supply
+        case "false edges":
+            return has_encoder(real_sensors(drive))
+    return True
 
 
 def _phase(run: Scenario, random: Random) -> int:
@@ -247,7 +258,7 @@ _PLANTS: Final[Mapping[str, Change]] = {
     "friction": lambda run, random, _: _with_friction(run, random),
 }
 _SENSORS: Final[Mapping[str, Change]] = {
-    "mcs96": lambda run, random, _: with_mcs96(run, random.randrange(1000)),
+    "real": lambda run, random, _: with_real_sensors(run, random.randrange(1000)),
     "gain of a phase": lambda run, random, _: with_current_error(
         run, _phase(run, random), gain=random.choice((0.8, 0.9, 1.1, 1.2))
     ),

@@ -25,7 +25,7 @@ FACTORS: Final[Mapping[str, tuple[str, ...]]] = {
     "plant": ("nominal", "resistance", "inductance", "EMF", "friction"),
     "control period": ("500 µs", "400 µs", "250 µs", "100 µs"),
     "supply": ("nominal", "dip", "sag", "swell"),
-    "sensors": ("ideal", "mcs96", "gain of a phase", "offset of a phase"),
+    "sensors": ("ideal", "real", "gain of a phase", "offset of a phase"),
     "load": ("torque", "power", "fan", "vehicle"),
     "clock": ("0", "2³¹ µs", "2³² µs"),
     "rotor": ("0°", "any"),

@@ -25,8 +25,8 @@ from drivegate_cases.scenario.load import ConstantPowerLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.steady.oracle import feasible_edge
+from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
 REACTION_S = 0.02
@@ -226,7 +226,7 @@ def coasted_rate(drive: DriveDocument, wanted_rpm_per_s: float) -> float:
     return rate if rate > SLOWEST_SHARE * wanted_rpm_per_s else 0.0
 
 
-def _own_drag(drive: Drive, speed: float) -> float:
+def _own_drag(drive: AnyDrive, speed: float) -> float:
     """Friction, and the core loss of the whole EMF, more of which the shaft never has to bear (N m)."""
     core = (
         drive.phases
@@ -238,7 +238,7 @@ def _own_drag(drive: Drive, speed: float) -> float:
     return drive.friction + drive.viscous_friction * speed + core
 
 
-def _mean_square(drive: Drive) -> float:
+def _mean_square(drive: AnyDrive) -> float:
     """Mean square of the back-EMF's shape, exact for its straight pieces (1)."""
     first, last = drive.emf_values[:-1], drive.emf_values[1:]
     pieces = (first * first + first * last + last * last) / 3.0
@@ -246,7 +246,7 @@ def _mean_square(drive: Drive) -> float:
 
 
 @lru_cache(maxsize=_KEPT_DRIVES)
-def _drive(drive: DriveDocument, scales: Scales) -> Drive:
+def _drive(drive: DriveDocument, scales: Scales) -> AnyDrive:
     return drive.plant(scales)
 
 

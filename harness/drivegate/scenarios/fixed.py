@@ -16,7 +16,7 @@ from drivegate.scenarios.changes import (
     with_glitch,
     with_imbalance,
     with_load_shares,
-    with_mcs96,
+    with_real_sensors,
     with_scales,
     with_speed,
     with_supply,
@@ -30,6 +30,7 @@ from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.requirements import RequiredPoint
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
+from drivegate_cases.scenario.sensors import has_encoder, real_sensors
 
 
 def fixed_scenarios(drive: DriveDocument, speed_range_rpm: SpeedRange | None = None) -> tuple[Scenario, ...]:
@@ -161,9 +162,9 @@ def _other_plants(drive: DriveDocument) -> list[Scenario]:
 
 def _other_sensors(drive: DriveDocument) -> list[Scenario]:
     return [
-        with_mcs96(_rated(drive, 0.2), seed=1),
-        with_mcs96(_torque(drive, 0.6, 0.5), seed=2),
-        with_mcs96(_torque(drive, 1.0, 1.0), seed=3),
+        with_real_sensors(_rated(drive, 0.2), seed=1),
+        with_real_sensors(_torque(drive, 0.6, 0.5), seed=2),
+        with_real_sensors(_torque(drive, 1.0, 1.0), seed=3),
     ]
 
 
@@ -172,8 +173,16 @@ def _faults(drive: DriveDocument) -> list[Scenario]:
     at, early, over = scale.change_s, scale.units(2), scale.units(8)
     return [
         with_dropout(_torque(drive, 1.0, 0.8), "speed", at, tidy(10 * scale.dropout_step_s)),
-        with_glitch(with_mcs96(_torque(drive, 0.5, 0.8), seed=4), 20, at),
-        with_imbalance(_torque(drive, 0.7, 0.8), stepped(0.0, 0.03, at)),
+        *(
+            [with_glitch(with_real_sensors(_torque(drive, 0.5, 0.8), seed=4), 20, at)]
+            if has_encoder(real_sensors(drive))
+            else []
+        ),
+        *(
+            [with_imbalance(_torque(drive, 0.7, 0.8), stepped(0.0, 0.03, at))]
+            if drive.has_split_supply
+            else []
+        ),
         with_drift(
             _torque(drive, 0.8, 0.9),
             resistance=stepped(1.0, 1.4, early, over_s=over),

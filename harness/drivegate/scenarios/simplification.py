@@ -21,7 +21,7 @@ from drivegate_cases.scenario.load import (
 )
 from drivegate_cases.scenario.profile import dwell_torque, dwells
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
-from drivegate_cases.scenario.sensors import IDEAL, MCS96
+from drivegate_cases.scenario.sensors import IDEAL, PLAIN
 from drivegate_models.errors import InputError
 
 Fields: TypeAlias = dict[str, Any]
@@ -129,8 +129,8 @@ def _plainer_beginning(scenario: Scenario) -> Iterator[Fields]:
 def _plainer_sensors(scenario: Scenario) -> Iterator[Fields]:
     yield {"sensors": IDEAL, "glitches": (), "seed": 0}
     yield {"sensors": IDEAL, "glitches": ()}
-    if scenario.sensors.kind == MCS96.kind:
-        yield {"sensors": MCS96}
+    if scenario.sensors.kind != IDEAL.kind:
+        yield {"sensors": PLAIN[scenario.sensors.kind]}
     yield {"seed": 0}
 
 

@@ -9,7 +9,7 @@ from typing import Any, Final
 from drivegate.scenarios.facts import facts_of
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S
-from drivegate_cases.scenario.sensors import IDEAL, MCS96
+from drivegate_cases.scenario.sensors import IDEAL, PLAIN
 
 _FACT, _FAILURE, _PARAMETER, _POINT, _LOAD, _SEED, _DIGIT = 1500, 2000, 1000, 300, 100, 20, 5
 _FAILURES: Final = ("dropouts", "glitches", "current_errors", "restarts_s")
@@ -71,8 +71,9 @@ def _sensor_size(sensors: str | Mapping[str, Any]) -> int:
     keys = {"kind": sensors} if isinstance(sensors, str) else sensors
     if keys["kind"] == IDEAL.kind:
         return 0
+    plain = PLAIN[keys["kind"]]
     return _PARAMETER + _LOAD * len(
-        [key for key, value in keys.items() if getattr(MCS96, key) not in (None, value)]
+        [key for key, value in keys.items() if getattr(plain, key) not in (None, value)]
     )
 
 

@@ -199,13 +199,15 @@ def _fingerprint(function: Callable[..., object]) -> str:
     return digest.hexdigest()
 
 
-def _compiled(function: _Function, **options: Any) -> _Function:
+def _compiled(function: _Function, *, forceinline: bool = False, **options: Any) -> _Function:
     njit: Any = numba.njit
     if function.__closure__:
         # numba names code by the function and by a number that it counts up in each process. Two functions of one
         # factory, compiled by two processes, may so have one name, and one would be linked in place of the other.
         function.__qualname__ += f".{_fingerprint(function)[:16]}"
-    dispatcher = njit(error_model="numpy", **options)(function)
+    # Where it is not said, a function that is compiled on behalf of one that is copied into its callers is copied too,
+    # with all that it calls, wherever it is called.
+    dispatcher = njit(error_model="numpy", forceinline=forceinline, **options)(function)
     if KEEPS_CACHE and not vars(numba.config)["DISABLE_JIT"]:
         dispatcher._cache = _KernelCache(function)
     return cast(_Function, dispatcher)

@@ -22,10 +22,7 @@ from drivegate_models.loop.observation import (
 )
 from drivegate_models.loop.restarting import Restarts, no_restarts
 from drivegate_models.loop.schedule import Schedule
-from drivegate_models.loop.sensors import (
-    Sensors,
-    ideal_sensors,
-)
+from drivegate_models.loop.sensing.sensors import Sensors, ideal_sensors
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import Load
 

@@ -14,6 +14,7 @@ from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.loop.exchange import COMPLETED, Exchange, digested_command
 from drivegate_models.loop.observing import (
     Applied,
+    observe_balance,
     observe_command,
     observe_energy,
     observe_power_estimate,
@@ -23,12 +24,12 @@ from drivegate_models.loop.observing import (
 from drivegate_models.loop.restarting import Restarts, step_or_restart, steps_since
 from drivegate_models.loop.ripple_watch import RippleWatch, fresh_watch, observe_ripple, widened_watch
 from drivegate_models.loop.schedule import Conditions, Schedule, conditions_at
-from drivegate_models.loop.sensors import (
+from drivegate_models.loop.sensing.sensors import (
     Sensors,
     show_currents,
     shown_speed,
     shown_supply,
-    turn_encoder,
+    turn_sensors,
 )
 from drivegate_models.loop.shaft import speed_after, within_a_turn
 from drivegate_models.machine import ledger
@@ -305,12 +306,15 @@ def loop_of(kernels: PlantKernels) -> Any:
             moving = recorded if watched >= 0 else phases
             upper = conditions.supply * (1.0 + conditions.imbalance)
             lower = conditions.supply * (1.0 - conditions.imbalance)
-            if advance_phases(plant, moving, angle, speed, upper, lower, reference, advance, length, period):
+            # The windows rest on the angle that the sensors give; its error moves them as an advance does.
+            shifted = advance + turn_sensors(sensors, k, time, length, speed)
+            if advance_phases(plant, moving, angle, speed, upper, lower, reference, shifted, length, period):
                 observed.steps = k
                 return PLANT_FAULT, digest
             ledger.add_period(records.totals, period)
             now_stored = stored_energy(drive, phases.currents)
             observe_energy(observed, plant.resistance, speed, stored, now_stored, period)
+            observe_balance(observed, phases.currents, upper == lower, period)
             stored = now_stored
             current_sum = period[ledger.MAGNITUDE] / length
             load_now = load_torque(load, conditions.load_factor, speed)
@@ -320,7 +324,6 @@ def loop_of(kernels: PlantKernels) -> Any:
                 write_trace(records.trace[traced], time, conditions, applied, measured.speed)
                 traced += 1
 
-            turn_encoder(sensors, k, time, length, speed)
             turned = angle + drive.pole_pairs * speed * length
             wraps = turned >= 2.0 * pi
             watch = follow_ripple(plant, recorded, records, room, watched, watch, length, wraps)

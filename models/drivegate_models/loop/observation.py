@@ -56,6 +56,10 @@ class RunObservation(NamedTuple):
     """Time of the step of `angle_below_base` (s)."""
     speed_final: float
     """Speed at the end (rad/s)."""
+    neutral_current: float
+    """Greatest |sum of the phase currents| over the sum of their magnitudes, at the end of a period (1)."""
+    unequal_halves: float
+    """Greatest difference of the energies that a period takes from the half-sources, over what it exchanges (1)."""
 
 
 class WindowObservation(NamedTuple):
@@ -93,6 +97,8 @@ class WindowObservation(NamedTuple):
     """Torque ripple, peak to peak over mean, of the worst electrical period in the window's last `RIPPLE_TIME` (1)."""
     ripple_one_sided: float
     """Greatest deviation from the mean over the mean, of the worst electrical period there (1)."""
+    torque_lowest: float
+    """Least torque of the electrical periods there (N m); inf where there was none."""
 
 
 TRACE_COLUMNS: Final = (
@@ -161,7 +167,7 @@ def empty_windows(count: int) -> NDArray[Any]:
         Nothing observed.
     """
     windows = np.zeros(count, WINDOW_RECORD)
-    windows["angle_lowest"] = windows["mean_lowest"] = inf
+    windows["angle_lowest"] = windows["mean_lowest"] = windows["torque_lowest"] = inf
     windows["angle_highest"] = windows["mean_highest"] = -inf
     return windows
 

@@ -126,6 +126,37 @@ def observe_energy(
 
 
 @inlined
+def observe_balance(
+    run: Any, currents: NDArray[np.float64], halves_are_equal: bool, period: NDArray[np.float64]
+) -> None:
+    """Add what the currents of one control period leave for a return that is common to all phases.
+
+    A neutral that is isolated has none: the currents sum to zero, and equal halves of a supply give the same energy.
+
+    Parameters
+    ----------
+    run : record of RUN_RECORD
+        Updated.
+    currents : ndarray, shape (m,)
+        Phase currents at the end of the period (A).
+    halves_are_equal : bool
+        Whether the half-sources have the same voltage.
+    period : ndarray, shape (ledger.ENTRIES,)
+        Exact integrals over the period.
+    """
+    total = 0.0
+    size = 0.0
+    for current in currents:
+        total += current
+        size += abs(current)
+    if abs(total) > run.neutral_current * size:
+        run.neutral_current = abs(total) / size
+    difference = abs(period[ledger.UPPER] - period[ledger.LOWER])
+    if halves_are_equal and difference > run.unequal_halves * period[ledger.EXCHANGED]:
+        run.unequal_halves = difference / period[ledger.EXCHANGED]
+
+
+@inlined
 def observe_window(
     row: Any, applied: Applied, speed_reference: float, block_sum: float, done: int, block: int
 ) -> float:

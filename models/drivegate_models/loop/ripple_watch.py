@@ -77,6 +77,8 @@ def observe_ripple(row: Any, watch: RippleWatch) -> None:
         The electrical period.
     """
     mean = watch.impulse / watch.time
+    if watch.is_whole:
+        row.torque_lowest = min(row.torque_lowest, watch.lowest)
     if watch.is_whole and mean > 0.0:
         row.ripple = max(row.ripple, (watch.highest - watch.lowest) / mean)
         one_sided = max(watch.highest - mean, mean - watch.lowest) / mean

@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.steady.advance_line import demanded_torque
 from drivegate_models.steady.angle_search import reaches, torque_demand
 from drivegate_models.steady.oracle import current_sum_curve, least_current_sum
+from drivegate_models.steady.plant import AnyDrive
 
 LOADS: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1)
 """Load of each column, as a share of rated power (1)."""
@@ -39,7 +39,13 @@ class AngleTable(NamedTuple):
 
 
 def angle_table(
-    drive: Drive, base_speed: float, last_speed: float, rows: int, rated_power: float, *, banded: bool = False
+    drive: AnyDrive,
+    base_speed: float,
+    last_speed: float,
+    rows: int,
+    rated_power: float,
+    *,
+    banded: bool = False,
 ) -> AngleTable:
     """Compute a table for a drive.
 
@@ -48,7 +54,7 @@ def angle_table(
 
     Parameters
     ----------
-    drive : Drive
+    drive : AnyDrive
         The drive.
     base_speed, last_speed : float
         Speeds of the first row and of the last (rad/s).
@@ -83,7 +89,7 @@ def angle_table(
     return AngleTable(base_speed, step, sums, angles)
 
 
-def _angle_for(drive: Drive, speed: float, torque: float, lowest: float) -> float:
+def _angle_for(drive: AnyDrive, speed: float, torque: float, lowest: float) -> float:
     """Return the angle of the least current sum that is no less than a lowest one, off the edge; NaN if none is."""
     best = least_current_sum(drive, speed, torque).advance
     if isnan(best):
@@ -95,11 +101,11 @@ def _angle_for(drive: Drive, speed: float, torque: float, lowest: float) -> floa
     return max(off_edge if reaches(demand, off_edge) else best, lowest)
 
 
-def _sum_at(drive: Drive, speed: float, torque: float, angle: float) -> float:
+def _sum_at(drive: AnyDrive, speed: float, torque: float, angle: float) -> float:
     if isnan(angle):
         return inf
     return float(current_sum_curve(drive, speed, torque, [angle]).current_sum[0])
 
 
-def _lightest(drive: Drive) -> float:
+def _lightest(drive: AnyDrive) -> float:
     return LOADS[0] * drive.current_limit

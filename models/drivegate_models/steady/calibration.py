@@ -22,6 +22,7 @@ from drivegate_models.machine.constants_fit import ConstantsFit, fit_constants
 from drivegate_models.machine.emf import trapezoid_corners
 from drivegate_models.steady.angle_search import torque_at_limit, torque_demand
 from drivegate_models.steady.oracle import feasible_edge, greatest_torque_at_limit
+from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
 ASSUMED_RESISTANCE: float = 0.08
@@ -187,16 +188,16 @@ def calibration_drive(constants: MotorConstants) -> Drive:
     )
 
 
-def _torque_at_limit(drive: Drive, speed_rpm: float, advance: float) -> float:
+def _torque_at_limit(drive: AnyDrive, speed_rpm: float, advance: float) -> float:
     return torque_at_limit(torque_demand(drive, speed_rpm * RADIANS_PER_RPM), advance)
 
 
-def published_facts(drive: Drive, figures: PublishedFigures | None = None) -> tuple[ComparedFigure, ...]:
+def published_facts(drive: AnyDrive, figures: PublishedFigures | None = None) -> tuple[ComparedFigure, ...]:
     """Return the facts that the fit uses beside those of a drive, in the paper's own terms.
 
     Parameters
     ----------
-    drive : Drive
+    drive : AnyDrive
         Any drive.
     figures : PublishedFigures, optional
         The published figures.

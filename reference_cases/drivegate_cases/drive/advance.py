@@ -14,7 +14,7 @@ from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate_cases.drive.rating import Rating
-    from drivegate_models.half_bridge.plant.drive import Drive
+    from drivegate_models.steady.plant import AnyDrive
 
 _LINES_KEPT = 256
 
@@ -48,7 +48,7 @@ class RatedDrive(Protocol):
     def advance(self) -> Advance | None:
         """The line that it states."""
 
-    def plant(self) -> Drive:
+    def plant(self) -> AnyDrive:
         """Make the plant's parameters."""
 
 

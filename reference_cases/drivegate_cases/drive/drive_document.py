@@ -25,7 +25,7 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate_models.contract.outer_loop.signals import Nameplate
-    from drivegate_models.half_bridge.plant.drive import Drive
+    from drivegate_models.steady.plant import AnyDrive
 
 HIGHEST_CHOPPING_FREQUENCY_HZ = 10e6
 
@@ -40,8 +40,10 @@ _KEYS: Final = {name: tuple(table.model_fields) for name, table in _TABLES.items
 _TABLE_OF_KEY: Final = {key: table for table, keys in _KEYS.items() for key in keys}
 """The table of each key; a key stands in one table only, so that it may go without its table's name."""
 
-_KIND_NUMBERS: Final = {"half-bridge": 1}
+_KIND_NUMBERS: Final = {"half-bridge": 1, "star": 2}
 """The contract's number of each kind of drive."""
+
+_FEWEST_OF_STAR: Final = 3
 
 TABLE_KEYS = tuple(_TABLE_OF_KEY)
 """Keys of all tables, by their bare names."""
@@ -53,8 +55,9 @@ class DriveDocument(Document):
     """A machine with its supply, inverter, current regulators and rating."""
 
     name: str = Field(min_length=1, max_length=200, description="name of the drive")
-    kind: Literal["half-bridge"] = Field(
-        description='kind of drive: "half-bridge", decoupled phases on half-bridge legs at a split supply'
+    kind: Literal["half-bridge", "star"] = Field(
+        description='kind of drive: "half-bridge", decoupled phases on half-bridge legs at a split supply, or "star", '
+        "star-connected phases with an isolated neutral on such legs"
     )
     machine: Machine = Field(description="table of the windings, their EMF, and the shaft")
     inverter: Inverter = Field(description="table of the supply, the current regulators and the devices")
@@ -99,9 +102,22 @@ class DriveDocument(Document):
                 f"the key 'inverter.hysteresis_band_a' is {band:g}, but must be at most the current limit of "
                 f"{limit:g} A"
             )
+        self._check_kind()
         check_points(self.requirements, self.rating)
         self._check_chopping()
         return self
+
+    def _check_kind(self) -> None:
+        """Refuse what the kind of drive cannot have."""
+        phases = self.machine.phases
+        if self.kind == "star" and (phases < _FEWEST_OF_STAR or phases % 2 == 0):
+            raise ValueError(
+                f"the key 'machine.phases' is {phases}, but must be odd and at least {_FEWEST_OF_STAR} in a star"
+            )
+        if self.kind != "star" and self.inverter.regulation is not None:
+            raise ValueError(
+                "the key 'inverter.regulation' is for the kind \"star\"; decoupled phases chop in every half"
+            )
 
     def _check_chopping(self) -> None:
         """Refuse a band that the current crosses faster than any device could follow.
@@ -144,6 +160,11 @@ class DriveDocument(Document):
         """Give name, kind and hash, by which results tell what drive they are of."""
         return {"name": self.name, "kind": self.kind, "hash": self.values_hash}
 
+    @property
+    def has_split_supply(self) -> bool:
+        """Whether its phases are between legs and the tap of a split supply, whose halves may differ."""
+        return self.kind == "half-bridge"
+
     def value(self, key: str) -> Any:
         """Give the value of a key of any table, by its bare name."""
         return getattr(getattr(self, _TABLE_OF_KEY[key]), key)
@@ -176,42 +197,12 @@ class DriveDocument(Document):
             mapping | {"provenance": sources}, DriveDocument, "--set " + " --set ".join(pairs)
         )
 
-    def plant(self, scales: Scales | None = None) -> Drive:
+    def plant(self, scales: Scales | None = None) -> AnyDrive:
         """Make the plant's parameters, in SI units."""
-        from drivegate_models.half_bridge.plant.drive import make_drive
-        from drivegate_models.machine.emf import sine_corners, table_corners, trapezoid_corners
+        from drivegate_cases.drive.plant_constants import plant_constants
 
-        factors = scales or NOMINAL
-        machine, inverter = self.machine, self.inverter
-        if machine.emf_shape == "table":
-            angles = [math.radians(angle) for angle, _ in machine.emf_table]
-            corners = table_corners(angles, [value for _, value in machine.emf_table])
-        elif machine.emf_shape == "sine":
-            corners = sine_corners()
-        else:
-            assert machine.emf_flat_deg is not None, "a trapezoid without its flat width is refused on entry"
-            corners = trapezoid_corners(math.radians(machine.emf_flat_deg))
-        return make_drive(
-            phases=machine.phases,
-            pole_pairs=machine.pole_pairs,
-            resistance=machine.resistance_ohm * factors.resistance,
-            inductance=machine.inductance_h * factors.inductance,
-            emf_constant=machine.emf_constant_v_s_per_rad * factors.emf_constant,
-            emf_angles=corners[0],
-            emf_values=corners[1],
-            half_supply_voltage=inverter.supply_voltage_v,
-            hysteresis_band=inverter.hysteresis_band_a,
-            window=math.radians(inverter.window_deg),
-            current_limit=self.rating.current_limit_a,
-            core_loss_conductance=machine.core_loss_conductance_s,
-            inertia=machine.inertia_kg_m2,
-            friction=machine.friction_n_m + factors.friction_added_n_m,
-            viscous_friction=machine.viscous_friction_n_m_s_per_rad,
-            switch_drop=inverter.switch_drop_v,
-            diode_drop=inverter.diode_drop_v,
-            turn_on_energy=inverter.turn_on_energy_j,
-            turn_off_energy=inverter.turn_off_energy_j,
-        )
+        limit = self.rating.current_limit_a
+        return plant_constants(self.kind, self.machine, self.inverter, limit, scales or NOMINAL)
 
     def nameplate(self, control_period: float) -> Nameplate:
         """Make what a controller is given before a run, in SI units."""

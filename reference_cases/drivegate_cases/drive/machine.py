@@ -11,12 +11,18 @@ _Torque = Annotated[float, Field(ge=0.0, le=1e5)]
 
 
 class Machine(Section):
-    """A machine whose phases are alike and decoupled."""
+    """A machine whose phases are alike: decoupled, or star-connected with an isolated neutral."""
 
-    phases: int = Field(ge=1, le=31, description="number of phases, half a cycle divided by it apart")
+    phases: int = Field(
+        ge=1,
+        le=31,
+        description="number of phases; neighbours are half a cycle over it apart, in a star a whole one",
+    )
     pole_pairs: int = Field(ge=1, le=200, description="electrical cycles in a turn of the shaft")
     resistance_ohm: float = Field(ge=0.0, le=1e4, description="resistance of one phase, in ohm")
-    inductance_h: float = Field(gt=0.0, le=1e2, description="inductance of one phase, in henry")
+    inductance_h: float = Field(
+        gt=0.0, le=1e2, description="inductance of one phase, in a star less the mutual one, in henry"
+    )
     emf_constant_v_s_per_rad: float = Field(
         gt=0.0, le=1e4, description="peak EMF of one phase over the shaft's speed, in volt seconds per radian"
     )

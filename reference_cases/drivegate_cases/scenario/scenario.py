@@ -14,7 +14,7 @@ from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
 from drivegate_cases.scenario.load import ConstantPowerLoad, Load, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, check_times, value_from, value_until
-from drivegate_cases.scenario.sensors import IDEAL, Sensors, fitted, unfitted
+from drivegate_cases.scenario.sensors import IDEAL, Sensors, fitted, has_encoder, refusal, unfitted
 from drivegate_models.contract.outer_loop.signals import Nameplate
 
 LONGEST_CONTROL_PERIOD_S = 0.0005
@@ -145,8 +145,18 @@ class Scenario(Document):
         self._check_disturbances_end_in_time()
         self._check_load_fits_speed()
         self._check_phases()
-        if self.glitches and self.sensors.kind == "ideal":
-            raise ValueError("the key 'glitches' needs the sensors 'mcs96', since ideal ones have no encoder")
+        if self.imbalance is not None and not self.drive.has_split_supply:
+            raise ValueError(
+                f"the key 'imbalance' is for a split supply, but the drive's kind is \"{self.drive.kind}\", whose link "
+                "has no tap that halves could differ about"
+            )
+        if (unfit := refusal(self.sensors, self.drive)) is not None:
+            raise ValueError(f"the key 'sensors' does not fit the drive: {unfit}")
+        if self.glitches and not has_encoder(self.sensors):
+            described = "ideal ones" if self.sensors.kind == "ideal" else f"'{self.sensors.kind}'"
+            raise ValueError(
+                f"the key 'glitches' needs the sensors 'mcs96', since {described} have no encoder"
+            )
         return self
 
     def _check_whole_periods(self) -> None:

@@ -1,13 +1,71 @@
-"""What stands between plant and controller: ideal sensors, or those of the published implementation (Fig. 8)."""
+"""What stands between plant and controller: ideal sensors, those of the published implementation, or Hall switches."""
 
+import math
+from collections.abc import Mapping
 from dataclasses import fields
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import BeforeValidator, Field
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.converter_ranges import ConverterRanges, converter_ranges
 from drivegate_cases.drive.drive_document import DriveDocument
+
+ClockResolution = Annotated[
+    float, Field(gt=0.0, le=1e-3, description="resolution of the edges' times, in seconds")
+]
+"""How exactly a timer tells when an edge came."""
+CurrentRange = Annotated[
+    float | None,
+    Field(
+        gt=0.0,
+        le=1e6,
+        description="greatest current that the converter shows, in amperes, by default 1.54 times the current limit",
+    ),
+]
+"""Range of the converter of currents; left out, that of a converter chosen for the drive, as the others here."""
+CurrentGainSpread = Annotated[
+    float, Field(ge=0.0, le=0.5, description="greatest error of a current sensor's gain, as a share")
+]
+"""Spread of the current sensors."""
+CurrentOffset = Annotated[
+    float | None,
+    Field(
+        ge=0.0,
+        le=1e3,
+        description="greatest offset of a current sensor, in amperes, by default 0.19 % of the current limit",
+    ),
+]
+"""Offset of the current sensors."""
+CurrentNoise = Annotated[
+    float | None,
+    Field(
+        ge=0.0,
+        le=1e3,
+        description="standard deviation of a current sensor's noise, in amperes, by default 0.077 % of the limit",
+    ),
+]
+"""Noise of the current sensors."""
+VoltageRange = Annotated[
+    float | None,
+    Field(
+        gt=0.0,
+        le=1e6,
+        description="greatest half-supply voltage shown, in volts, by default 2.08 times the supply",
+    ),
+]
+"""Range of the converter of the supply's voltage."""
+VoltageNoise = Annotated[
+    float | None,
+    Field(
+        ge=0.0,
+        le=1e3,
+        description="standard deviation of the voltage's noise, in volts, by default 0.042 % of the supply",
+    ),
+]
+"""Noise of the supply's voltage."""
+ConverterBits = Annotated[int, Field(ge=4, le=24, description="bits of the converter")]
+"""Bits of both converters."""
 
 
 class IdealSensors(Section):
@@ -31,43 +89,45 @@ class Mcs96Sensors(Section):
     speed_window_s: float = Field(
         default=0.005, ge=1e-5, le=1.0, description="time over which encoder edges are counted, in seconds"
     )
-    clock_s: float = Field(
-        default=1e-6, gt=0.0, le=1e-3, description="resolution of the edges' times, in seconds"
-    )
-    current_range_a: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=1e6,
-        description="greatest current that the converter shows, in amperes, by default 1.54 times the current limit",
-    )
-    current_gain_spread: float = Field(
-        default=0.005, ge=0.0, le=0.5, description="greatest error of a current sensor's gain, as a share"
-    )
-    current_offset_a: float | None = Field(
-        default=None,
+    clock_s: ClockResolution = 1e-6
+    current_range_a: CurrentRange = None
+    current_gain_spread: CurrentGainSpread = 0.005
+    current_offset_a: CurrentOffset = None
+    current_noise_a: CurrentNoise = None
+    voltage_range_v: VoltageRange = None
+    voltage_noise_v: VoltageNoise = None
+    converter_bits: ConverterBits = 10
+
+
+class HallSensors(Section):
+    """Three Hall switches, as conventional brushless DC drives have, and the converter of `mcs96`.
+
+    Six edges an electrical cycle give the speed, and the angle that the inverter's windows rest on. The errors of
+    their placement are drawn once a run from the scenario's seed, and so are each phase's gain and offset. What the
+    errors are by default is assumed.
+    """
+
+    kind: Literal["hall"] = Field(description="kind of sensors")
+    placement_error_deg: float = Field(
+        default=1.5,
         ge=0.0,
-        le=1e3,
-        description="greatest offset of a current sensor, in amperes, by default 0.19 % of the current limit",
+        le=15.0,
+        description="greatest error of an edge's place, in electrical degrees; that of each of the six is drawn",
     )
-    current_noise_a: float | None = Field(
-        default=None,
+    hysteresis_deg: float = Field(
+        default=1.0,
         ge=0.0,
-        le=1e3,
-        description="standard deviation of a current sensor's noise, in amperes, by default 0.077 % of the limit",
+        le=15.0,
+        description="by how much every edge comes later in the sense of rotation, in electrical degrees",
     )
-    voltage_range_v: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=1e6,
-        description="greatest half-supply voltage shown, in volts, by default 2.08 times the supply",
-    )
-    voltage_noise_v: float | None = Field(
-        default=None,
-        ge=0.0,
-        le=1e3,
-        description="standard deviation of the voltage's noise, in volts, by default 0.042 % of the supply",
-    )
-    converter_bits: int = Field(default=10, ge=4, le=24, description="bits of the converter")
+    clock_s: ClockResolution = 1e-6
+    current_range_a: CurrentRange = None
+    current_gain_spread: CurrentGainSpread = 0.005
+    current_offset_a: CurrentOffset = None
+    current_noise_a: CurrentNoise = None
+    voltage_range_v: VoltageRange = None
+    voltage_noise_v: VoltageNoise = None
+    converter_bits: ConverterBits = 10
 
 
 def _by_kind(value: Any) -> Any:
@@ -76,18 +136,54 @@ def _by_kind(value: Any) -> Any:
 
 
 Sensors = Annotated[
-    Annotated[IdealSensors | Mcs96Sensors, Field(discriminator="kind")], BeforeValidator(_by_kind)
+    Annotated[IdealSensors | Mcs96Sensors | HallSensors, Field(discriminator="kind")],
+    BeforeValidator(_by_kind),
 ]
 """Sensors of a run, also given as a bare name."""
 
 IDEAL = IdealSensors(kind="ideal")
 MCS96 = Mcs96Sensors(kind="mcs96")
+HALL = HallSensors(kind="hall")
+PLAIN: Final[Mapping[str, Sensors]] = {plain.kind: plain for plain in (IDEAL, MCS96, HALL)}
+"""The sensors of each kind with all their defaults."""
+_PHASES_OF_HALL = 3
 _OF_CONVERTERS = tuple(field.name for field in fields(ConverterRanges))
+
+
+def real_sensors(drive: DriveDocument) -> Sensors:
+    """Choose the sensors that a drive has where they are not ideal.
+
+    A star of three phases is commutated by Hall switches, as conventional brushless DC drives are; any other drive has
+    the encoder of the published implementation.
+    """
+    return HALL if drive.kind == "star" and drive.machine.phases == _PHASES_OF_HALL else MCS96
+
+
+def has_encoder(sensors: Sensors) -> bool:
+    """Tell whether the speed comes from an encoder, whose counter may see false edges."""
+    return isinstance(sensors, Mcs96Sensors)
+
+
+def counted_s(sensors: Mcs96Sensors | HallSensors, electrical_speed: float) -> float:
+    """Give the time over which edges are counted for the speed (s): the encoder's own, or an electrical cycle."""
+    return 2.0 * math.pi / electrical_speed if isinstance(sensors, HallSensors) else sensors.speed_window_s
+
+
+def refusal(sensors: Sensors, drive: DriveDocument) -> str | None:
+    """Tell why a drive cannot have such sensors, if so.
+
+    Three switches tell the angle of any rotor to 60 degrees, which is where the windows of three phases open and close,
+    whether they are connected in a star or not; those of any other number of phases lie between the edges.
+    """
+    phases = drive.machine.phases
+    if not isinstance(sensors, HallSensors) or phases == _PHASES_OF_HALL:
+        return None
+    return f"the sensors 'hall' are three switches for a drive with 3 phases, but this one has {phases}"
 
 
 def fitted(sensors: Sensors, drive: DriveDocument) -> Sensors:
     """Take the ranges and errors of the drive's converters where none are stated."""
-    if not isinstance(sensors, Mcs96Sensors):
+    if isinstance(sensors, IdealSensors):
         return sensors
     missing = [key for key in _OF_CONVERTERS if getattr(sensors, key) is None]
     ranges = converter_ranges(drive)
@@ -96,7 +192,7 @@ def fitted(sensors: Sensors, drive: DriveDocument) -> Sensors:
 
 def unfitted(sensors: Sensors, drive: DriveDocument) -> Sensors:
     """Leave out the ranges and errors that are those of the drive's converters."""
-    if not isinstance(sensors, Mcs96Sensors):
+    if isinstance(sensors, IdealSensors):
         return sensors
     ranges = converter_ranges(drive)
     own = [key for key in _OF_CONVERTERS if getattr(sensors, key) == getattr(ranges, key)]

@@ -44,6 +44,6 @@ def page(document: Mapping[str, Any]) -> str:
         fact_rows=fact_rows(),
         counts=verdict_counts(compared),
         facts=[(fact, [row for row in compared if row.fact == fact.id]) for fact in facts()],
-        findings=recomputed_findings(),
+        findings=recomputed_findings(of_paper_drive_only=True),
         assumptions=open_assumptions(),
     )

@@ -8,6 +8,8 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate_reports.paper.figures import (
+    conventional_drives,
+    conventional_ripple_map,
     cycle_waveforms,
     initial_angle,
     input_current,
@@ -83,7 +85,21 @@ FIGURES: Final = (
     _of("initial-angle", "Fig. 3", ("P5",), initial_angle, initial_angle.initial_angles),
     _of("search", "Fig. 5", ("P6", "P11"), search_trajectory, search_trajectory.search_trajectory),
     _of("torque", "Fig. 6", ("P8",), instantaneous_torque, instantaneous_torque.torque_cycle),
-    _of("ripple", "Ripple over speed", ("P9",), ripple_over_speed, ripple_over_speed.ripple_over_speed),
+    _of("ripple", "Ripple over speed", ("P8",), ripple_over_speed, ripple_over_speed.ripple_over_speed),
+    _of(
+        "conventional",
+        "Conventional drives",
+        ("P9",),
+        conventional_drives,
+        conventional_drives.conventional_drives,
+    ),
+    _of(
+        "conventional-ripple",
+        "Ripple of conventional drives",
+        ("P9",),
+        conventional_ripple_map,
+        conventional_ripple_map.ripple_map,
+    ),
     _of("saving", "Fig. 7", ("P4", "P12"), input_current, input_current.input_current_sweep),
     _of("currents", "Figs. 9 and 10", ("P7",), phase_currents, _both_currents),
     _of("speed-limit", "Speed limit", ("P10",), speed_limit, speed_limit.speed_limit),

@@ -6,7 +6,7 @@ from functools import cache
 from typing import Final
 
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
-from drivegate_models.half_bridge.plant.drive import Drive
+from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
 HIGHEST_PUBLISHED_RPM: Final = 1500.0
@@ -20,13 +20,13 @@ def reference_drive() -> DriveDocument:
 
 
 @cache
-def banded_drive() -> Drive:
+def banded_drive() -> AnyDrive:
     """Make the drive as candidates meet it: with its current band and its core loss."""
     return reference_drive().plant()
 
 
 @cache
-def ideal_drive() -> Drive:
+def ideal_drive() -> AnyDrive:
     """Make the drive as it was calibrated: ideal current regulators and no core loss."""
     return banded_drive()._replace(hysteresis_band=0.0, core_loss_conductance=0.0)
 

@@ -16,6 +16,7 @@ from drivegate_models.steady.oracle import current_sum_curve, feasible_edge, poi
 from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import signed
+from drivegate_reports.paper.conventional import CONVENTIONAL_NUMBERS
 from drivegate_reports.paper.drive import (
     banded_drive,
     ideal_drive,
@@ -48,10 +49,12 @@ class RecomputedFinding:
 
 
 @cache
-def recomputed_findings() -> tuple[RecomputedFinding, ...]:
-    """Compute the numbers of every finding anew."""
+def recomputed_findings(*, of_paper_drive_only: bool = False) -> tuple[RecomputedFinding, ...]:
+    """Compute the numbers of every finding anew, or of those only that need no other drive than the paper's."""
+    # Those of stars compile a second plant, which takes longer than all others together.
+    numbers = _NUMBERS if of_paper_drive_only else {**_NUMBERS, **CONVENTIONAL_NUMBERS}
     return tuple(
-        RecomputedFinding(finding, tuple(_NUMBERS[finding.id]()) if finding.id in _NUMBERS else ())
+        RecomputedFinding(finding, tuple(numbers[finding.id]()) if finding.id in numbers else ())
         for finding in findings()
     )
 

@@ -16,7 +16,7 @@ from drivegate_cases.documents.rounding import significant
 from drivegate_cases.publication.facts import Fact, Quantity
 from drivegate_cases.scenario.operating_point import load_operating_point
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES
 from drivegate_models.steady.oracle import feasible_edge, point_at_torque
 from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM
@@ -136,8 +136,6 @@ def _angle_of_greatest_speed() -> Ours:
     )
 
 
-_NOT_SIMULATED = "a drive of another work, not described in the paper and not simulated here"
-
 _OURS: Final[Mapping[tuple[str, str], Callable[[], Ours]]] = {
     ("P1", "phases"): lambda: _given(reference_drive().machine.phases),
     ("P1", "poles"): lambda: _given(2 * reference_drive().machine.pole_pairs),
@@ -158,15 +156,13 @@ _OURS: Final[Mapping[tuple[str, str], Callable[[], Ours]]] = {
     ("P7", "angle of Fig. 10"): _fig10_angle,
     ("P8", "necessary angle at 1500 rpm"): lambda: _necessary_angle("fig6-torque-1500"),
     ("P8", "torque ripple at 1500 rpm"): _ripple,
-    ("P9", "ripple of a surface-magnet drive"): lambda: Ours(math.nan, _NOT_SIMULATED, is_open=True),
-    ("P9", "ripple of an inset-magnet drive"): lambda: Ours(math.nan, _NOT_SIMULATED, is_open=True),
     ("P10", "angle of the greatest speed"): _angle_of_greatest_speed,
     ("P10", "greatest speed over base speed"): _speed_ratio,
 }
 
 
 def quantity_keys() -> frozenset[tuple[str, str]]:
-    """List the published quantities that have a value of ours."""
+    """List the published quantities of the paper's own drive, which have a value of ours."""
     return frozenset(_OURS)
 
 
@@ -175,7 +171,7 @@ def compared(fact: Fact, quantity: Quantity) -> ComparedStatement:
     ours = _OURS[fact.id, quantity.name]()
     relation = {"equal": "", "at_most": "at most ", "at_least": "at least "}[quantity.bound]
     bounded = quantity.bound != "equal"
-    known = math.isfinite(ours.value) and not ours.is_open
+    known = not ours.is_open
     if ours.is_open:
         verdict: Verdict = "open in the paper"
     elif ours.given:

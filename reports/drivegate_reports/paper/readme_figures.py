@@ -1,4 +1,4 @@
-"""The figures of the read-me: ``python -m drivegate_reports.paper.readme_figures FOLDER``."""
+"""The figures of read-me and documentation: ``python -m drivegate_reports.paper.readme_figures FOLDER``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING, Final
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_models.errors import InputError
 from drivegate_reports.page.style import house_style, svg_document
-from drivegate_reports.paper.figures import input_current, search_trajectory
+from drivegate_reports.paper.figures import (
+    conventional_drives,
+    conventional_ripple_map,
+    input_current,
+    search_trajectory,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,6 +23,8 @@ if TYPE_CHECKING:
 README_FIGURES: Final[Mapping[str, Callable[[], Figure]]] = {
     "search-trajectory": lambda: search_trajectory.draw(search_trajectory.search_trajectory()),
     "initial-against-optimal": lambda: input_current.draw(input_current.input_current_sweep()),
+    "conventional-drives": lambda: conventional_drives.draw(conventional_drives.conventional_drives()),
+    "conventional-ripple": lambda: conventional_ripple_map.draw(conventional_ripple_map.ripple_map()),
 }
 """How each figure is drawn, by the name of its file."""
 

@@ -166,12 +166,12 @@ def test_a_huge_provenance_is_refused_in_a_short_sentence(
     assert len(refusal(parse_document, mapping, DriveDocument, "here")) < 500
 
 
-@pytest.mark.parametrize("kind", ["star", "pm-ac", "half_bridge", 5])
+@pytest.mark.parametrize("kind", ["pm-ac", "half_bridge", 5])
 def test_a_kind_that_there_is_not_is_refused_with_those_that_there_are(
     refusal: Callable[..., str], kind: object
 ) -> None:
     message = refusal(parse_document, PAPER.to_mapping() | {"kind": kind}, DriveDocument, "here")
-    assert message.endswith(f"the key 'kind' is {json.dumps(kind)}, but must be 'half-bridge'")
+    assert message.endswith(f"the key 'kind' is {json.dumps(kind)}, but must be 'half-bridge' or 'star'")
 
 
 def test_keys_of_another_kind_are_unknown(refusal: Callable[..., str]) -> None:
@@ -315,7 +315,10 @@ def test_each_packaged_drive_keeps_rated_power_along_its_line(name: str) -> None
         )
 
 
-@pytest.mark.parametrize("name", sorted({*drive_names()} - {"paper-5-phase"}))
+SCALED = [name for name in drive_names() if name != PAPER.name and load_drive(name).kind == PAPER.kind]
+
+
+@pytest.mark.parametrize("name", SCALED)
 def test_the_made_up_drives_have_the_shares_of_the_paper_drive(name: str) -> None:
     drive = load_drive(name)
     for key, of_paper in shares(PAPER).items():

@@ -99,7 +99,27 @@ RAMP = [[0, 0], [0.2, 1]]
         ({"seed": 1.0}, "the key 'seed' is 1.0, but must be a whole number"),
         (
             {"sensors": "perfect"},
-            "the key 'sensors.kind' is \"perfect\", but must be one of 'ideal', 'mcs96'",
+            "the key 'sensors.kind' is \"perfect\", but must be one of 'ideal', 'mcs96', 'hall'",
+        ),
+        (
+            {"sensors": "hall"},
+            "the sensors 'hall' are three switches for a drive with 3 phases, but this one has 5",
+        ),
+        (
+            {"drive": "star-3-phase", "sensors": {"kind": "hall", "placement_error_deg": 16}},
+            "the key 'sensors.placement_error_deg' is 16, but must be less than or equal to 15",
+        ),
+        (
+            {"drive": "star-3-phase", "sensors": {"kind": "hall", "hysteresis_deg": float("nan")}},
+            "the key 'sensors.hysteresis_deg' is NaN",
+        ),
+        (
+            {"drive": "star-3-phase", "sensors": {"kind": "hall", "encoder_lines": 500}},
+            "the key 'sensors.encoder_lines' is unknown",
+        ),
+        (
+            {"drive": "star-3-phase", "sensors": "hall", "glitches": [{"time_s": 0.1, "counts": 3}]},
+            "the key 'glitches' needs the sensors 'mcs96', since 'hall' have no encoder",
         ),
         ({"initial_speed_rpm": -1}, "the key 'initial_speed_rpm' is -1"),
         ({"speed_rpm": 1500}, "the key 'speed_rpm' is 1500, but must be a list"),

@@ -10,12 +10,14 @@ PAPER = load_drive("paper-5-phase")
 LEVELS = {
     "PWR-1": "required",
     "PWR-2": "required",
+    "NEU-1": "required",
     "ADV-1": "required",
     "ADV-2": "required",
     "CMD-1": "required",
     "RIP-1": "required",
     "RIP-2": "advisory",
     "RIP-3": "advisory",
+    "TRQ-1": "advisory",
     "CNV-1": "required",
     "CNV-2": "required",
     "CNV-3": "required",
@@ -37,7 +39,7 @@ def test_every_check_is_listed_once_with_its_level():
 
 
 def test_only_the_plants_own_law_is_no_matter_of_the_candidate():
-    assert [check.id for check in CHECKS if check.subject == "plant"] == ["PWR-1"]
+    assert [check.id for check in CHECKS if check.subject == "plant"] == ["PWR-1", "NEU-1"]
 
 
 def test_only_the_check_of_time_depends_on_the_machine():
@@ -55,18 +57,37 @@ def test_every_check_tells_what_it_is_about(check):
 def test_a_candidate_that_declares_nothing_is_spared_the_flowchart_alone():
     reasons = {check.id: check.reason_not_applicable(Declaration(), PAPER) for check in CHECKS}
     inapplicable = {identifier: reason for identifier, reason in reasons.items() if reason is not None}
-    assert inapplicable == {"FLO-1": "the candidate does not declare the profile 'flowchart'"}
+    assert inapplicable == {
+        "FLO-1": "the candidate does not declare the profile 'flowchart'",
+        "NEU-1": "the phases of this drive are decoupled: each has its own return to the tap of the supply",
+    }
+
+
+def test_a_star_has_a_neutral_to_judge():
+    reasons = {
+        check.id: check.reason_not_applicable(Declaration(), load_drive("star-3-phase")) for check in CHECKS
+    }
+    assert [identifier for identifier, reason in reasons.items() if reason is not None] == ["FLO-1"]
+
+
+def test_a_peak_is_judged_only_where_every_half_window_is_regulated():
+    drive = load_drive("star-3-phase").replaced(regulation="upper-only")
+    reasons = {check.id: check.reason_not_applicable(Declaration(), drive) for check in CHECKS}
+    assert reasons["CUR-1"] is not None
+    assert 'regulation = "upper-only"' in reasons["CUR-1"]
 
 
 def test_the_profile_flowchart_asks_for_its_check():
     declaration = Declaration(FlowchartProfile(0.5, 0.0, 0.001, 0.02, 0.1))
-    assert all(check.reason_not_applicable(declaration, PAPER) is None for check in CHECKS)
+    assert [check.id for check in CHECKS if check.reason_not_applicable(declaration, PAPER) is not None] == [
+        "NEU-1"
+    ]
 
 
 @pytest.mark.parametrize(
     ("speeds", "spared"),
     [
-        ((0.0, 499.0), {"RIP-1", "RIP-2", "RIP-3", "CNV-1", "CNV-2", "CNV-3", "CPW-1", "CPW-2"}),
+        ((0.0, 499.0), {"RIP-1", "RIP-2", "RIP-3", "TRQ-1", "CNV-1", "CNV-2", "CNV-3", "CPW-1", "CPW-2"}),
         ((500.0, 1500.0), {"ADV-1", "CPW-2"}),
         ((499.0, 549.0), {"RIP-1", "RIP-2", "CPW-1", "CPW-2"}),
         ((600.0, 1499.0), {"ADV-1", "RIP-1", "CPW-2"}),
@@ -76,7 +97,9 @@ def test_the_profile_flowchart_asks_for_its_check():
 def test_a_candidate_is_spared_checks_at_speeds_that_it_is_not_made_for(speeds, spared):
     declaration = Declaration(speed_range_rpm=speeds)
     reasons = {
-        check.id: check.reason_not_applicable(declaration, PAPER) for check in CHECKS if check.id != "FLO-1"
+        check.id: check.reason_not_applicable(declaration, PAPER)
+        for check in CHECKS
+        if check.id not in ("FLO-1", "NEU-1")
     }
     inapplicable = {identifier: reason for identifier, reason in reasons.items() if reason is not None}
     robust = {"ROB-1", "ROB-2", "ROB-3"} if "CNV-1" in spared else set()

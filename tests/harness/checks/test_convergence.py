@@ -50,6 +50,21 @@ def test_spread_of_the_means_of_k2(record, scenario, assert_limit, check):
     )
 
 
+@pytest.mark.parametrize("rpm", [600.0, 1500.0])
+def test_through_hall_switches_a_step_of_the_speed_is_a_tick_in_an_electrical_cycle(
+    record, scenario, assert_limit, rpm
+):
+    run = scenario(drive="star-3-phase", sensors="hall", speed_rpm=[[0.0, rpm]])
+    cycle = 60.0 / (rpm * 11)
+    unseen = 2.0 * 0.05 * rpm * RPM * 1e-6 / cycle / 0.1 / 9.8
+    allowed = (0.005 + unseen) * 40.0
+    assert_limit(
+        "ROB-2",
+        record(run, window={"MEAN_LOWEST": 0.0, "MEAN_HIGHEST": allowed * (1.0 - 1e-12)}),
+        record(run, window={"MEAN_LOWEST": 0.0, "MEAN_HIGHEST": allowed * (1.0 + 1e-12)}),
+    )
+
+
 def test_nothing_is_judged_where_nothing_loads_the_shaft(record, scenario, checks):
     idle = {"kind": "constant_torque", "torque_nm": 9.8, "factor": [[0.0, 0.0]]}
     hunting = {"ANGLE_LOWEST": 0.0, "ANGLE_HIGHEST": 5.0 * DEGREE}

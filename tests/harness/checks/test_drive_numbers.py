@@ -15,7 +15,7 @@ from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.requirements import RequiredPoint
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES
 from drivegate_models.units import RADIANS_PER_RPM
 
 PAPER = load_drive("paper-5-phase")
@@ -62,6 +62,16 @@ def test_the_paper_s_texts_are_as_published() -> None:
     assert rows["RIP-1"]["requirement"].startswith("Torque ripple at 1500 rpm and 9.8 N·m,")
     assert rows["ROB-1"]["requirement"].endswith("and up to 0.5 N·m of friction added.")
     assert rows["CNV-2"]["limit"] == "2 % above the least Σ|i|"
+
+
+def test_the_sensors_are_those_that_the_drive_has() -> None:
+    for drive, told in (
+        (PAPER, "the sensors of the published implementation: encoder, Hall sensors, converter."),
+        (load_drive("star-3-phase"), "three Hall switches, current sensors, converter."),
+    ):
+        (row,) = [row for row in traced_checks(drive) if row["id"] == "ROB-2"]
+        assert row["requirement"].startswith("CNV-1 and CNV-3 hold through the sensors of")
+        assert row["requirement"].endswith(told)
 
 
 def test_a_candidate_s_speeds_are_compared_with_the_drive_s() -> None:

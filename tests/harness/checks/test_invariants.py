@@ -19,8 +19,8 @@ from drivegate.scenarios.drawn.families import base_speed_scenarios, drawn_scena
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES
 from drivegate_models.machine.period import PERIODIC
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES
 from drivegate_models.steady.oracle import feasible_edge, point_at_torque
 from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM

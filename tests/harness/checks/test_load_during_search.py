@@ -13,7 +13,7 @@ from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import with_load_factor
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES
 
 
 @pytest.mark.parametrize("factor", [((0.0, 0.0), (5.5, 0.0), (5.5, 0.9), (6.0, 0.9), (6.0, 1.0))])

@@ -15,6 +15,8 @@ KEYS = [
     "current_reference_a",
     "feasible",
     "torque_mean_nm",
+    "torque_lowest_nm",
+    "torque_highest_nm",
     "torque_ripple_percent",
     "torque_ripple_one_sided_percent",
     "current_sum_a",
@@ -178,3 +180,36 @@ def test_a_missing_option_is_named(refused):
 def test_a_file_that_is_no_drive_is_refused(refused, tmp_path, content, reason):
     (tmp_path / "drive.toml").write_bytes(content)
     assert reason in refused(*AT_1500, "--current-a", "11", "--drive", "drive.toml")
+
+
+IDEAL_STAR = (
+    *("point", "--drive", "star-3-phase", "--speed-rpm", 1500, "--torque-nm", 9.549, "--json"),
+    *("--set", "hysteresis_band_a=0", "--set", "core_loss_conductance_s=0"),
+)
+
+
+@pytest.mark.parametrize(
+    ("words", "ripple", "lowest", "highest", "current_sum", "copper"),
+    [
+        (("--advance-deg", 70.9), 52.6, 7.4, 12.5, 47.9, 47.7),
+        (("--advance-deg", 70.3, "--set", "emf_flat_deg=150"), 110.8, 4.7, 15.2, 46.7, 45.8),
+        (("--advance-deg", 46.45, "--set", "window_deg=150"), 14.7, 9.1, 10.5, 35.4, 25.1),
+        (
+            ("--advance-deg", 60, "--set", "emf_flat_deg=150", "--set", "inductance_h=0.000432"),
+            *(204.3, -1.6, 17.9, 64.3, 86.3),
+        ),
+    ],
+    ids=["packaged", "wide EMF", "wide windows", "changes its sign"],
+)
+def test_a_star_has_the_values_of_the_findings(command, words, ripple, lowest, highest, current_sum, copper):
+    document = command(*IDEAL_STAR, *words).document
+    # The table of docs/findings.md.
+    keys = (
+        "torque_ripple_percent",
+        "torque_lowest_nm",
+        "torque_highest_nm",
+        "current_sum_a",
+        "copper_loss_w",
+    )
+    found = [document[key] for key in keys]
+    assert found == pytest.approx([ripple, lowest, highest, current_sum, copper], abs=0.06)

@@ -7,6 +7,7 @@ import pandas
 import pytest
 
 from drivegate.output.result_file import counterexamples
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.loop.observation import TRACE_COLUMNS
 
@@ -233,3 +234,28 @@ def test_a_drive_a_thousand_times_off_its_kind_warns_and_runs_all_the_same(comma
         brief.replaced(drive=brief.drive.with_overrides(["resistance_ohm=300"])).to_json(), "utf-8"
     )
     assert "warning: the drive's resistance_ohm is 300" in command("simulate", "initial", "--case", case).err
+
+
+def test_a_star_is_run_through_hall_switches(command, tmp_path):
+    file = tmp_path / "hall.json"
+    star = load_scenario("lock-up").replaced(
+        duration_s=10.0, drive=load_drive("star-3-phase"), sensors="hall", seed=5
+    )
+    file.write_text(star.to_json(), encoding="utf-8")
+    run = ("simulate", "reference", "--case", file, "--drive", "star-3-phase")
+    summary = command(*run, "--json").document["summary"]
+    assert summary["energy_residual"] < 1e-9
+    assert summary["speed_final_rpm"] == pytest.approx(1500.0, abs=5.0)
+
+
+def test_hall_switches_are_refused_in_a_sentence_on_another_drive(command, tmp_path):
+    file = tmp_path / "hall.toml"
+    file.write_text(
+        'schema = 2\nname = "mine"\ndrive = "star-3-phase"\nduration_s = 1.0\nspeed_rpm = [[0.0, 1000.0]]\n'
+        'sensors = "hall"\n[load]\nkind = "locked"\n',
+        encoding="utf-8",
+    )
+    ended = command("simulate", "reference", "--case", file, "--drive", "paper-5-phase")
+    assert ended.code == 2
+    assert "the sensors 'hall' are three switches for a drive with 3 phases, but this one has 5" in ended.err
+    assert "Traceback" not in ended.err

@@ -24,7 +24,7 @@ from drivegate.scenarios.changes import (
     with_glitch,
     with_imbalance,
     with_load_shares,
-    with_mcs96,
+    with_real_sensors,
     with_restarts,
     with_scales,
     with_speed,
@@ -68,7 +68,7 @@ def disturbed() -> Scenario:
     scenario = with_load_shares(scenario, (0.0, 0.8), (9.5, 1.0), (12.3, 0.9))
     scenario = with_supply(scenario, pulsed(1.0, 0.95, 11.0, 0.4))
     scenario = with_scales(scenario, resistance=1.3, emf_constant=0.98, friction_added_n_m=0.2)
-    scenario = with_dropout(with_glitch(with_mcs96(scenario, 77), 13, 10.5), "currents", 9.0, 0.007)
+    scenario = with_dropout(with_glitch(with_real_sensors(scenario, 77), 13, 10.5), "currents", 9.0, 0.007)
     scenario = with_drift(scenario, resistance=stepped(1.0, 1.2, 3.0, over_s=4.0))
     return with_imbalance(scenario, stepped(0.0, 0.02, 8.0))
 
@@ -221,7 +221,7 @@ def test_what_is_simpler_has_less_size() -> None:
         plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0})),
         with_load_shares(plain, (0.0, 1.0), (10.0, 0.5)),
         with_scales(plain, resistance=1.5, inductance=1.1),
-        with_mcs96(with_scales(plain, resistance=1.5, inductance=1.1), 7),
+        with_real_sensors(with_scales(plain, resistance=1.5, inductance=1.1), 7),
         disturbed(),
         with_beginning(disturbed(), control_period_s=1e-4),
         with_restarts(with_beginning(disturbed(), control_period_s=1e-4), 4.0),

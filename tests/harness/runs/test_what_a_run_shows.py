@@ -21,7 +21,7 @@ from drivegate.scenarios.changes import (
     with_beginning,
     with_current_error,
     with_dropout,
-    with_mcs96,
+    with_real_sensors,
     with_restarts,
 )
 from drivegate.scenarios.windows import observed_windows
@@ -89,7 +89,7 @@ def test_the_rotor_begins_where_the_scenario_says() -> None:
     assert opposite == pytest.approx(-here, abs=1e-6)
 
 
-@pytest.mark.parametrize("sensors", [lambda plain: plain, lambda plain: with_mcs96(plain, 3)])
+@pytest.mark.parametrize("sensors", [lambda plain: plain, lambda plain: with_real_sensors(plain, 3)])
 def test_one_wrong_current_sensor_shows_in_its_phase_and_in_the_sum(sensors: Any) -> None:
     right = noted(sensors).senses[600]
     wrong = noted(lambda plain: with_current_error(sensors(plain), 2, gain=0.5, offset_a=0.25)).senses[600]

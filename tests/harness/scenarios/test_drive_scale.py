@@ -135,3 +135,13 @@ def test_joint_runs_are_drawn_for_another_drive() -> None:
     drawn = combined_scenarios(SMALL, None, 0)
     assert len(drawn) >= 50, f"only {len(drawn)} rows have a fair run"
     assert all(scenario.drive == SMALL for scenario in drawn)
+
+
+def test_a_star_is_run_through_hall_switches_which_see_no_false_edges() -> None:
+    star = load_drive("star-3-phase")
+    drawn = (*fixed_scenarios(star), *combined_scenarios(star, None, 0))
+    assert {scenario.sensors.kind for scenario in drawn} == {"ideal", "hall"}
+    assert not any(scenario.glitches for scenario in drawn)
+    paper = (*fixed_scenarios(PAPER), *combined_scenarios(PAPER, None, 0))
+    assert {scenario.sensors.kind for scenario in paper} == {"ideal", "mcs96"}
+    assert any(scenario.glitches for scenario in paper)

@@ -10,12 +10,14 @@ from drivegate.scenarios.changes import (
     with_glitch,
     with_imbalance,
     with_load_shares,
-    with_mcs96,
+    with_real_sensors,
     with_scales,
     with_speed,
     with_supply,
 )
 from drivegate.scenarios.facts import facts_in_short, facts_of, plain_scenario
+from drivegate.scenarios.simplification import SIMPLIFICATIONS, simplified
+from drivegate.scenarios.size import size_of
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -46,7 +48,7 @@ def steady(speed_rpm: float, *, constant_power: bool = False) -> Scenario:
         (with_drift(PLAIN, resistance=stepped(1.0, 1.4, 2.0)), ("R drifts by 1 → 1.4 times at 2 s",)),
         (with_dropout(PLAIN, "speed", 10.0, 0.01), ("speed lost for 10 ms at 10 s",)),
         (
-            with_glitch(with_mcs96(PLAIN, 3), 20, 10.0),
+            with_glitch(with_real_sensors(PLAIN, 3), 20, 10.0),
             ("mcs96 sensors of seed 3", "+20 encoder counts at 10 s"),
         ),
     ],
@@ -69,3 +71,15 @@ def test_facts_are_told_in_one_line() -> None:
     assert facts_in_short(PLAIN.to_mapping()) == "the plain run"
     assert facts_in_short(steady(700.0).to_mapping()) == "700 rpm, constant torque 20.463 N·m"
     assert facts_in_short({"kind": "script", "rows": [{}, {}]}) == "a script of 2 rows"
+
+
+def test_hall_switches_are_told_counted_and_made_plainer_like_other_sensors() -> None:
+    star = steady_scenario(load_drive("star-3-phase"), 1000.0, power_share=0.5, constant_power=False)
+    seen = with_real_sensors(star, 3)
+    far_off = seen.replaced(sensors={"kind": "hall", "placement_error_deg": 4.0, "current_noise_a": 1.0})
+    assert "hall sensors of seed 3" in facts_of(seen.to_mapping())
+    assert "hall sensors, seed 3" in seen.description
+    assert size_of(star.to_mapping()) < size_of(seen.to_mapping()) < size_of(far_off.to_mapping())
+    fields = (fields for simplification in SIMPLIFICATIONS for fields in simplification(far_off))
+    plainer = [run.sensors for run in (simplified(far_off, changed) for changed in fields) if run is not None]
+    assert seen.sensors in plainer, "the sensors' own defaults are never tried"

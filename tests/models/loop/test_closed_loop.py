@@ -10,8 +10,6 @@ import pytest
 from drivegate_models.contract.outer_loop.records import nameplate_record
 from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.half_bridge.closed_loop import prepared_loop
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function, step_function
-from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
 from drivegate_models.loop import exchange
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.schedule import Course, Schedule, steady
@@ -25,6 +23,8 @@ from drivegate_models.machine.load import (
     Load,
     load_torque,
 )
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES, reset_function, step_function
+from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE
 
 RPM = math.pi / 30.0
 

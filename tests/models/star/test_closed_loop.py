@@ -10,12 +10,12 @@ import pytest
 
 from drivegate_models.contract.outer_loop.records import nameplate_record
 from drivegate_models.contract.outer_loop.signals import Nameplate
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function, step_function
-from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
 from drivegate_models.loop import exchange
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.schedule import Course, Schedule, steady
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES, reset_function, step_function
+from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE
 from drivegate_models.star.closed_loop import prepared_loop
 from drivegate_models.star.plant.drive import StarDrive
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from drivegate_cases.publication.facts import facts, findings
-from drivegate_reports.paper.facts import comparisons
+from drivegate_reports.paper.facts import all_comparisons
 from drivegate_reports.paper.findings import local_minima, recomputed_findings
 from drivegate_reports.paper.quantities import quantity_keys
 from drivegate_reports.paper.verdicts import ComparedStatement, verdict_counts
@@ -13,12 +13,13 @@ from drivegate_reports.paper.verdicts import ComparedStatement, verdict_counts
 
 @pytest.fixture(scope="module")
 def rows() -> dict[tuple[str, str], ComparedStatement]:
-    return {(row.fact, row.quantity): row for row in comparisons()}
+    return {(row.fact, row.quantity): row for row in all_comparisons()}
 
 
-def test_every_published_quantity_is_compared() -> None:
+def test_every_published_quantity_is_compared(rows: dict[tuple[str, str], ComparedStatement]) -> None:
     published = {(fact.id, quantity.name) for fact in facts() for quantity in fact.quantities}
-    assert quantity_keys() == published, "facts and comparisons do not match"
+    assert quantity_keys() <= published, "a quantity of ours is not published"
+    assert published <= set(rows), f"not compared: {sorted(published - set(rows))}"
 
 
 @pytest.mark.parametrize(
@@ -31,7 +32,8 @@ def test_every_published_quantity_is_compared() -> None:
         (("P8", "torque ripple at 1500 rpm"), "reproduced"),
         (("P10", "greatest speed over base speed"), "reproduced"),
         (("P1", "phases"), "taken as given"),
-        (("P9", "ripple of a surface-magnet drive"), "open in the paper"),
+        (("P9", "ripple of a surface-magnet drive"), "reproduced in kind"),
+        (("P7", "angle of Fig. 10"), "open in the paper"),
         (("P6", "Fig. 4 taken literally, at 1500 rpm and 9.8 N·m"), "not reproduced"),
         (("P4", "net input power at 1500 rpm, 9.8 N·m, 52.5°"), "not reproduced"),
     ],
@@ -52,7 +54,14 @@ def test_values_carry_units_and_residuals_signs(rows: dict[tuple[str, str], Comp
 def test_verdicts_are_counted(rows: dict[tuple[str, str], ComparedStatement]) -> None:
     counts = dict(verdict_counts(tuple(rows.values())))
     assert sum(counts.values()) == len(rows)
-    assert set(counts) == {"reproduced", "not reproduced", "open in the paper", "taken as given"}
+    assert set(counts) == {
+        "reproduced",
+        "reproduced in kind",
+        "not reproduced",
+        "open in the paper",
+        "taken as given",
+    }
+    assert all(counts.values()), "every verdict occurs"
 
 
 def test_every_finding_has_numbers() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -15,6 +15,7 @@ from drivegate_reports.page.style import house_style
 from drivegate_reports.paper.catalogue import FIGURES
 from drivegate_reports.paper.figures import cycle_waveforms, initial_angle, ripple_over_speed, speed_limit
 from drivegate_reports.paper.report import NUMBERS_FILE, PAGE_FILE, reproduce
+from drivegate_reports.paper.verdicts import Verdict
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +36,8 @@ def test_every_figure_is_a_file_and_in_the_page(folder: Path, document: dict[str
         "Fig. 5",
         "Fig. 6",
         "Ripple over speed",
+        "Conventional drives",
+        "Ripple of conventional drives",
         "Fig. 7",
         "Figs. 9 and 10",
         "Speed limit",
@@ -58,7 +61,7 @@ def test_every_number_has_source_tolerance_and_verdict(folder: Path, document: d
     assert {fact.id for fact in facts()} | {"Fig. 1"} == {fact for fact, _ in rows}
     for row in rows.values():
         assert row["source"], f"{row['quantity']} has no source"
-        assert row["verdict"] in ("reproduced", "not reproduced", "open in the paper", "taken as given")
+        assert row["verdict"] in get_args(Verdict), row
         if row["verdict"] == "not reproduced":
             assert row["note"], f"nothing explains why {row['quantity']} is not reproduced"
     assert sum(document["verdicts"].values()) == len(rows)

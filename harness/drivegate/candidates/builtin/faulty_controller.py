@@ -16,10 +16,10 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.contract.outer_loop.records import nameplate_record
 from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import HarnessFault
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function
-from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
-from drivegate_models.half_bridge.faults.controllers import faulty_step_function
-from drivegate_models.half_bridge.faults.state import FAULTY_STATE, NOMINAL_TABLE
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES, reset_function
+from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE
+from drivegate_models.outer_loop.faults.controllers import faulty_step_function
+from drivegate_models.outer_loop.faults.state import FAULTY_STATE, NOMINAL_TABLE
 
 _CONTROLLER_KEYS: Final = frozenset(CONTROLLER_STATE.names or ())
 

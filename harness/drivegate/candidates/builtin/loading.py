@@ -14,8 +14,8 @@ from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
 from drivegate_models.contract.outer_loop.records import nameplate_record
 from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import HarnessFault
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function, step_function
-from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES, reset_function, step_function
+from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE
 
 if TYPE_CHECKING:
     from drivegate_cases.drive.drive_document import DriveDocument
@@ -60,12 +60,12 @@ def load_controller(candidate: Candidate) -> Controller:
 
 
 def _design_controller(design: str) -> "DesignController":
-    from drivegate_models.half_bridge.designs.controllers import (
+    from drivegate_models.outer_loop.designs.controllers import (
         DESIGNS,
         design_reset_function,
         design_step_function,
     )
-    from drivegate_models.half_bridge.designs.state import DESIGN_STATE
+    from drivegate_models.outer_loop.designs.state import DESIGN_STATE
 
     code = ControllerCode(DESIGN_STATE, design_step_function, design_reset_function)
     return DesignController(DESIGNS[design], code)

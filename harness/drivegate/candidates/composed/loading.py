@@ -19,8 +19,8 @@ from drivegate.candidates.python.loading import named_in_module
 from drivegate_models.contract.outer_loop.records import nameplate_record
 from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import HarnessFault
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function
-from drivegate_models.half_bridge.controllers.composed import COMPOSED_STATE, composed_step_function
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES, reset_function
+from drivegate_models.outer_loop.controllers.composed import COMPOSED_STATE, composed_step_function
 
 _CONTROLLER: Final = "controller"
 

@@ -10,7 +10,7 @@ from drivegate.scenarios.changes import (
     with_dropout,
     with_glitch,
     with_imbalance,
-    with_mcs96,
+    with_real_sensors,
     with_scales,
 )
 from drivegate.scenarios.drawn.changes import load_step_scenarios
@@ -20,6 +20,7 @@ from drivegate.scenarios.speed_range import SpeedRange
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import has_encoder, real_sensors
 
 
 def _any_runs(drive: DriveDocument, speed_range: SpeedRange | None) -> st.SearchStrategy[Scenario]:
@@ -57,19 +58,19 @@ def _factors(lowest: int, highest: int, step: float) -> st.SearchStrategy[float]
 def sensor_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
-    """Draw runs through the sensors of the published implementation."""
+    """Draw runs through the sensors that the drive has."""
     return _seen(_any_runs(drive, speed_range))
 
 
 def _seen(runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
-    """Put the published implementation's sensors before runs."""
-    return st.builds(lambda seed, run: with_mcs96(run, seed), st.integers(0, 999), runs)
+    """Put the drive's own sensors before runs."""
+    return st.builds(lambda seed, run: with_real_sensors(run, seed), st.integers(0, 999), runs)
 
 
 def fault_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
-    """Draw signals that are lost for a moment, false encoder edges, unequal supply halves and drift."""
+    """Draw signals lost for a moment and drift, and false edges and unequal halves on drives that can have them."""
     runs, step = steady_runs(drive, speed_range), scale_of(drive).dropout_step_s
     lost = st.builds(
         lambda signal, at, steps, run: with_dropout(run, signal, at, tidy(step * steps)),
@@ -81,13 +82,15 @@ def fault_scenarios(
     false_edges = st.builds(
         lambda at, counts, run: with_glitch(run, counts, at), change_times(drive), nonzero(50), _seen(runs)
     )
+    encoders = (false_edges,) if has_encoder(real_sensors(drive)) else ()
     unequal = st.builds(
         lambda at, percent, run: with_imbalance(run, stepped(0.0, percent / 100.0, at)),
         change_times(drive),
         nonzero(5),
         runs,
     )
-    return st.one_of(lost, false_edges, unequal, _drifts(drive, runs))
+    supplies = (unequal,) if drive.has_split_supply else ()
+    return st.one_of(lost, *encoders, *supplies, _drifts(drive, runs))
 
 
 def _drifts(drive: DriveDocument, runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:

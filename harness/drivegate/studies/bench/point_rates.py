@@ -26,8 +26,8 @@ def steady_rate(bench: Workbench, band: float) -> Value:
     import numpy as np
 
     from drivegate_cases.drive.drive_document import load_drive
-    from drivegate_models.half_bridge.plant.phases import make_phases
     from drivegate_models.steady.grid import POINT_COLUMNS, solve_points
+    from drivegate_models.steady.plant import make_phases
     from drivegate_models.steady.steady_state import KEPT_TIME
 
     # Without core loss, which floating phases take from the shaft, powers add up from what a point tells.

@@ -69,7 +69,7 @@ def compared_on(
         for specification, found in zip(specifications, resolved, strict=True)
     ]
     all_compared = labelled(specifications, names)
-    followed(prepared(), display)
+    followed(prepared(drive), display)
     plan = planned_runs(drive, cycle, options.effort, options.seed)
     for compared, found in zip(all_compared, resolved, strict=True):
         if isinstance(found, Exception):

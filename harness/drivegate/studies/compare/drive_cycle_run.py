@@ -21,7 +21,7 @@ from drivegate_cases.scenario.drive_cycle import DriveCycle
 from drivegate_cases.scenario.load import GRAVITY, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
-from drivegate_cases.scenario.sensors import IDEAL, MCS96
+from drivegate_cases.scenario.sensors import IDEAL, real_sensors
 from drivegate_models.errors import InputError
 from drivegate_models.loop import observation
 from drivegate_models.loop.closed_loop import ClosedLoopRun
@@ -81,7 +81,7 @@ def cycle_scenario(cycle: DriveCycle, drive: DriveDocument, *, noise_seed: int |
         initial_speed_rpm=round(cycle.speed_km_h[0][1] * rpm_per_km_h, 6),
         speed_rpm=tuple((time, round(speed * rpm_per_km_h, 6)) for time, speed in cycle.speed_km_h),
         load=load,
-        sensors=IDEAL if noise_seed is None else MCS96,
+        sensors=IDEAL if noise_seed is None else real_sensors(drive),
         seed=noise_seed or 0,
     )
 

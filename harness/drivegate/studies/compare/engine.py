@@ -15,7 +15,7 @@ from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
 from drivegate.gate.events import CheckStarted, Compiling, Event, RunDone
 from drivegate.gate.plan import Origin, Work, planned_work
-from drivegate.gate.warm_up import compile_kernels, missing_marker
+from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
 from drivegate.results.result import CheckOutcome
 from drivegate.results.verdict import check_outcomes
 from drivegate.studies.compare.oracle import greatest_torque, oracle_point, solved
@@ -75,12 +75,12 @@ class Compared:
         return not ends
 
 
-def prepared() -> Iterator[Event]:
-    """Compile the kernels if they are still to be compiled."""
-    marker = missing_marker()
-    if marker is not None:
+def prepared(drive: DriveDocument) -> Iterator[Event]:
+    """Compile the kernels of a drive's kind if they are still to be compiled."""
+    kinds = uncompiled_kinds([drive])
+    if kinds:
         yield Compiling()
-        compile_kernels(marker)
+        compile_kernels(kinds)
 
 
 def solve_plan(plan: Sequence[PlannedRun], workers: int | None, found: dict[str, Any]) -> Iterator[Event]:

@@ -15,7 +15,7 @@ from drivegate.scenarios.changes import (
     pulsed,
     stepped,
     with_load_shares,
-    with_mcs96,
+    with_real_sensors,
     with_scales,
     with_speed,
     with_supply,
@@ -200,7 +200,7 @@ def _noisy(drive: DriveDocument, size: ComparisonEffort, seed: int) -> Iterator[
     for speed_share, share in NOISY_POINTS:
         speed = scale_of(drive).speed(speed_share)
         for number in range(size.noise_seeds):
-            scenario = with_mcs96(_point(drive, speed, share), seed=_noise_seed(seed, number))
+            scenario = with_real_sensors(_point(drive, speed, share), seed=_noise_seed(seed, number))
             label = f"{speed:g} rpm, {100.0 * share:g} %, noisy sensors"
             yield PlannedRun("noise", label, scenario, speed, share, seed=number)
 
@@ -211,7 +211,7 @@ def _drawn(drive: DriveDocument, size: ComparisonEffort, seed: int) -> Iterator[
         for _ in range(_MOST_DRAWS):
             speed, share, scenario = _draw(drive, generator)
             if kind_of(scenario.drive).is_fair(scenario):
-                noisy = with_mcs96(scenario, seed=_noise_seed(seed, 1_000_000 + number))
+                noisy = with_real_sensors(scenario, seed=_noise_seed(seed, 1_000_000 + number))
                 yield PlannedRun("drawn", noisy.name, noisy, speed, share, seed=number)
                 break
 

@@ -103,7 +103,7 @@ def compared(
     otherwise. Both are alike up to there, so nothing is lost by asking one after the other.
     With `again` the second one's instance has run the scenario before: against itself, that shows what reset keeps.
     """
-    with_compiled_kernels()
+    with_compiled_kernels([scenario.drive])
     with tempfile.TemporaryDirectory(prefix="drivegate") as name:
         refuse_without_room(scenario, Path(name))
         path = Path(name) / "steps"

@@ -42,7 +42,7 @@ class _Reached(Exception):
 
 
 class _Playback:
-    """Gives the recorded commands again and watches the plant through ideal sensors."""
+    """Gives the recorded commands again and watches the plant as it is."""
 
     def __init__(self, path: Path, phases: int, step: int) -> None:
         self._blocks = recorded_rows(path, phases, step)
@@ -70,9 +70,10 @@ class _Playback:
 def plant_at(path: Path, scenario: Scenario, step: int) -> PlantState:
     """Find the plant's state at one step by giving it the recorded commands again."""
     playback = _Playback(path, scenario.drive.machine.phases, step)
-    plain = scenario.replaced(sensors="ideal", dropouts=(), glitches=(), current_errors=(), restarts_s=())
+    # The sensors stay, since Hall switches commutate the plant.
+    plain = scenario.replaced(dropouts=(), glitches=(), current_errors=(), restarts_s=())
     try:
-        run_scenario(plain, PythonController(playback))
+        run_scenario(plain, PythonController(playback), sees_plant=True)
     except CandidateFault as ended:
         sense = playback.sense
         if sense is not None:

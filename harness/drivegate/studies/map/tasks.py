@@ -79,7 +79,7 @@ def compile_solver(package: bytes) -> None:
     folder = choose_cache_folder()
     if folder is None:
         return
-    marker = folder / SOLVER_MARKER
+    marker = folder / f"{SOLVER_MARKER}-{pickle.loads(package).drive.kind}"
     if marker.exists():
         return
     with WorkerPool(resolve_candidate("initial"), workers=1) as pool:

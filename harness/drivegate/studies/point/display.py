@@ -10,13 +10,15 @@ from drivegate.output.console import number, plain, table
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from drivegate_models.half_bridge.plant.drive import Drive
+    from drivegate_models.steady.plant import AnyDrive
 
 _ROWS: Final = (
     ("speed_rpm", "speed", "rpm"),
     ("advance_deg", "advance angle", "°"),
     ("current_reference_a", "current reference", "A"),
     ("torque_mean_nm", "torque, mean", "N·m"),
+    ("torque_lowest_nm", "torque, least", "N·m"),
+    ("torque_highest_nm", "torque, greatest", "N·m"),
     ("torque_ripple_percent", "torque ripple, peak to peak over mean", "%"),
     ("torque_ripple_one_sided_percent", "torque ripple, greatest deviation over mean", "%"),
     ("current_sum_a", "Σ|i|, mean", "A"),
@@ -28,7 +30,7 @@ _ROWS: Final = (
 )
 
 
-def show_point(console: Console, document: dict[str, Any], drive: Drive, torque: float | None) -> None:
+def show_point(console: Console, document: dict[str, Any], drive: AnyDrive, torque: float | None) -> None:
     """Print the values, and what they do not hold for."""
     values = table("quantity", "value", "unit", right=("value",))
     for key, name, unit in _ROWS:

@@ -10,8 +10,8 @@ from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
-    from drivegate_models.half_bridge.plant.drive import Drive
     from drivegate_models.steady.oracle import TorquePoint
+    from drivegate_models.steady.plant import AnyDrive
     from drivegate_models.steady.steady_state import SteadyState
 
 SCHEMA: Final = 1
@@ -22,7 +22,7 @@ _NO_TORQUE: Final = 1e-9
 
 
 def point_document(
-    drive: Drive,
+    drive: AnyDrive,
     speed_rpm: float,
     advance_deg: float,
     *,
@@ -40,7 +40,7 @@ def point_document(
     return heading | _values_at_current(drive, speed, advance, current_a, cycles)
 
 
-def _check_length(drive: Drive, speed: float, cycles: int) -> None:
+def _check_length(drive: AnyDrive, speed: float, cycles: int) -> None:
     """Refuse what would take hours to compute."""
     cycle = 2.0 * pi / (drive.pole_pairs * speed)
     if cycles * cycle > LONGEST_TIME:
@@ -51,7 +51,7 @@ def _check_length(drive: Drive, speed: float, cycles: int) -> None:
         )
 
 
-def _values_at_torque(drive: Drive, speed: float, advance: float, torque: float) -> dict[str, Any]:
+def _values_at_torque(drive: AnyDrive, speed: float, advance: float, torque: float) -> dict[str, Any]:
     from drivegate_models.steady.oracle import point_at_torque
 
     point = point_at_torque(drive, speed, advance, torque)
@@ -64,10 +64,10 @@ def _values_at_torque(drive: Drive, speed: float, advance: float, torque: float)
 
 
 def _values_at_current(
-    drive: Drive, speed: float, advance: float, reference: float, cycles: int | None
+    drive: AnyDrive, speed: float, advance: float, reference: float, cycles: int | None
 ) -> dict[str, Any]:
-    from drivegate_models.half_bridge.plant.phases import make_phases
     from drivegate_models.steady import steady_state as solver
+    from drivegate_models.steady.plant import make_phases
 
     if cycles is None:
         state = solver.steady_state(drive, speed, reference, advance)
@@ -90,6 +90,8 @@ def _values(
         "current_reference_a": reference,
         "feasible": feasible,
         "torque_mean_nm": mean,
+        "torque_lowest_nm": lowest,
+        "torque_highest_nm": highest,
         "torque_ripple_percent": _percent(highest - lowest, mean),
         "torque_ripple_one_sided_percent": _percent(max(highest - mean, mean - lowest), mean),
         "current_sum_a": state.current_sum,

@@ -105,7 +105,7 @@ def _comes_along(candidate: Candidate) -> bool:
 
 def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
     """Run a counterexample again."""
-    with_compiled_kernels()
+    with_compiled_kernels([stored.scenario.drive])
     with Judge(candidate, on_slow=tell_slow) as judge:
         replay = judge.run(Job(run_replay, stored))
         if isinstance(replay, Fault) or isinstance(stored.scenario, Script) or stored.check != REPEATED:

@@ -30,7 +30,7 @@ MOST_ROWS: Final = 1_000_000
 
 def simulated(candidate: Candidate, scenario: Scenario) -> ClosedLoopRun | Fault:
     """Run a candidate through a scenario."""
-    with_compiled_kernels()
+    with_compiled_kernels([scenario.drive])
     with Judge(candidate, on_slow=tell_slow) as judge:
         return judge.run(Job(run_once, scenario))
 

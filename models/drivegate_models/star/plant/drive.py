@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -18,6 +19,13 @@ PWM_ON: Final = 0b0101
 """A phase chops in the first half of each window and is on in the second."""
 ON_PWM: Final = 0b1010
 """A phase is on in the first half of each window and chops in the second."""
+REGULATIONS: Final[Mapping[str, int]] = {
+    "every-half": EVERY_HALF,
+    "upper-only": UPPER_ONLY,
+    "pwm-on": PWM_ON,
+    "on-pwm": ON_PWM,
+}
+"""The halves that chop, by the name of the scheme."""
 
 
 class StarDrive(NamedTuple):

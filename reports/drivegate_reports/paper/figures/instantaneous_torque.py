@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_cases.scenario.operating_point import load_operating_point
-from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.steady.oracle import point_at_torque
+from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.steady.waveform import periodic_waveforms
 from drivegate_models.units import RADIANS_PER_RPM
@@ -76,7 +76,7 @@ def torque_cycle(advance_deg: float = ADVANCE_DEG) -> TorqueCycle:
     return cycle_at(ideal_drive(), point.speed_rpm, advance_deg, point.torque_nm)
 
 
-def cycle_at(drive: Drive, speed_rpm: float, advance_deg: float, torque_nm: float) -> TorqueCycle:
+def cycle_at(drive: AnyDrive, speed_rpm: float, advance_deg: float, torque_nm: float) -> TorqueCycle:
     """Compute the torque at an operating point; at the current limit where the mean torque is out of reach."""
     speed = speed_rpm * RADIANS_PER_RPM
     advance = math.radians(advance_deg)

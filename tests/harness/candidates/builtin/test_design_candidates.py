@@ -13,7 +13,7 @@ from drivegate.checks.margin import Margin
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import steady_scenario
-from drivegate.scenarios.changes import with_load_factor, with_load_shares, with_mcs96
+from drivegate.scenarios.changes import with_load_factor, with_load_shares, with_real_sensors
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest.correct_designs import correct_designs
 from drivegate_cases.drive.drive_document import load_drive
@@ -82,7 +82,7 @@ def test_a_design_does_not_rest_where_the_current_sum_swings_within_a_step_of_th
     controller = load_controller(resolve_candidate(name))
     margins = {}
     for seed in (*range(12), 158):
-        seen = with_mcs96(with_load_shares(steady, (0.0, 0.7), (10.0, 0.1)), seed)
+        seen = with_real_sensors(with_load_shares(steady, (0.0, 0.7), (10.0, 0.1)), seed)
         record = RunRecord(seen, run_scenario(seen, controller), Declaration())
         margins[seed], _ = window_convergence(list(record.windows())[-1])
     assert min(margins.values()) >= 0.0, f"{name} rests where Σ|i| swings beyond the limit: {margins}"

@@ -24,10 +24,10 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import InputError
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES
-from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
-from drivegate_models.half_bridge.faults.clocks import alter_search_by_counters
-from drivegate_models.half_bridge.faults.state import FAULTY_STATE
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES
+from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE
+from drivegate_models.outer_loop.faults.clocks import alter_search_by_counters
+from drivegate_models.outer_loop.faults.state import FAULTY_STATE
 
 KNOWN = {check.id: check for check in CHECKS}
 DRIVE = load_drive("paper-5-phase")

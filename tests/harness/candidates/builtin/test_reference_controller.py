@@ -13,7 +13,7 @@ from drivegate.runs.record import RunRecord
 from drivegate.scenarios.fixed import steady_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES
 
 DRIVE = load_drive("paper-5-phase")
 CHANGE = 12.2

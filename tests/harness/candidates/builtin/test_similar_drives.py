@@ -12,8 +12,8 @@ from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.load import ConstantPowerLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.records import nameplate_record
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES, reset_function
-from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES, reset_function
+from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE
 from drivegate_models.units import RADIANS_PER_RPM
 
 PAPER = load_drive("paper-5-phase")

@@ -16,7 +16,7 @@ from drivegate_cases.scenario.drive_cycle import DriveCycle, load_drive_cycle
 from drivegate_cases.scenario.load import GRAVITY
 from drivegate_cases.scenario.sensors import MCS96
 from drivegate_models.errors import InputError
-from drivegate_models.half_bridge.controllers.builtin import SEARCHES
+from drivegate_models.outer_loop.controllers.builtin import SEARCHES
 from drivegate_models.units import RADIANS_PER_RPM
 
 DRIVE = load_drive("paper-5-phase")

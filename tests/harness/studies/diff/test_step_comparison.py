@@ -19,6 +19,7 @@ from drivegate.studies.diff.record import (
     row_count,
     some_rows,
 )
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.loop.step_recording import BLOCK_ROWS
@@ -159,9 +160,10 @@ def test_a_second_candidate_that_is_refused_is_reported_before_the_long_run(cand
         compare(candidate("Steady"), candidate("Missing"), scenario=long)
 
 
-def test_a_record_is_exact_and_the_plant_played_back_is_the_plant(tmp_path):
-    # Encoder and converter show the plant otherwise than it is.
-    scenario = SHORT.replaced(sensors="mcs96")
+@pytest.mark.parametrize(("drive", "sensors"), [("paper-5-phase", "mcs96"), ("star-3-phase", "hall")])
+def test_a_record_is_exact_and_the_plant_played_back_is_the_plant(tmp_path, drive, sensors):
+    # Encoder, Hall switches and converter show the plant otherwise than it is, and the switches commutate it.
+    scenario = SHORT.replaced(drive=load_drive(drive), sensors=sensors)
     path = tmp_path / "steps"
     inner = load_controller(resolve_candidate("reference"))
     with path.open("wb") as file:

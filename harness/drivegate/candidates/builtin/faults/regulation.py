@@ -8,7 +8,7 @@ from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.limits import limits_of
-from drivegate_models.half_bridge.faults import state as faults
+from drivegate_models.outer_loop.faults import state as faults
 
 KIND: Final = "Speed regulation"
 

@@ -88,8 +88,8 @@ def regulator(drive: DriveDocument) -> Any:
     import numpy as np
 
     from drivegate_models.contract.outer_loop.records import nameplate_record
-    from drivegate_models.half_bridge.controllers.builtin import reset_function
-    from drivegate_models.half_bridge.controllers.state import CONTROLLER_STATE, GUARDED
+    from drivegate_models.outer_loop.controllers.builtin import reset_function
+    from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE, GUARDED
 
     state = np.zeros(1, CONTROLLER_STATE)
     reset_function()(state, nameplate_record(drive.nameplate(CONTROL_PERIOD)), GUARDED)

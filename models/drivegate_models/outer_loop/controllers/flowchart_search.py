@@ -1,0 +1,158 @@
+"""The on-line search for the advance angle of least input power (paper, Fig. 4), literal and guarded.
+
+Input power is judged by the current sum, which is proportional to the power exchanged with the supply
+("Optimal Efficiency Control").
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.outer_loop.controllers.another_load import (
+    LOAD_CHANGED,
+    is_another_load,
+    may_step_farther,
+    rearm_unless_repeated,
+)
+from drivegate_models.outer_loop.controllers.protection import (
+    MARGIN,
+    SMALLEST_STEP,
+    begin_settling,
+    forget_other_load,
+    take_step,
+)
+from drivegate_models.outer_loop.controllers.unrest import JOLT, is_uneasy, noise_of_power
+from drivegate_models.outer_loop.controllers.watch import BEGINNING, WAITING, begin_holding, watch_search
+
+_IMPROVEMENTS = 3
+_WORSE = 3
+# First steps from the initial angle within which a rest is confirmed.
+_NEAR_THE_START = 3.5
+
+
+@inlined
+def decide_by_flowchart(state: Any, error: float) -> None:
+    """Make one decision of Fig. 4, literally: gate by k1, stop by k2, reverse or go on.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    error : float
+        Speed reference minus speed at the decision (rad/s).
+    """
+    power = state.power_sum / state.count
+    if abs(error) > state.speed_tolerance:
+        return
+    # The first one is minus infinity, as nothing came before, so the first step is always taken.
+    change = power - state.old_power
+    state.old_power = power
+    if abs(change) <= state.power_tolerance * power:
+        return
+    if change > 0.0:
+        state.direction = -state.direction
+    state.offset += state.direction * state.step
+
+
+@inlined
+def move(state: Any, power: float, change: float) -> None:
+    """Take the next step, by as much as the forbidden angle leaves; rest where nothing is left.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power, change : float
+        Mean current sum of the decision interval, and its change from the one before (A).
+    """
+    forget_other_load(state, power)
+    # Half a step may still fit between here and the forbidden angle.
+    while (
+        state.step >= SMALLEST_STEP
+        and state.direction < 0.0
+        and state.offset - state.step < state.forbidden + MARGIN
+    ):
+        state.step = 0.5 * state.step
+    if state.step < SMALLEST_STEP:
+        if change > 0.0 and state.moved != 0.0:
+            # The last step made things worse: it is taken back before the search rests.
+            state.offset -= state.moved
+        begin_holding(state, power)
+        return
+    take_step(state, power, state.direction * state.step)
+
+
+@inlined
+def rest_or_confirm(state: Any, power: float) -> None:
+    """Rest after flat steps; where these were the first ones, only after others like them.
+
+    A load that grows during the first steps takes as much current as they save, so that all of them look flat.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Mean current sum of the decision interval (A).
+    """
+    if state.confirmed == 1 or abs(state.offset) > _NEAR_THE_START * state.first_step:
+        begin_holding(state, power)
+        return
+    state.confirmed = 1
+    state.step = state.first_step
+    state.direction = -1.0
+    begin_settling(state)
+
+
+@inlined
+def decide_guarded(state: Any) -> None:
+    """Make one decision of the guarded search: climb down by halving and growing steps.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated; its decision interval is complete.
+    """
+    work, change = watch_search(state, LOAD_CHANGED, LOAD_CHANGED, JOLT)
+    if work == WAITING:
+        return
+    power = state.last_power
+    if work == BEGINNING:
+        state.worse_from = power
+        state.worse = 0
+        move(state, power, change)
+        return
+    if change <= 0.0:
+        state.worse_from = power
+        state.worse = 0
+    else:
+        state.worse += 1
+    grown = state.worse >= _WORSE and is_another_load(state, power, state.worse_from) and not is_uneasy(state)
+    # Whichever way the steps go, it gets worse, and no torque is being lost: it is the load that grows.
+    if grown and rearm_unless_repeated(state):
+        return
+    # Less than noise makes of the sum is no slope.
+    if abs(change) <= max(state.power_tolerance * power, noise_of_power(state)):
+        state.quiet += 1
+        # One flat step is not yet the optimum.
+        if state.quiet >= 2:
+            rest_or_confirm(state, power)
+            return
+    else:
+        state.quiet = 0
+        state.improvements += 1
+        if change > 0.0:
+            state.direction = -state.direction
+            # At its whole step the flowchart would go to and fro for ever.
+            state.step = 0.5 * state.step
+            state.improvements = 0
+        # At light load the optimum is 40 degrees or more away, too far for steps of one.
+        elif (
+            state.improvements >= _IMPROVEMENTS
+            and state.step < 2.0 * state.first_step
+            and may_step_farther(state, power, change)
+        ):
+            state.step = 2.0 * state.step
+            state.improvements = 0
+    move(state, power, change)

@@ -1,0 +1,324 @@
+"""What protects the regulation from a search for the advance angle, whatever search it is.
+
+It settles before the search begins, gives back an angle that has lost the torque, looks for one that gives it, and
+starts anew where command, supply or load has changed.
+"""
+
+from __future__ import annotations
+
+from math import inf, radians
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import inlined
+
+SETTLING: Final = 0
+"""Mode: command or load has changed; wait until the current sum repeats."""
+SEARCHING: Final = 1
+"""Mode: each decision moves the angle."""
+HOLDING: Final = 2
+"""Mode: the optimum is found; wait for a change."""
+
+STEPPED_OFF: Final = -1
+"""Count of quiet intervals while holding, right after a step off the edge."""
+
+SMALLEST_STEP: Final = radians(0.24)
+"""Least step of a search (rad electrical)."""
+MARGIN: Final = radians(0.2)
+"""Distance that a search keeps from a forbidden angle (rad electrical)."""
+STARVED: Final = 3.0
+"""Times the current that flows by which the current reference of a starved winding exceeds it."""
+SLACK: Final = 0.04
+"""Current reference at which no winding counts as starved yet, as a share of the current limit."""
+
+# The supply is held until it moves by this: the noise of its measurement must not move the angle.
+_SUPPLY_MOVED = 0.02
+# Given back besides the step, so that the walk back does not end on the edge itself.
+_RECOVERY = radians(0.3)
+# Of k1: beyond the edge the torque goes at once, and k1 itself would be too late.
+_ALARM = 0.3
+# Dwell times (s, in the drive's own time). The climb waits least: the load takes speed away faster than steps of a
+# degree return it.
+_STARVED_DWELL = 0.03
+_DWELL = 0.02
+_CLIMB_DWELL = 0.01
+# Time in which lost speed has to come back, else the torque counts as lost (s).
+_REGAIN = 0.25
+# Of base speed (1/s).
+_SLOWEST_REGAIN = 0.04
+_LONGEST_CLIMB = radians(8.0)
+# Current sums, over that at which an angle was forbidden, that mean another load.
+_LIGHTER = 0.88
+_HEAVIER = 1.35
+_HEAVIER_THAN_HELD = 1.1
+# Mostly more than the way back to the initial angle explains, as long as the current sum there is not known.
+_HEAVIER_LOAD = 1.6
+_SAME_AS_INITIAL = 1.03
+
+
+@inlined
+def begin_settling(state: Any) -> None:
+    """Start a new decision interval, and wait until the current sum repeats before the next move.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.mode = SETTLING
+    state.old_power = inf
+    state.moved = 0.0
+    state.quiet = 0
+    state.improvements = 0
+    state.count = 0
+    state.power_sum = 0.0
+    state.worst_error = 0.0
+    state.saturated = 0
+    state.saturated_run = 0
+    state.starved_run = 0
+    state.waited = 0
+
+
+@inlined
+def rearm(state: Any) -> None:
+    """Return to the initial angle and forget what was found: command or load has changed.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.offset = 0.0
+    state.step = state.first_step
+    # The initial line keeps above the edge, so less current lies at less angle.
+    state.direction = -1.0
+    state.forbidden = -inf
+    state.forbidden_power = 0.0
+    state.good_integral = inf
+    state.good_power = inf
+    state.climb = 0.5 * state.first_step
+    state.regained = -inf
+    state.calm_error = inf
+    state.confirmed = 0
+    state.jolted_at = inf
+    begin_settling(state)
+
+
+@inlined
+def forbid(state: Any) -> None:
+    """Forbid the present angle and those below it, for a load as heavy as the present one.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    # A step just made off the edge while holding is not to blame for what came before it.
+    blamed = state.offset - (SMALLEST_STEP if state.mode == HOLDING and state.quiet == STEPPED_OFF else 0.0)
+    state.forbidden = max(state.forbidden, blamed)
+    # What has been held is known better than the interval in which it was lost.
+    state.forbidden_power = state.held_power if state.mode == HOLDING else state.last_power
+
+
+@inlined
+def is_way_back(state: Any, power: float) -> bool:
+    """Return whether the way back to the initial angle explains a current sum, under the load that is known.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power : float
+        Mean current sum of the decision interval (A).
+
+    Returns
+    -------
+    bool
+        False as long as the current sum at the initial angle is not known.
+    """
+    explained: bool = power <= _SAME_AS_INITIAL * state.initial_power
+    return explained
+
+
+@inlined
+def is_heavier_load(state: Any, power: float) -> bool:
+    """Return whether the load is much heavier than the one under which an angle was forbidden.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power : float
+        Mean current sum of the decision interval (A).
+
+    Returns
+    -------
+    bool
+        Whether the current sum is more than the way back to the initial angle makes of it.
+    """
+    heavier: bool = power > _HEAVIER_LOAD * state.forbidden_power
+    return heavier and not is_way_back(state, power)
+
+
+@inlined
+def forget_other_load(state: Any, power: float) -> None:
+    """Drop the forbidden angle where it was forbidden under another load.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Mean current sum of the decision interval (A).
+    """
+    heavier = power > _HEAVIER * state.forbidden_power and not is_way_back(state, power)
+    if power < _LIGHTER * state.forbidden_power or heavier:
+        # A lighter load has a lower edge; and a load that has become much heavier costs speed at any angle.
+        state.forbidden = -inf
+
+
+@inlined
+def take_step(state: Any, power: float, step: float) -> None:
+    """Move the angle, and keep what a walk back returns to.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Mean current sum at the present angle (A).
+    step : float
+        Angle to add (rad electrical).
+    """
+    state.moved = step
+    state.good_offset = state.offset
+    state.good_integral = state.integral
+    state.good_power = power
+    state.offset += step
+
+
+@inlined
+def walk_back(state: Any, angle: float, lost: bool) -> None:
+    """Add angle, and forbid the present one where it has lost the torque.
+
+    The walk starts from the search's own step toward less angle, leads back to the initial angle, and beyond
+    it where even that one cannot give the torque.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    angle : float
+        Angle to add (rad electrical).
+    lost : bool
+        Whether torque is lost at the present angle, rather than too slow to return.
+    """
+    if lost:
+        forbid(state)
+    state.offset += angle
+    # The edge is near; what comes next has to be smaller than what led over it.
+    state.step = max(min(0.5 * state.step, 0.5 * state.first_step), SMALLEST_STEP)
+    state.direction = -1.0
+    begin_settling(state)
+
+
+@inlined
+def seek_torque(state: Any, gained: float) -> None:
+    """Climb from the initial angle, which cannot give the torque, to one that can; in growing steps.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    gained : float
+        Speed gained at the current limit since the last step (rad/s).
+    """
+    # Past the angle of greatest torque each step returns less speed than the one before.
+    if gained < state.regained:
+        state.climb = -0.5 * state.climb
+    # A heavy load takes the speed away meanwhile, so equal steps would come too late.
+    elif abs(state.climb) < _LONGEST_CLIMB:
+        state.climb = 2.0 * state.climb
+    state.regained = gained
+    # An angle at which speed returns, only slowly, has the torque and is not forbidden.
+    walk_back(state, state.climb, gained <= 0.0 and state.climb > 0.0)
+
+
+@inlined
+def guard_regulation(
+    state: Any,
+    speed: float,
+    speed_reference: float,
+    voltage: float,
+    current_sum: float,
+    reference: float,
+    period: float,
+) -> None:
+    """Watch the regulator at every step and give the angle back when it costs regulation.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    speed, speed_reference : float
+        (rad/s).
+    voltage : float
+        Measured voltage of a half-source (V).
+    current_sum : float
+        Measured sum of the phase currents' magnitudes (A).
+    reference : float
+        Current reference (A).
+    period : float
+        Control period in the drive's own time (s).
+    """
+    # The edge depends on EMF over supply, so either one makes what was found worthless.
+    supply_moved = abs(voltage - state.supply_voltage) > _SUPPLY_MOVED * state.nominal_voltage
+    if speed_reference != state.speed_reference or supply_moved:
+        state.speed_reference = speed_reference
+        state.supply_voltage = voltage
+        state.initial_power = 0.0
+        rearm(state)
+    sag = speed_reference - speed
+    if state.offset < 0.0 and sag > (1.0 if state.mode == HOLDING else 3.0) * state.speed_tolerance:
+        # The load has grown, or the angle was below what it needs from the start; neither is to be tried again.
+        forbid(state)
+        forbidden = state.forbidden
+        # An angle that was held gave the torque until then: what lost it is a load heavier than the one held.
+        forbidden_power = (_HEAVIER_THAN_HELD if state.mode == HOLDING else 1.0) * state.forbidden_power
+        rearm(state)
+        state.forbidden = forbidden
+        state.forbidden_power = forbidden_power
+    state.saturated_run = state.saturated_run + 1 if reference >= state.current_limit else 0
+    if state.saturated_run == 1:
+        state.speed_mark = speed
+    flowing = current_sum / state.conducting_phases
+    # A reference far beyond the current shows a lost torque before the regulator reaches its limit.
+    starved = reference > STARVED * flowing + SLACK * state.current_limit
+    state.starved_run = state.starved_run + 1 if starved else 0
+    if state.starved_run == 1:
+        state.starved_mark = speed
+    is_starved = state.starved_run * period >= _STARVED_DWELL
+    # After an own step downward that step is to blame, so it is given back whole.
+    if state.moved < 0.0 and (is_starved or speed_reference - speed > _ALARM * state.speed_tolerance):
+        # The integral has wound up in vain; with the old angle goes the old current.
+        state.integral = state.good_integral
+        walk_back(state, -state.moved + _RECOVERY, True)
+    elif is_starved and state.offset < 0.0:
+        state.starved_run = 0
+        gained = speed - state.starved_mark
+        if gained <= sag * _STARVED_DWELL / _REGAIN:
+            # Left at what it wound up in vain, the integral would overshoot once the torque is back.
+            state.integral = min(state.integral, STARVED * flowing)
+            walk_back(state, state.first_step, gained <= 0.0)
+    elif state.saturated_run * period >= (_DWELL if state.offset < 0.0 else _CLIMB_DWELL):
+        state.saturated_run = 0
+        gained = speed - state.speed_mark
+        missing = speed_reference - speed
+        # Below the initial angle torque must return soon; at it, a heavy load may take its time to accelerate.
+        required = missing * _DWELL / _REGAIN
+        if state.offset >= 0.0:
+            required = min(missing / _REGAIN, _SLOWEST_REGAIN * state.base_speed) * _CLIMB_DWELL
+        if gained <= required and missing > 0.0:
+            if state.offset < 0.0:
+                walk_back(state, state.first_step, gained <= 0.0)
+            else:
+                seek_torque(state, gained)

@@ -1,0 +1,287 @@
+"""What a search for the advance angle does at each decision, whatever search it is: it watches, and waits or goes on.
+
+The reference and the correct controllers of other designs share it; they differ in where the angle goes next.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.outer_loop.controllers.another_load import (
+    CHANGED,
+    TUNED_SUM,
+    greatest_current_sum,
+    has_moved_on,
+    is_another_load,
+    load_has_changed,
+    rearm_unless_repeated,
+)
+from drivegate_models.outer_loop.controllers.protection import (
+    HOLDING,
+    SEARCHING,
+    SETTLING,
+    SLACK,
+    SMALLEST_STEP,
+    STARVED,
+    STEPPED_OFF,
+    begin_settling,
+    forbid,
+    is_heavier_load,
+    rearm,
+    walk_back,
+)
+from drivegate_models.outer_loop.controllers.unrest import EXACT, is_jolted, is_uneasy, noise_of_power
+
+WAITING: Final = 0
+"""What the search has to do: nothing."""
+BEGINNING: Final = 1
+"""What the search has to do: take its first step since the current sum repeats."""
+CONTINUING: Final = 2
+"""What the search has to do: go on from its last step."""
+
+_SETTLED = 0.01
+# A load that is still coming on may look settled once.
+_SETTLED_INTERVALS = 2
+_SMALLEST_POWER = 1.0 / TUNED_SUM
+# With a band the torque climbs in jumps, up which the regulator creeps to its limit within seconds; the least of it
+# over the current limit of the drive tuned on (A).
+_CREEP = 1.15
+_CREEP_LEAST = 0.15 / 26.0
+_RESTLESS = 0.003
+# The same creep before any good angle is known: an integral that grows for no more current.
+_WINDING = 0.005
+_IDLE = 0.002
+_WOUND = 3
+
+
+@inlined
+def begin_holding(state: Any, power: float) -> None:
+    """Rest at the angle found.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Current sum found there (A).
+    """
+    state.mode = HOLDING
+    state.held_power = power
+    state.rest_power = inf
+    # Without a step before it, the angle held is the only good one known.
+    if state.good_power == inf:
+        state.good_offset = state.offset
+        state.good_integral = state.integral
+        state.good_power = power
+    state.moved = 0.0
+    state.quiet = 0
+
+
+@inlined
+def is_creeping(state: Any, power: float) -> bool:
+    """Return whether the regulator winds up in vain: more current reference for no more current.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state, with what was needed at the last good angle.
+    power : float
+        Mean current sum of the decision interval (A).
+
+    Returns
+    -------
+    bool
+        False as long as no good angle is known, and well above it.
+    """
+    near = state.offset < state.good_offset + state.first_step
+    known = state.good_power
+    if state.mode == HOLDING and state.rest_power < inf:
+        # What was read when the speed was calm is known better than what the last step left.
+        known = max(known, state.rest_power)
+    creeping: bool = (
+        near
+        and state.integral > _CREEP * state.good_integral + _CREEP_LEAST * state.current_limit
+        and power < (1.0 + 0.5 * CHANGED) * known
+    )
+    return creeping
+
+
+@inlined
+def decide_holding(state: Any, power: float, change: float) -> None:
+    """Watch what was found: search anew after a change of load, and keep off an edge that is too near.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power, change : float
+        Mean current sum of the decision interval, and its change from the one before (A).
+    """
+    uneasy = is_uneasy(state)
+    # While the speed comes back from the last step, the current sum is not yet that of the rest.
+    if state.rest_power == inf and state.quiet > 0 and not uneasy:
+        state.rest_power = power
+    # A load that comes or goes slowly moves `held_power` along, step off the edge by step.
+    changed = has_moved_on(state, power) or is_another_load(state, power, state.held_power)
+    if is_creeping(state, power):
+        state.integral = state.good_integral
+        walk_back(state, state.first_step if uneasy else SMALLEST_STEP, True)
+    elif state.quiet <= 0:
+        # The interval of its own last step is not judged.
+        state.quiet = 1
+        if not changed:
+            state.held_power = power
+    elif changed:
+        rearm(state)
+    elif uneasy or abs(change) > _RESTLESS * power + noise_of_power(state):
+        # The optimum may lie on the edge itself: a little above it costs less than a new search.
+        forbid(state)
+        state.offset += SMALLEST_STEP
+        state.quiet = STEPPED_OFF
+
+
+@inlined
+def is_read_too_soon(state: Any, power: float, change: float) -> bool:
+    """Return whether the current sum may mislead, since the speed still comes back from a step.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power, change : float
+        Mean current sum of the decision interval, and its change by the step (A).
+
+    Returns
+    -------
+    bool
+        False where the sum falls anyway, which leads on.
+    """
+    falling = change < -max(state.power_tolerance * power, noise_of_power(state))
+    # Small steps do not disturb the speed; after one of them unrest is a sign of the edge.
+    large = abs(state.moved) >= state.first_step
+    return large and not falling and is_uneasy(state)
+
+
+@inlined
+def remember(state: Any, power: float) -> None:
+    """Keep of a decision interval how calm the speed was, and whether the integral grew for no more current.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Mean current sum of the decision interval (A).
+    """
+    # An encoder may show a speed as exact by chance, which is no measure of its steps.
+    if state.worst_error > EXACT:
+        state.calm_error = min(state.calm_error, state.worst_error)
+    winding = state.integral - state.last_integral > _WINDING * state.current_limit
+    winding = winding and abs(power - state.last_power) < _IDLE * power
+    state.winding = state.winding + 1 if winding else 0
+    state.last_integral = state.integral
+    state.last_power = power
+
+
+@inlined
+def settle(state: Any, power: float, settled: bool) -> int:
+    """Wait until current sum and speed have settled, and begin to search then.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Mean current sum of the decision interval (A).
+    settled : bool
+        Whether it is that of the interval before.
+
+    Returns
+    -------
+    int
+        `WAITING` or `BEGINNING`.
+    """
+    # A load that is still coming on would be taken for the effect of the first step.
+    wound = state.integral > STARVED * power / state.conducting_phases + SLACK * state.current_limit
+    state.quiet = state.quiet + 1 if settled else 0
+    if state.quiet < _SETTLED_INTERVALS or wound or is_uneasy(state):
+        return WAITING
+    state.quiet = 0
+    state.mode = SEARCHING
+    if state.offset == 0.0:
+        state.initial_power = power
+    state.climb = 0.5 * state.first_step
+    state.regained = -inf
+    return BEGINNING
+
+
+@inlined
+def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int, float]:
+    """Make the part of a decision that is the same for every search.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated; its decision interval is complete, its mean current sum becomes `last_power`.
+    fall, rise : float
+        Changes of the current sum that one step of this search explains, as shares; more is another load.
+    jolt : float
+        Speed that one step of this search costs at most, as a share of k1; more is another load.
+
+    Returns
+    -------
+    work : int
+        `WAITING`, `BEGINNING` or `CONTINUING`: what is left to the search itself.
+    change : float
+        Change of the mean current sum from the interval before (A).
+    """
+    power = state.power_sum / state.count
+    remember(state, power)
+    if is_heavier_load(state, power):
+        # It was this load that lost the torque, not the angle with the load of before.
+        state.forbidden = -inf
+    regulated = state.worst_error <= state.speed_tolerance and state.saturated == 0
+    change = power - state.old_power
+    state.old_power = power
+    if state.mode == HOLDING:
+        decide_holding(state, power, change)
+        return WAITING, change
+    if state.winding >= _WOUND and is_uneasy(state):
+        # The reference is beyond what the angle lets flow; without a good angle known, the current counts.
+        state.integral = min(state.integral, power / state.conducting_phases)
+        walk_back(state, state.first_step, True)
+        return WAITING, change
+    if is_creeping(state, power) and is_uneasy(state):
+        state.integral = state.good_integral
+        walk_back(state, 0.5 * state.first_step, True)
+        return WAITING, change
+    # A current sum with the speed off its reference says nothing about the angle.
+    if not regulated or power < _SMALLEST_POWER * greatest_current_sum(state):
+        begin_settling(state)
+        return WAITING, change
+    settled = abs(change) <= _SETTLED * power
+    # Back at the last good angle, the angle explains no more than while one is held.
+    back = abs(state.offset - state.good_offset) <= 0.5 * state.first_step and state.good_power < inf
+    if state.mode == SETTLING and settled and back and is_another_load(state, power, state.good_power):
+        rearm(state)
+        return WAITING, change
+    if state.moved < 0.0 and state.integral > state.good_integral and power < (1.0 - fall) * state.good_power:
+        # A lighter load would take less current reference too: this step has lost the torque.
+        state.integral = state.good_integral
+        walk_back(state, 0.5 * state.first_step - state.moved, True)
+        return WAITING, change
+    # Nor does one that still changes, or with the speed still on its way back, tell of another load.
+    told = state.mode != SETTLING or (settled and not is_uneasy(state))
+    seems = told and load_has_changed(state, power, fall, rise)
+    if (seems or is_jolted(state, jolt)) and rearm_unless_repeated(state):
+        return WAITING, change
+    if state.mode == SETTLING:
+        return settle(state, power, settled), change
+    if state.waited == 0 and is_read_too_soon(state, power, change):
+        state.waited = 1
+        state.old_power = power - change
+        return WAITING, change
+    state.waited = 0
+    return CONTINUING, change

@@ -1,0 +1,161 @@
+"""Confirming what a search has found: its neighbours are tried, and a cheaper one is followed.
+
+A load that changes during a search leaves a bracket that no longer holds the optimum. Probes beside the angle found
+reveal it, whatever the search.
+"""
+
+from __future__ import annotations
+
+from math import inf, radians
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.outer_loop.controllers.another_load import greatest_current_sum
+from drivegate_models.outer_loop.controllers.protection import MARGIN
+from drivegate_models.outer_loop.controllers.unrest import is_uneasy
+from drivegate_models.outer_loop.designs.state import LOWEST_ANGLE
+
+OFF_EDGE: Final = radians(0.8)
+"""Farther from the edge than a search goes: at rest, noise alone must not lead over it (rad electrical)."""
+
+UNCONFIRMED: Final = 0
+"""Nothing to confirm yet."""
+AT_ANGLE: Final = 1
+"""The angle found is read again."""
+BELOW: Final = 2
+"""The neighbour below is tried."""
+DOWN: Final = 3
+"""An angle below was cheaper, and the way leads on."""
+ABOVE: Final = 4
+"""Angles above are tried as long as they are cheaper."""
+
+_LIGHT = 0.15
+_STRIDE = radians(0.8)
+_GROWTH = 1.5
+_LONGEST_STRIDE = radians(2.0)
+_CHEAPER = 0.001
+_OTHER_EDGE = 0.97
+_OTHER_LOAD = 0.05
+
+
+@inlined
+def is_worth_confirming(state: Any) -> bool:
+    """Return whether neighbours can be compared: at light load they differ by less than a step disturbs.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        The state.
+
+    Returns
+    -------
+    bool
+        About the present load.
+    """
+    controller = state.controller
+    worth: bool = controller.last_power > _LIGHT * greatest_current_sum(controller)
+    return worth
+
+
+@inlined
+def begin_confirmation(state: Any) -> float:
+    """Return to the angle found, to read it again.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+
+    Returns
+    -------
+    float
+        Offset to probe (rad electrical).
+    """
+    state.finished = 0
+    state.confirming = AT_ANGLE
+    state.stride = _STRIDE
+    state.best_offset = max(state.best_offset, state.controller.forbidden + OFF_EDGE)
+    found: float = state.best_offset
+    return found
+
+
+@inlined
+def beside(state: Any, direction: float) -> float:
+    """Return the neighbour of the cheapest angle; the confirmation ends where there is none.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+    direction : float
+        Less than zero below, else above.
+
+    Returns
+    -------
+    float
+        Offset to probe (rad electrical).
+    """
+    if direction < 0.0:
+        lowest = max(LOWEST_ANGLE - state.line, state.controller.forbidden + MARGIN)
+        while state.best_offset - state.stride < lowest and state.stride > _STRIDE:
+            state.stride = max(0.5 * state.stride, _STRIDE)
+        below: float = state.best_offset - state.stride
+        if below >= lowest:
+            return below
+        if state.confirming == DOWN:
+            state.finished = 1
+            return below
+        state.confirming = ABOVE
+    above: float = state.best_offset + state.stride
+    return above
+
+
+@inlined
+def continue_confirmation(state: Any, power: float) -> float:
+    """Take in a probe, and choose the next one.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated; `confirming` says where the last probe was.
+    power : float
+        What the last probe cost (A); infinite where the torque was lost.
+
+    Returns
+    -------
+    float
+        Next offset to probe (rad electrical); once `finished`, `best_offset` is where to rest.
+    """
+    controller = state.controller
+    if state.confirming == AT_ANGLE:
+        if power == inf:
+            return begin_confirmation(state)
+        state.best_power = power
+        state.best_offset = controller.offset
+        if power < _OTHER_EDGE * controller.forbidden_power:
+            # A lighter load has a lower edge.
+            controller.forbidden = -inf
+        state.confirming = BELOW
+        return beside(state, -1.0)
+    if power < inf and abs(power - state.best_power) > _OTHER_LOAD * power:
+        # No stride explains that: the load has changed meanwhile.
+        state.best_offset = controller.offset
+        return begin_confirmation(state)
+    direction = 1.0 if state.confirming == ABOVE else -1.0
+    if power < (1.0 - _CHEAPER) * state.best_power and not is_uneasy(controller):
+        state.best_power = power
+        state.best_offset = controller.offset
+        if direction < 0.0:
+            state.confirming = DOWN
+        state.stride = min(_GROWTH * state.stride, _LONGEST_STRIDE)
+        return beside(state, direction)
+    if direction < 0.0 and state.stride > _STRIDE:
+        # Too far: the optimum, or the edge, lies between.
+        state.stride = max(0.5 * state.stride, _STRIDE)
+        return beside(state, -1.0)
+    if state.confirming == BELOW:
+        state.confirming = ABOVE
+        return beside(state, 1.0)
+    state.finished = 1
+    found: float = state.best_offset
+    return found

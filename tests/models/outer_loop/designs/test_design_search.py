@@ -1,0 +1,166 @@
+"""The searches of the correct designs, on a current sum that is known: an optimum, or an edge without torque."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drivegate_models.outer_loop.designs.confirmation import begin_confirmation, continue_confirmation
+from drivegate_models.outer_loop.designs.probe import aim, approach
+from drivegate_models.outer_loop.designs.rest import begin_watch, stands_still
+from drivegate_models.outer_loop.designs.search import (
+    MOST_DECISIONS,
+    begin_search,
+    next_probe,
+    note_cheapest,
+    settle_for,
+)
+from drivegate_models.outer_loop.designs.state import (
+    ANGLE_TABLE,
+    DESIGN_STATE,
+    GOLDEN_SECTION,
+    QUADRATIC_INTERPOLATION,
+    SWEEP,
+)
+from drivegate_models.outer_loop.designs.table_values import ANGLES_DEG, CURRENT_SUMS
+
+pytestmark = pytest.mark.kernel
+SEARCHES = (GOLDEN_SECTION, QUADRATIC_INTERPOLATION, SWEEP)
+LINE = math.radians(55.0)
+
+
+def design_state(design: int) -> Any:
+    state = np.zeros(1, DESIGN_STATE).view(np.recarray)[0]
+    state.design = design
+    state.line = LINE
+    state.controller.first_step = math.radians(1.0)
+    state.controller.step = math.radians(1.0)
+    state.controller.forbidden = -math.inf
+    return state
+
+
+def current_sum(angle: float, optimum: float) -> float:
+    return 20.0 + 60.0 * (angle - optimum) ** 2
+
+
+def searched(design: int, optimum_deg: float, edge_deg: float) -> tuple[Any, list[float]]:
+    """Let a design search, and return its state and all angles probed, in degrees."""
+    state = design_state(design)
+    optimum, edge = math.radians(optimum_deg), math.radians(edge_deg)
+    state.controller.last_power = current_sum(LINE, optimum)
+    settle_for(state, begin_search(state))
+    probed: list[float] = []
+    while state.finished == 0 and len(probed) < MOST_DECISIONS:
+        angle = LINE + state.target
+        probed.append(math.degrees(angle))
+        if angle < edge:
+            state.controller.forbidden = state.target
+            settle_for(state, state.target)
+            continue
+        state.controller.offset = state.target
+        state.controller.last_power = current_sum(angle, optimum)
+        state.controller.worst_error = 0.0
+        note_cheapest(state)
+        settle_for(state, next_probe(state, float(state.controller.last_power)))
+    return state, probed
+
+
+@pytest.mark.parametrize("design", SEARCHES)
+@pytest.mark.parametrize("optimum_deg", [12.0, 30.0, 45.0])
+def test_a_search_finds_an_optimum_within_its_bracket(design: int, optimum_deg: float) -> None:
+    state, probed = searched(design, optimum_deg, 0.0)
+    assert state.finished == 1, probed
+    assert math.degrees(LINE + state.target) == pytest.approx(optimum_deg, abs=2.0), probed
+
+
+@pytest.mark.parametrize("design", SEARCHES)
+@pytest.mark.parametrize("edge_deg", [25.3, 40.1, 53.0])
+def test_a_search_rests_close_above_an_edge(design: int, edge_deg: float) -> None:
+    state, probed = searched(design, 10.0, edge_deg)
+    assert state.finished == 1, probed
+    rest = math.degrees(LINE + state.target)
+    assert edge_deg <= rest <= edge_deg + 2.5, (rest, probed)
+
+
+def test_searches_probe_different_angles() -> None:
+    probed = [tuple(searched(design, 30.0, 0.0)[1]) for design in SEARCHES]
+    assert len(set(probed)) == len(SEARCHES), probed
+
+
+@pytest.mark.parametrize("design", SEARCHES)
+@pytest.mark.parametrize("found_deg", [23.0, 28.0, 36.0])
+def test_what_was_found_under_another_load_is_left_for_a_cheaper_neighbour(
+    design: int, found_deg: float
+) -> None:
+    state = design_state(design)
+    optimum = math.radians(30.0)
+    state.best_offset = math.radians(found_deg) - LINE
+    state.controller.offset = begin_confirmation(state)
+    probes = 0
+    while state.finished == 0 and probes < MOST_DECISIONS:
+        state.controller.last_power = current_sum(LINE + state.controller.offset, optimum)
+        state.controller.offset = continue_confirmation(state, float(state.controller.last_power))
+        probes += 1
+    assert state.finished == 1
+    assert math.degrees(LINE + state.best_offset) == pytest.approx(30.0, abs=1.6), probes
+
+
+@pytest.mark.parametrize("design", [*SEARCHES, ANGLE_TABLE])
+@pytest.mark.parametrize(("current_sum_a", "searches"), [(20.0, False), (22.0, True)])
+def test_a_load_too_light_to_search_by_is_looked_up(
+    design: int, current_sum_a: float, searches: bool
+) -> None:
+    first = {}
+    for which in (design, ANGLE_TABLE):
+        first[which] = first_offset(which, current_sum_a)
+    same = bool(first[design] == first[ANGLE_TABLE])
+    assert same is (design == ANGLE_TABLE or not searches), first
+
+
+@pytest.mark.parametrize("design", [*SEARCHES, ANGLE_TABLE])
+def test_at_light_load_the_angle_is_that_of_the_drives_own_table(design: int) -> None:
+    here, there = (first_offset(design, 20.0, higher_deg=higher) for higher in (0.0, 3.0))
+    assert there - here == pytest.approx(math.radians(3.0))
+
+
+def first_offset(design: int, current_sum_a: float, *, higher_deg: float = 0.0) -> float:
+    """Begin a search at a current sum of the paper's drive at 1430 rpm."""
+    state = design_state(design)
+    state.table_from, state.table_step = 500.0 * math.pi / 30.0, 50.0 * math.pi / 30.0
+    state.table_sums, state.table_angles = CURRENT_SUMS, np.radians(np.array(ANGLES_DEG) + higher_deg)
+    state.controller.base_speed = 500.0 * math.pi / 30.0
+    state.controller.rated_sum = 1500.0 / 48.0
+    state.controller.conducting_phases, state.controller.current_limit = 4.0, 26.0
+    state.controller.nominal_voltage = state.controller.supply_voltage = 48.0
+    state.speed = 1430.0 * math.pi / 30.0
+    state.controller.last_power = current_sum_a
+    return float(begin_search(state))
+
+
+def test_a_speed_that_never_calms_is_no_place_to_rest() -> None:
+    state = design_state(GOLDEN_SECTION)
+    state.controller.conducting_phases, state.controller.current_limit = 4.0, 26.0
+    state.controller.speed_tolerance = 5.0 * math.pi / 30.0
+    state.controller.last_power = 3.4
+    state.controller.worst_error = 0.07 * math.pi / 30.0
+    begin_watch(state)
+    rests = [stands_still(state) for _ in range(3)]
+    assert rests == [False, False, False]
+    assert state.target > 0.0, "an angle a little higher is tried"
+    state.controller.worst_error = 0.01 * math.pi / 30.0
+    rests = [stands_still(state) for _ in range(15)]
+    assert rests == [*[False] * 14, True], "at light load the current sum takes long to settle"
+
+
+def test_an_angle_is_approached_by_steps_that_can_be_given_back() -> None:
+    state = design_state(GOLDEN_SECTION)
+    aim(state, math.radians(-11.0))
+    steps = []
+    while abs(state.target - state.controller.offset) > 1e-9:
+        approach(state)
+        steps.append(math.degrees(state.controller.moved))
+    assert sum(steps) == pytest.approx(-11.0)
+    assert steps[:2] == pytest.approx([-1.0, -1.0]), "careful at first"
+    assert min(steps) >= -2.0 - 1e-9, steps
+    assert max(steps) < -0.5, "a step that were tiny would be no way back"
