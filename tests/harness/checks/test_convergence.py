@@ -54,7 +54,8 @@ def test_spread_of_the_means_of_k2(record, scenario, assert_limit, check):
 def test_through_hall_switches_a_step_of_the_speed_is_a_tick_in_an_electrical_cycle(
     record, scenario, assert_limit, rpm
 ):
-    run = scenario(drive="star-3-phase", sensors="hall", speed_rpm=[[0.0, rpm]])
+    drive = load_drive("star-3-phase").replaced(settling_s=6.0)
+    run = scenario(drive=drive.to_mapping(), sensors="hall", speed_rpm=[[0.0, rpm]])
     cycle = 60.0 / (rpm * 11)
     unseen = 2.0 * 0.05 * rpm * RPM * 1e-6 / cycle / 0.1 / 9.8
     allowed = (0.005 + unseen) * 40.0
