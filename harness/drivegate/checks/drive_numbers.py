@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final
@@ -56,6 +57,8 @@ def drive_numbers(drive: DriveDocument) -> dict[str, str]:
 
 
 def _percent(share: float) -> str:
+    if math.isinf(share):
+        return "no limit"
     return f"{tidy(100.0 * share):g} %"
 
 

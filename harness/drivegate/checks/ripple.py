@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 
-from drivegate.checks.check import Check
+from drivegate.candidates.declaration import Declaration
+from drivegate.checks.check import Check, ReasonNotApplicable
 from drivegate.checks.constant_power import is_in
 from drivegate.checks.convergence import ABOVE_BASE_SPEED, described
 from drivegate.checks.declared_speeds import constant_power, required_points, unless_speeds
 from drivegate.checks.margin import Margin, below, worst_required
 from drivegate.runs.record import RunRecord, SteadyWindow, rated_torque
 from drivegate_cases.documents.wording import figure
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_models.steady.oracle import point_at_torque
@@ -32,8 +34,10 @@ def _is_constant_power(window: SteadyWindow) -> bool:
 
 def _ideal_ripple(check: str, record: RunRecord, windows: list[SteadyWindow]) -> Margin | None:
     """Return the worst margin of the steady states with the ideal regulator at the angles converged to."""
-    ideal = record.drive._replace(hysteresis_band=0.0)
     limit = limits_of(record.scenario.drive).ripple
+    if math.isinf(limit):
+        return None
+    ideal = record.drive._replace(hysteresis_band=0.0)
     margins = []
     for window in windows:
         angle = window.values.angle
@@ -68,7 +72,8 @@ def ripple_at_constant_power(record: RunRecord) -> Margin | None:
 
 def closed_loop_ripple(record: RunRecord) -> Margin | None:
     """Judge the torque ripple of the closed loop, with hysteresis band and speed regulator."""
-    if record.circumstance is not Circumstance.NOMINAL:
+    unlimited = math.isinf(limits_of(record.scenario.drive).closed_loop_ripple)
+    if unlimited or record.circumstance is not Circumstance.NOMINAL:
         return None
     margins = [_closed_loop_margin(window) for window in record.windows() if window.torque_required > 0.0]
     return worst_required(margins)
@@ -84,6 +89,17 @@ def _closed_loop_margin(window: SteadyWindow) -> Margin:
     return Margin("RIP-3", below(ripple, limit), measured, advisory=light)
 
 
+def _where_limited(name: str, otherwise: ReasonNotApplicable) -> ReasonNotApplicable:
+    """Let a check apply unless its drive states no such limit, or for another reason."""
+
+    def reason(declaration: Declaration, drive: DriveDocument) -> str | None:
+        if math.isinf(getattr(limits_of(drive), name)):
+            return f"this drive states no requirements.{name}_percent; what can be met is told by drivegate drive"
+        return otherwise(declaration, drive)
+
+    return reason
+
+
 RIP_1 = Check(
     id="RIP-1",
     requirement="Torque ripple at {points}, ideal regulator, at the angle that the candidate converged to.",
@@ -95,7 +111,7 @@ RIP_1 = Check(
     formula="1 - ripple / {ripple}, ripple = (max - min) / mean torque of one electrical period",
     why="The paper gives less than 13 % there, and calls it the worst case of the whole speed range.",
     evaluate=ripple_at_converged_angle,
-    reason_not_applicable=unless_speeds(required_points),
+    reason_not_applicable=_where_limited("ripple", unless_speeds(required_points)),
 )
 RIP_2 = Check(
     id="RIP-2",
@@ -114,7 +130,7 @@ RIP_2 = Check(
     formula="as RIP-1",
     why="The paper's bound holds for the whole speed range; the calibrated motor itself comes close to it.",
     evaluate=ripple_at_constant_power,
-    reason_not_applicable=unless_speeds(constant_power),
+    reason_not_applicable=_where_limited("ripple", unless_speeds(constant_power)),
 )
 RIP_3 = Check(
     id="RIP-3",
@@ -132,5 +148,5 @@ RIP_3 = Check(
     formula="1 - ripple / {closed_loop_ripple}, ripple = (max - min) / mean torque of the worst electrical period",
     why="A band and a regulator that dithers across the feasible edge add to the ripple of the angle.",
     evaluate=closed_loop_ripple,
-    reason_not_applicable=ABOVE_BASE_SPEED,
+    reason_not_applicable=_where_limited("closed_loop_ripple", ABOVE_BASE_SPEED),
 )

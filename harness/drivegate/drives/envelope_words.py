@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import inf
+from math import inf, isfinite
 from typing import Any
 
 from drivegate.checks.drive_numbers import drive_numbers
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import limits_of
 
 
 def facts(document: Mapping[str, Any]) -> list[str]:
@@ -21,9 +22,18 @@ def required(drive: DriveDocument) -> list[str]:
     return [
         "required of a search: from {settling} after a change on the speed stays within {k1} (k1), Σ|i| within {k2} "
         "(k2) and the angle within {angle}; Σ|i| at most {optimum} above the least".format_map(numbers),
-        "required of the torque: a ripple below {ripple} with the ideal regulator at {points}, and below "
-        "{closed_loop_ripple} in the closed loop".format_map(numbers),
+        _required_of_torque(drive).format_map(numbers),
     ]
+
+
+def _required_of_torque(drive: DriveDocument) -> str:
+    limits = limits_of(drive)
+    required = []
+    if isfinite(limits.ripple):
+        required.append("a ripple below {ripple} with the ideal regulator at {points}")
+    if isfinite(limits.closed_loop_ripple):
+        required.append("a ripple below {closed_loop_ripple} in the closed loop")
+    return f"required of the torque: {', and '.join(required) or 'nothing, since no limit of its ripple is stated'}"
 
 
 def _line(document: Mapping[str, Any]) -> str:

@@ -24,6 +24,10 @@ SHORTEST_TIME_UNIT_S: Final = 1.0
 """Whatever the drive, ten of the means over `MEAN_UNITS` by which convergence is judged, of 0.1 s and more (s)."""
 MEAN_UNITS: Final = 0.1
 """Units of time over which the means of the current sum are taken: nine electrical periods, and a tenth more (1)."""
+RIPPLE: Final = 0.13
+"""Limit of the torque ripple of decoupled phases with the ideal regulator, where none is stated: the paper's (1)."""
+CLOSED_LOOP_RIPPLE: Final = 0.20
+"""The same with band and speed regulator, which add to it (1)."""
 SETTLING_UNITS: Final = 6.0
 """Units of time in which a search has to converge, where no time is stated (1)."""
 _KEPT: Final = 100
@@ -49,7 +53,7 @@ class Limits:
     optimum_tolerance : float
         Greatest excess of the current sum over the least one, as a share of it (1).
     ripple : float
-        Limit of the torque ripple with the ideal regulator, peak to peak over mean (1).
+        Limit of the torque ripple with the ideal regulator, peak to peak over mean (1); inf for none.
     closed_loop_ripple : float
         The same with hysteresis band and speed regulator (1).
     points : tuple of RequiredPoint
@@ -90,10 +94,16 @@ def limits_of(drive: DriveDocument) -> Limits:
         angle_tolerance_deg=stated.angle_tolerance_deg,
         settling_s=SETTLING_UNITS * time_unit(drive) if settling is None else settling,
         optimum_tolerance=stated.optimum_tolerance_percent / 100.0,
-        ripple=stated.ripple_percent / 100.0,
-        closed_loop_ripple=stated.closed_loop_ripple_percent / 100.0,
+        ripple=_ripple(drive, stated.ripple_percent, RIPPLE),
+        closed_loop_ripple=_ripple(drive, stated.closed_loop_ripple_percent, CLOSED_LOOP_RIPPLE),
         points=stated.point or (at_highest,),
     )
+
+
+def _ripple(drive: DriveDocument, stated_percent: float | None, of_decoupled: float) -> float:
+    if stated_percent is not None:
+        return stated_percent / 100.0
+    return of_decoupled if drive.has_split_supply else math.inf
 
 
 def time_unit(drive: DriveDocument) -> float:

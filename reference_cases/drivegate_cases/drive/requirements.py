@@ -71,17 +71,19 @@ class Requirements(Section):
         le=1000.0,
         description="greatest excess of the current sum over the least one, in percent",
     )
-    ripple_percent: float = Field(
-        default=13.0,
+    ripple_percent: float | None = Field(
+        default=None,
         json_schema_extra=_from_least("ripple_percent"),
         le=1000.0,
-        description="limit of the torque ripple with the ideal regulator, peak to peak over mean, in percent",
+        description="limit of the torque ripple with the ideal regulator, peak to peak over mean, in percent, by "
+        "default 13 of decoupled phases, and none of a star",
     )
-    closed_loop_ripple_percent: float = Field(
-        default=20.0,
+    closed_loop_ripple_percent: float | None = Field(
+        default=None,
         json_schema_extra=_from_least("closed_loop_ripple_percent"),
         le=1000.0,
-        description="limit of the torque ripple with band and speed regulator, peak to peak over mean, in percent",
+        description="limit of the torque ripple with band and speed regulator, peak to peak over mean, in percent, by "
+        "default 20 of decoupled phases, and none of a star",
     )
     point: tuple[RequiredPoint, ...] = Field(
         default=(),

@@ -56,4 +56,4 @@ def ripple_of(check: str, signals: RunSignals) -> Ripple | None:
     except InputError:
         return None
     limit = limits_of(signals.scenario.drive).ripple
-    return Ripple(cycle, limit, torque) if cycle.mean_nm > 0.0 else None
+    return Ripple(cycle, limit, torque) if cycle.mean_nm > 0.0 and np.isfinite(limit) else None

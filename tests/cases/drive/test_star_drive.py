@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import pytest
 
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument, drive_names, load_drive
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.star.plant.drive import REGULATIONS, StarDrive
@@ -86,3 +88,21 @@ def test_the_link_of_a_star_has_no_halves_to_differ(refusal: Callable[..., str])
     }
     message = refusal(parse_document, mapping, Scenario, "here")
     assert "the key 'imbalance' is for a split supply" in message
+
+
+def test_a_star_that_states_no_ripple_has_no_limit_of_it() -> None:
+    mapping = STAR.to_mapping()
+    for key in ("ripple_percent", "closed_loop_ripple_percent"):
+        del mapping["requirements"][key]
+        del mapping["provenance"]["requirements"][key]
+    drive = parse_document(mapping, DriveDocument, "here")
+    assert limits_of(drive).ripple == limits_of(drive).closed_loop_ripple == math.inf
+    again = parse_document(drive.to_mapping(), DriveDocument, "here")
+    assert again == drive, "a document that is written and read has other limits"
+
+
+def test_decoupled_phases_that_state_no_ripple_have_the_limits_of_the_paper() -> None:
+    mapping = PAPER.to_mapping()
+    del mapping["requirements"], mapping["provenance"]["requirements"]
+    limits = limits_of(parse_document(mapping, DriveDocument, "here"))
+    assert (limits.ripple, limits.closed_loop_ripple) == (0.13, 0.20)

@@ -4,6 +4,7 @@ import pytest
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.drive_numbers import on_drive
 from drivegate_cases.drive.drive_document import load_drive
 
 PAPER = load_drive("paper-5-phase")
@@ -123,3 +124,12 @@ def test_the_reason_names_the_speeds_that_the_check_is_about():
     assert reasons["CNV-1"] == (
         "the candidate declares a speed range of 0 to 400 rpm, which contains none of the speeds above 500 rpm"
     )
+
+
+def test_a_star_that_states_no_ripple_is_not_judged_by_it():
+    drive = load_drive("star-3-phase").replaced(ripple_percent=None, closed_loop_ripple_percent=None)
+    reasons = {check.id: check.reason_not_applicable(Declaration(), drive) for check in CHECKS}
+    spared = {identifier for identifier, reason in reasons.items() if reason is not None}
+    assert spared == {"FLO-1", "RIP-1", "RIP-2", "RIP-3"}
+    assert "states no requirements.ripple_percent" in reasons["RIP-1"]
+    assert all("inf" not in text for check in CHECKS for text in (on_drive(check, drive).limit,))

@@ -10,6 +10,7 @@ from drivegate.drives.drawn_drives import drawn_drive, draws, per_unit_values
 from drivegate.drives.rating import rated_drive
 from drivegate.drives.reach import unreachable
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.usual_values import unusual_values
 from drivegate_models.errors import HarnessFault
 
@@ -83,9 +84,7 @@ def test_what_is_required_of_a_drawn_drive_can_be_met() -> None:
     drawn = [drawn_drive(0, number).document for number in range(1, 9)]
     for drive in drawn:
         assert unreachable(rated_drive(drive)) == (), drive.name
-    assert any(drive.requirements.ripple_percent > 13.0 for drive in drawn), (
-        "some cannot have the paper's ripple"
-    )
+    assert any(limits_of(drive).ripple > 0.13 for drive in drawn), "some cannot have the paper's ripple"
 
 
 def test_bounds_that_no_drive_can_meet_are_a_fault_of_the_harness(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -56,9 +56,14 @@ def caption(envelope: Mapping[str, Any], ripple_percent: float) -> str:
     return (
         f"At {rating['current_limit_a']:g} A; dotted: base speed and the highest of constant power. No controller "
         "gives more than the blue lines, nor rated torque at an angle in the shaded part. Ripple: at rated power and "
-        f"least Σ|i|, ideal regulator; its limit of {ripple_percent:g} % is required at the points named here, and "
-        "advised elsewhere."
+        f"least Σ|i|, ideal regulator; {_limit(ripple_percent)}."
     )
+
+
+def _limit(ripple_percent: float) -> str:
+    if not np.isfinite(ripple_percent):
+        return "no limit of it is stated"
+    return f"its limit of {ripple_percent:g} % is required at the points named here, and advised elsewhere"
 
 
 def draw(envelope: Mapping[str, Any], ripple_percent: float) -> Figure:
@@ -138,7 +143,8 @@ def _draw_ripple(
 ) -> None:
     ripple = column(envelope, "ripple_percent")
     panel.plot(speed, ripple, color=ORANGE, marker=".", markersize=4)
-    panel.plot([0.0, speed[-1]], [ripple_percent] * 2, color=VERMILION, linewidth=1.2, linestyle=_DASHED)
+    if np.isfinite(ripple_percent):
+        panel.plot([0.0, speed[-1]], [ripple_percent] * 2, color=VERMILION, linewidth=1.2, linestyle=_DASHED)
     panel.set_ylim(bottom=0.0)
     panel.set_ylabel("ripple (%)")
     _label(panel, speed, ("least Σ|i|", ripple[-1], ORANGE), ("limit", ripple_percent, VERMILION))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from math import isinf
 from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_cases.documents.rounding import significant
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
 from drivegate_models.outer_loop.faults import state as faults
 
@@ -14,9 +16,16 @@ KIND: Final = "Speed regulation"
 
 # Peak to peak three quarters of what is allowed of the torque, which has a ripple of its own.
 _RIPPLE: Final = sizes.Size(
-    lambda drive: significant(0.385 * limits_of(drive).closed_loop_ripple * drive.rating.current_limit_a, 2),
+    lambda drive: significant(
+        0.385 * min(limits_of(drive).closed_loop_ripple, 1.0) * drive.rating.current_limit_a, 2
+    ),
     "A",
 )
+
+
+def _without_limit(drive: DriveDocument) -> str | None:
+    return "the drive states no limit of its ripple" if isinf(limits_of(drive).closed_loop_ripple) else None
+
 
 FAULTS: Final = (
     Mutation(
@@ -26,6 +35,7 @@ FAULTS: Final = (
         "RIP-3",
         fault=faults.RIPPLING,
         size=_RIPPLE,
+        idle_because=_without_limit,
     ),
     Mutation(
         "chatters",
