@@ -596,7 +596,8 @@ def test_candidates_beside_a_harmful_one_have_their_usual_results(tmp_path, monk
     printed = "".join(capfd.readouterr())
     assert ended.value.code == 1, printed
     assert printed.replace("\n", "").isprintable(), "hostile text reached the terminal"
-    assert len(printed) < 50_000
+    # Four tables of all checks and their progress; the hostile text alone has a million characters.
+    assert len(printed) < 60_000
     first, second = (
         json.loads((output / name / "result.json").read_text()) for name in ("initial", "initial-2")
     )

@@ -100,6 +100,7 @@ def rearm(state: Any) -> None:
     state.calm_error = inf
     state.confirmed = 0
     state.jolted_at = inf
+    state.initial_power = 0.0
     begin_settling(state)
 
 
@@ -275,18 +276,21 @@ def guard_regulation(
     if speed_reference != state.speed_reference or supply_moved:
         state.speed_reference = speed_reference
         state.supply_voltage = voltage
-        state.initial_power = 0.0
         rearm(state)
     sag = speed_reference - speed
     if state.offset < 0.0 and sag > (1.0 if state.mode == HOLDING else 3.0) * state.speed_tolerance:
         # The load has grown, or the angle was below what it needs from the start; neither is to be tried again.
+        held = state.mode == HOLDING
         forbid(state)
         forbidden = state.forbidden
         # An angle that was held gave the torque until then: what lost it is a load heavier than the one held.
-        forbidden_power = (_HEAVIER_THAN_HELD if state.mode == HOLDING else 1.0) * state.forbidden_power
+        forbidden_power = (_HEAVIER_THAN_HELD if held else 1.0) * state.forbidden_power
+        # Unless the load is the same: then what the current sum was at the initial angle shows there again.
+        initial_power = state.initial_power if held else 0.0
         rearm(state)
         state.forbidden = forbidden
         state.forbidden_power = forbidden_power
+        state.initial_power = initial_power
     state.saturated_run = state.saturated_run + 1 if reference >= state.current_limit else 0
     if state.saturated_run == 1:
         state.speed_mark = speed
