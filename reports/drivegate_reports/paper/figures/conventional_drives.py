@@ -144,11 +144,11 @@ def caption(data: ConventionalDrives) -> str:
 
 def draw(data: ConventionalDrives) -> Figure:
     """Draw the drives over speed, and the ranges of constant power."""
-    figure = new_grid(8.0, 3, 2)
+    figure = new_grid(5.2, 3, 2)
     panels = list(figure.axes)
     shown = (
         ("ripple_percent", "torque ripple (%)", True),
-        ("advance_deg", "advance angle (el. deg)", True),
+        ("advance_deg", "angle (el. deg)", True),
         ("current_sum_a", "Σ|i| (A)", False),
         ("copper_loss_w", "copper loss (W)", True),
         ("input_w", "net input power (W)", False),

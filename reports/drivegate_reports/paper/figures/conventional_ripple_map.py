@@ -184,12 +184,12 @@ def caption(data: RippleMap) -> str:
 
 def draw(data: RippleMap) -> Figure:
     """Draw both maps."""
-    figure, panels = new_figure(7.4, 2)
+    figure, panels = new_figure(4.6, 2)
     for panel, (where, one) in zip(panels, _places(data), strict=True):
         _draw_map(panel, data, one)
         panel.set_title(where)
         panel.set_xlabel("phase inductance (mH)")
-        panel.set_ylabel("flat width of the EMF (el. deg)")
+        panel.set_ylabel("flat width (el. deg)")
     return figure
 
 
