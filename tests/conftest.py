@@ -12,12 +12,10 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     if not getattr(session.config.option, "numprocesses", None) or "NUMBA_DISABLE_JIT" in os.environ:
         return
     from drivegate.drives.kinds import DRIVE_KINDS
-    from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
+    from drivegate.gate.warm_up import compile_missing
     from drivegate_cases.drive.drive_document import load_drive
 
-    kinds = uncompiled_kinds(load_drive(kind.default_drive) for kind in DRIVE_KINDS.values())
-    if kinds:
-        compile_kernels(kinds)
+    compile_missing(load_drive(kind.default_drive) for kind in DRIVE_KINDS.values())
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -119,13 +119,12 @@ def _command(program: str, quick: bool, cold: bool, names: tuple[str, ...]) -> s
 
 
 def _measured(plan: Sequence[Planned], bench: Workbench) -> list[BenchRow]:
-    from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
+    from drivegate.gate.warm_up import compile_missing
     from drivegate.output.progress import progress_on
 
-    kinds = uncompiled_kinds()
     # A gate starts its own processes; everything else is compiled by the first round, which is not timed.
-    if kinds and any(one.name.startswith("gate.") for one in plan):
-        compile_kernels(kinds)
+    if any(one.name.startswith("gate.") for one in plan):
+        compile_missing()
     rows = []
     with progress_on(sys.stderr) as display:
         display.begin("bench", len(plan))

@@ -33,6 +33,13 @@ def uncompiled_kinds(drives: Iterable[DriveDocument | None] = (None,)) -> tuple[
     return tuple(kind for kind in kinds if not (folder / f"{MARKER}-{kind}").exists())
 
 
+def compile_missing(drives: Iterable[DriveDocument | None] = (None,)) -> None:
+    """Compile the kernels of some drives' kinds, the default one's for None, unless they are kept from before."""
+    kinds = uncompiled_kinds(drives)
+    if kinds:
+        compile_kernels(kinds)
+
+
 def compile_kernels(kinds: Collection[str]) -> None:
     """Compile every kernel of some kinds of drives in processes of their own, and note that it is done.
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Final
 
+from drivegate.drives.bisection import last_met
 from drivegate.drives.constant_power import constant_power
 from drivegate.drives.rating import rated_drive
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
@@ -25,7 +26,7 @@ FASTEST_RPM: Final = 6000.0
 WIDE_DEG: Final = 150.0
 """Flat width of the EMF, or window, of the variants (electrical deg)."""
 _SLOWEST_RPM: Final = 250.0
-_BISECTIONS: Final = 16
+_HALVINGS: Final = 16
 
 
 @dataclass(frozen=True)
@@ -73,14 +74,17 @@ def ripple_percent(point: TorquePoint) -> float:
 @cache
 def star(**changes: float) -> DriveDocument:
     """Make the star of the same iron and copper, or one that differs in a few keys."""
-    ideal = {"hysteresis_band_a": 0.0, "core_loss_conductance_s": 0.0}
-    return load_drive("star-3-phase").replaced(**ideal, **changes)
+    return _without_band_and_core_loss(load_drive("star-3-phase").replaced(**changes))
+
+
+def _without_band_and_core_loss(document: DriveDocument) -> DriveDocument:
+    return document.replaced(hysteresis_band_a=0.0, core_loss_conductance_s=0.0)
 
 
 @cache
 def compared_drives() -> tuple[ComparedDrive, ...]:
     """List the 5-phase drive and the stars."""
-    five = reference_drive().replaced(hysteresis_band_a=0.0, core_loss_conductance_s=0.0)
+    five = _without_band_and_core_loss(reference_drive())
     plain = star()
     assert plain.machine.emf_flat_deg is not None, "the packaged star has a trapezoidal EMF"
     window = plain.inverter.window_deg
@@ -115,10 +119,10 @@ def constant_power_range(document: DriveDocument) -> tuple[float, float]:
     reached = constant_power(rated_drive(document.replaced(overspeed_rpm=FASTEST_RPM))).reached
     assert reached is not None, f"{document.name} gives its rated power just above base speed"
     plant, power = document.plant(), document.rating.rated_power_w
-    low, high = _SLOWEST_RPM, 1.1 * document.rating.base_speed_rpm
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        speed = middle * RADIANS_PER_RPM
-        enough = speed * greatest_torque_at_limit(plant, speed).torque >= power
-        low, high = (low, middle) if enough else (middle, high)
-    return high, reached / RADIANS_PER_RPM
+
+    def has_power(speed_rpm: float) -> bool:
+        speed = speed_rpm * RADIANS_PER_RPM
+        return speed * greatest_torque_at_limit(plant, speed).torque >= power
+
+    slowest = last_met(has_power, 1.1 * document.rating.base_speed_rpm, _SLOWEST_RPM, _HALVINGS)
+    return slowest, reached / RADIANS_PER_RPM

@@ -12,7 +12,7 @@ from drivegate.containment.backend import Backend, done_by
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
-from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
+from drivegate.gate.warm_up import compile_missing
 from drivegate.studies.campaign.folder import CampaignFolder
 from drivegate.studies.campaign.plan import CampaignPlan
 from drivegate.studies.campaign.row import RowRequest, run_row
@@ -40,9 +40,7 @@ def make_runs(
     if not left:
         return 0
     require_loadable(plan)
-    kinds = uncompiled_kinds(case.drive for case in plan.cases)
-    if kinds:
-        compile_kernels(kinds)
+    compile_missing(case.drive for case in plan.cases)
     rehearse(plan)
     parameters, checks = plan.campaign.parameters, plan.checks
     report_progress(kept, before)

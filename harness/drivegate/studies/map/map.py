@@ -55,7 +55,7 @@ def computed(plan: MapPlan, backend: Backend, report_progress: Callable[[int, in
     verdicts = [""] * points if plan.kind == "loop" else []
     package = pickle.dumps(plan, pickle.HIGHEST_PROTOCOL)
     if plan.kind == "points":
-        compile_solver(package)
+        compile_solver(package, plan.drive.kind)
     report_progress(0, 0)
     for (first, last), part in done_by(backend, compute_piece, package, plan.pieces()):
         values[first:last] = part.values

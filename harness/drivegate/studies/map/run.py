@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from drivegate.containment.backend import Backend
-from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
+from drivegate.gate.warm_up import compile_missing
 from drivegate.output.progress import progress_on, with_rate
 from drivegate.studies.map.document import document_of, title_of
 from drivegate.studies.map.files import write_figure, write_tables
@@ -20,9 +20,7 @@ def made_map(
     plan: MapPlan, workers: int | None, *, csv: Path | None, parquet: Path | None, plot: Path | None
 ) -> tuple[dict[str, Any], str]:
     """Compute a map and write its files; give its document and its title."""
-    kinds = uncompiled_kinds([plan.drive])
-    if kinds:
-        compile_kernels(kinds)
+    compile_missing([plan.drive])
     began = time.monotonic()
     title = title_of(plan)
     with progress_on(sys.stderr) as display:

@@ -71,15 +71,15 @@ def compute_piece(package: bytes, piece: tuple[int, int]) -> MapPart:
     return task(plan, *piece)
 
 
-def compile_solver(package: bytes) -> None:
-    """Have the solver of steady states compiled in a process of its own, unless it is kept from before.
+def compile_solver(package: bytes, kind: str) -> None:
+    """Have a kind of drive's solver of steady states compiled in a process of its own, unless it is kept from before.
 
     So that all processes that compute a map run the same code, which they load.
     """
     folder = choose_cache_folder()
     if folder is None:
         return
-    marker = folder / f"{SOLVER_MARKER}-{pickle.loads(package).drive.kind}"
+    marker = folder / f"{SOLVER_MARKER}-{kind}"
     if marker.exists():
         return
     with WorkerPool(resolve_candidate("initial"), workers=1) as pool:

@@ -18,7 +18,7 @@ from drivegate.drives.choice import drive_for
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import Event
 from drivegate.gate.plan import Origin, Work, planned_work
-from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
+from drivegate.gate.warm_up import compile_missing
 from drivegate.results.result import CheckOutcome, CheckResult
 from drivegate.studies.selftest.correct_designs import CorrectDesign
 from drivegate.studies.selftest.detection import FaultRow
@@ -70,9 +70,7 @@ class SelftestEffort:
 
 def try_faults(mutations: Sequence[Mutation], effort: SelftestEffort) -> Iterator[FaultRow]:
     """Put faulty controllers before the checks named for them."""
-    kinds = uncompiled_kinds([effort.drive])
-    if kinds:
-        compile_kernels(kinds)
+    compile_missing([effort.drive])
     drive = drive_for(None, effort.drive)
     idle = {mutation.name: idle_on(mutation, drive) for mutation in mutations}
     jobs = [

@@ -11,7 +11,7 @@ from typing import Any, Final
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.containment.backend import Backend, done_by
 from drivegate.drives.drawn_drives import DrawnDrive, drawn_drive
-from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
+from drivegate.gate.warm_up import compile_missing
 from drivegate.output.progress import Display, with_rate
 from drivegate.results.result import finite
 from drivegate.studies.selftest.drawn.folder import SUMMARY, DrivesFolder
@@ -53,9 +53,7 @@ def selftest_on_drives(request: DrivesRequest, display: Display) -> dict[str, An
     """Judge the reference on every drive, and the faulty controllers where it passes."""
     began = time.monotonic()
     with DrivesFolder(request.output, request.drawing_seed, request.effort) as folder:
-        kinds = uncompiled_kinds()
-        if kinds:
-            compile_kernels(kinds)
+        compile_missing()
         drawn = _drawn(request, folder, display)
         package = packed(request.effort, {number: drive.document for number, drive in drawn.items()})
         backend = Backend(workers=request.effort.workers)
