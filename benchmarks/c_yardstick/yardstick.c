@@ -108,7 +108,7 @@ int yardstick_run(const drive *d, const task *t, result *done, record *rows) {
                              .half_supply_voltage = d->half_supply_voltage};
     drivegate_command command = {.struct_size = sizeof command};
     const double period = t->control_period;
-    double speed = t->initial_speed, angle = 0.0, current_sum = 0.0, stored = 0.0;
+    double speed = t->initial_speed, gained = 0.0, angle = 0.0, current_sum = 0.0, stored = 0.0;
     int64_t position = 0;
     result whole = {0};
 
@@ -125,8 +125,10 @@ int yardstick_run(const drive *d, const task *t, result *done, record *rows) {
             answer(&own, &sense, &command);
         if (!isfinite(command.current_reference) || !isfinite(command.advance_angle)) return 1;
 
+        /* The speed of the middle of the period, as far as the last one tells. */
+        const double held = most(speed + 0.5 * gained, 0.0);
         const period_inputs inputs = {
-            .speed = speed,
+            .speed = held,
             .upper = d->half_supply_voltage,
             .lower = d->half_supply_voltage,
             .reference = least(most(command.current_reference, 0.0), d->current_limit),
@@ -139,7 +141,7 @@ int yardstick_run(const drive *d, const task *t, result *done, record *rows) {
 
         add(&whole.totals, &part);
         const double now_stored = stored_energy(d, phases);
-        const double spent = d->resistance * part.square + speed * part.impulse + part.device + (now_stored - stored);
+        const double spent = d->resistance * part.square + held * part.impulse + part.device + (now_stored - stored);
         const double throughput = part.exchanged + stored + now_stored;
         if (throughput > 0.0)
             whole.worst_mismatch =
@@ -147,18 +149,18 @@ int yardstick_run(const drive *d, const task *t, result *done, record *rows) {
         stored = now_stored;
         const double source = part.upper + part.lower + part.core_source + part.switching;
         current_sum = part.magnitude / period;
-        whole.shaft_energy += speed * part.impulse;
+        whole.shaft_energy += held * part.impulse;
         whole.input_energy += source;
         if (rows)
-            rows[k] = (record){speed, inputs.reference, inputs.advance, current_sum, part.impulse, source};
+            rows[k] = (record){held, inputs.reference, inputs.advance, current_sum, part.impulse, source};
 
-        const double turned = angle + (double)d->pole_pairs * speed * period;
+        const double turned = angle + (double)d->pole_pairs * held * period;
         angle = turned - 2.0 * PI * floor(turned * (0.5 / PI));
-        const double resisting = load + d->friction + d->viscous_friction * speed;
+        const double resisting = load + d->friction + d->viscous_friction * held;
         const double change = (part.impulse - part.core_drag_impulse - resisting * period) / d->inertia;
-        const double following = most(speed + change, 0.0);
-        whole.kinetic_residual += 0.5 * d->inertia * (following - speed) * (following - speed);
-        speed = following;
+        gained = most(change, -speed);
+        whole.kinetic_residual += d->inertia * gained * (speed + 0.5 * gained - held);
+        speed += gained;
     }
     whole.speed = speed;
     *done = whole;

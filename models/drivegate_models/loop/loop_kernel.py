@@ -31,7 +31,7 @@ from drivegate_models.loop.sensing.sensors import (
     shown_supply,
     turn_sensors,
 )
-from drivegate_models.loop.shaft import speed_after, within_a_turn
+from drivegate_models.loop.shaft import held_speed, speed_gained, within_a_turn
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load, load_torque
 
@@ -275,6 +275,7 @@ def loop_of(kernels: PlantKernels) -> Any:
         inertia = drive.inertia + load.inertia
         stored = stored_energy(drive, phases.currents)
         speed = timing.initial_speed
+        gained = 0.0
         angle = timing.initial_angle
         current_sum = 0.0
         digest = 0
@@ -307,29 +308,32 @@ def loop_of(kernels: PlantKernels) -> Any:
             upper = conditions.supply * (1.0 + conditions.imbalance)
             lower = conditions.supply * (1.0 - conditions.imbalance)
             # The windows rest on the angle that the sensors give; its error moves them as an advance does.
-            shifted = advance + turn_sensors(sensors, k, time, length, speed)
-            if advance_phases(plant, moving, angle, speed, upper, lower, reference, shifted, length, period):
+            held = held_speed(speed, gained)
+            shifted = advance + turn_sensors(sensors, k, time, length, held)
+            if advance_phases(plant, moving, angle, held, upper, lower, reference, shifted, length, period):
                 observed.steps = k
                 return PLANT_FAULT, digest
             ledger.add_period(records.totals, period)
             now_stored = stored_energy(drive, phases.currents)
-            observe_energy(observed, plant.resistance, speed, stored, now_stored, period)
+            observe_energy(observed, plant.resistance, held, stored, now_stored, period)
             observe_balance(observed, phases.currents, upper == lower, period)
             stored = now_stored
             current_sum = period[ledger.MAGNITUDE] / length
-            load_now = load_torque(load, conditions.load_factor, speed)
-            applied = _applied(period, length, reference, advance, speed, current_sum, load_now)
+            load_now = load_torque(load, conditions.load_factor, held)
+            applied = _applied(period, length, reference, advance, held, current_sum, load_now)
             _observe_windows(timing, records, room, k, conditions.speed_reference, applied)
             if traced < records.trace.shape[0] and k % timing.trace_every == 0:
                 write_trace(records.trace[traced], time, conditions, applied, measured.speed)
                 traced += 1
 
-            turned = angle + drive.pole_pairs * speed * length
+            turned = angle + drive.pole_pairs * held * length
             wraps = turned >= 2.0 * pi
             watch = follow_ripple(plant, recorded, records, room, watched, watch, length, wraps)
             angle = within_a_turn(turned)
             if load.kind != LOCKED:
-                speed = speed_after(drive, observed, inertia, speed, load_now, period, length)
+                gained = speed_gained(drive, inertia, speed, held, load_now, period, length)
+                observed.kinetic_residual += inertia * gained * (speed + 0.5 * gained - held)
+                speed += gained
         observed.steps = timing.steps
         observed.speed_final = speed
         return COMPLETED, digest

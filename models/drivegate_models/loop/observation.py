@@ -47,7 +47,8 @@ class RunObservation(NamedTuple):
     """Greatest difference of net supply energy, `EXCHANGED` - 2 `RETURNED`, from where it went, over the energy that
     was exchanged or stored."""
     kinetic_residual: float
-    """Sum of ``J (change of speed)**2 / 2``, what freezing the speed within a period leaves out (J)."""
+    """Sum of ``J`` times the change of speed times how far its mean lies above the speed that was held, which is what
+    holding the speed within a period leaves out of the kinetic energy (J)."""
     shaft_energy: float
     """Sum of speed times electromagnetic impulse (J)."""
     input_energy: float

@@ -107,7 +107,7 @@ def observe_energy(
     resistance : float
         Winding resistance (ohm).
     speed : float
-        Shaft speed (rad/s).
+        Shaft speed that was held (rad/s).
     before, after : float
         Energy in the windings at the start and at the end of the period (J).
     period : ndarray, shape (ledger.ENTRIES,)

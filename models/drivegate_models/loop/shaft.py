@@ -30,27 +30,49 @@ def within_a_turn(angle: float) -> float:
 
 
 @inlined
-def speed_after(
+def held_speed(speed: float, gained: float) -> float:
+    """Return the speed at which a control period is computed: that of its middle, as far as the last period tells.
+
+    The error of a run then falls with the square of the period; with the speed of the period's start it falls with the
+    period.
+
+    Parameters
+    ----------
+    speed : float
+        Speed at the start of the period (rad/s).
+    gained : float
+        What it gained in the period before (rad/s).
+
+    Returns
+    -------
+    float
+        (rad/s), never below zero.
+    """
+    return max(speed + 0.5 * gained, 0.0)
+
+
+@inlined
+def speed_gained(
     drive: Any,
-    run: Any,
     inertia: float,
     speed: float,
+    held: float,
     load: float,
     period: NDArray[np.float64],
     length: float,
 ) -> float:
-    """Return the speed behind a control period, through which it was taken as constant.
+    """Return what the speed gains in a control period.
 
     Parameters
     ----------
     drive : named tuple
         The drive; its `friction` and `viscous_friction`.
-    run : record of RUN_RECORD
-        Its `kinetic_residual` is updated.
     inertia : float
         Inertia of rotor and load (kg m2).
     speed : float
-        Speed in the period (rad/s).
+        Speed at the start of the period (rad/s).
+    held : float
+        Speed at which the period was computed (rad/s).
     load : float
         Torque of the load in it (N m).
     period : ndarray, shape (ledger.ENTRIES,)
@@ -63,9 +85,7 @@ def speed_after(
     float
         (rad/s).
     """
-    resisting = load + drive.friction + drive.viscous_friction * speed
+    resisting = load + drive.friction + drive.viscous_friction * held
     change = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE] - resisting * length) / inertia
     # Load and friction hold a shaft at standstill; they never drive it backward.
-    following: float = max(speed + change, 0.0)
-    run.kinetic_residual += 0.5 * inertia * (following - speed) ** 2
-    return following
+    return max(change, -speed)

@@ -12,6 +12,7 @@ from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.half_bridge.closed_loop import prepared_loop
 from drivegate_models.loop import exchange
 from drivegate_models.loop.closed_loop import ClosedLoopRun
+from drivegate_models.loop.command_playing import player_of, playing_step
 from drivegate_models.loop.schedule import Course, Schedule, steady
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import (
@@ -121,7 +122,7 @@ def test_the_energy_of_a_whole_run_is_accounted_for(motor: Any, friction: float)
     assert 0.0 <= source - spent <= left, f"{source - spent} J are missing"
 
 
-def test_freezing_the_speed_within_a_period_vanishes_with_the_period(motor: Any) -> None:
+def test_holding_the_speed_within_a_period_vanishes_with_the_period(motor: Any) -> None:
     drive = motor(inertia=0.05, core_loss_conductance=3e-3)
     residuals, speeds = [], []
     for period in (1e-4, 5e-5, 2.5e-5):
@@ -132,6 +133,36 @@ def test_freezing_the_speed_within_a_period_vanishes_with_the_period(motor: Any)
         f"the residual does not vanish: {residuals}"
     )
     assert abs(speeds[2] - speeds[1]) < 0.02, f"the speeds do not converge: {speeds}"
+
+
+def given_commands(drive: Any, period: float, current: float, advance: float) -> ClosedLoopRun:
+    """Run up under a constant torque with a current and an angle that do not change."""
+    steps = round(0.3 / period)
+    commands = np.tile([current, advance, math.nan], (steps, 1))
+    state = player_of(commands)
+    return prepared_loop(
+        drive,
+        Load(CONSTANT_TORQUE, 3.0, 0.0),
+        schedule(500.0 * RPM, ((0.0, 1.0),)),
+        step_address=playing_step().address,
+        state_address=state.ctypes.data,
+        initial_speed=600.0 * RPM,
+        base_speed=500.0 * RPM,
+        control_period=period,
+        duration=steps * period,
+        windows=[],
+    ).run()
+
+
+def test_the_speed_of_a_run_up_hardly_depends_on_the_period_that_holds_it(motor: Any) -> None:
+    drive = motor(inertia=0.05, hysteresis_band=0.0)
+    speeds = [
+        given_commands(drive, period, 20.0, math.radians(20.0)).observed.speed_final / RPM
+        for period in (1e-3, 5e-4, 1.25e-4, 1.5625e-5)
+    ]
+    # Held at the speed of a period's start, the first three would be 0.63, 0.32 and 0.08 rpm too high.
+    assert max(abs(speed - speeds[-1]) for speed in speeds) < 0.005, f"run-ups end at {speeds} rpm"
+    assert speeds[-1] > 1100.0, "the drive has hardly run up, which shows nothing"
 
 
 def test_mean_torque_carries_load_friction_and_core_drag(motor: Any) -> None:

@@ -20,7 +20,7 @@ _ROWS: Final = (
     ("advance_mean_deg", "advance angle, mean", "°"),
     ("advance_final_deg", "advance angle at the end", "°"),
     ("current_reference_final_a", "current reference at the end", "A"),
-    ("kinetic_residual_j", "kinetic residual of the frozen speed", "J"),
+    ("kinetic_residual_j", "kinetic residual of the held speed", "J"),
 )
 _WINDOW_COLUMNS: Final = (
     ("speed_error_worst_rpm", "worst error (rpm)"),
