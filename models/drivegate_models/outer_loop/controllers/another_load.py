@@ -6,7 +6,7 @@ from math import inf
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.outer_loop.controllers.protection import rearm
+from drivegate_models.outer_loop.controllers.protection import ALARM, rearm
 from drivegate_models.outer_loop.controllers.unrest import JOLT, unrest
 
 LOAD_CHANGED: Final = 0.12
@@ -169,5 +169,7 @@ def may_step_farther(state: Any, power: float, change: float) -> bool:
         By what the step has done to current sum and speed, which are in proportion to it.
     """
     calm = min(state.calm_error, state.worst_error)
-    jolts = 2.0 * state.worst_error - calm > unrest(state, JOLT, calm)
+    # Where a step has been too large before, the next one must not seem to lose the torque.
+    jolt = ALARM if state.retried == 1 else JOLT
+    jolts = 2.0 * state.worst_error - calm > unrest(state, jolt, calm)
     return not jolts and 2.0 * abs(change) <= LOAD_CHANGED * power

@@ -20,6 +20,7 @@ from drivegate_models.outer_loop.controllers.protection import (
     SMALLEST_STEP,
     begin_settling,
     forget_other_load,
+    may_retry,
     take_step,
 )
 from drivegate_models.outer_loop.controllers.unrest import JOLT, is_uneasy, noise_of_power
@@ -74,8 +75,15 @@ def move(state: Any, power: float, change: float) -> None:
         and state.offset - state.step < state.forbidden + MARGIN
     ):
         state.step = 0.5 * state.step
+    made_worse = change > 0.0 and state.moved != 0.0
+    if state.step < SMALLEST_STEP and not made_worse and may_retry(state):
+        # In small steps from a calm speed it shows which of the forbidden angles lose the torque.
+        state.retried = 1
+        state.forbidden = state.lost_at
+        state.step = SMALLEST_STEP
+        state.improvements = 0
     if state.step < SMALLEST_STEP:
-        if change > 0.0 and state.moved != 0.0:
+        if made_worse:
             # The last step made things worse: it is taken back before the search rests.
             state.offset -= state.moved
         begin_holding(state, power)
@@ -133,12 +141,14 @@ def decide_guarded(state: Any) -> None:
     if grown and rearm_unless_repeated(state):
         return
     # Less than noise makes of the sum is no slope.
-    if abs(change) <= max(state.power_tolerance * power, noise_of_power(state)):
+    slack = max(state.power_tolerance * power, noise_of_power(state))
+    if abs(change) <= slack:
         state.quiet += 1
-        # One flat step is not yet the optimum.
-        if state.quiet >= 2:
+        # One flat step is not yet the optimum, nor are two that together save more than noise.
+        if state.quiet >= 2 and power > state.quiet_from - slack:
             rest_or_confirm(state, power)
             return
+        state.quiet_from = power - change
     else:
         state.quiet = 0
         state.improvements += 1

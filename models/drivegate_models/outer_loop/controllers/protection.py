@@ -29,13 +29,15 @@ STARVED: Final = 3.0
 """Times the current that flows by which the current reference of a starved winding exceeds it."""
 SLACK: Final = 0.04
 """Current reference at which no winding counts as starved yet, as a share of the current limit."""
+ALARM: Final = 0.3
+"""Share of k1 whose loss after an own step tells of a lost torque: beyond the edge it goes at once, and k1 is too late."""
 
 # The supply is held until it moves by this: the noise of its measurement must not move the angle.
 _SUPPLY_MOVED = 0.02
 # Given back besides the step, so that the walk back does not end on the edge itself.
 _RECOVERY = radians(0.3)
-# Of k1: beyond the edge the torque goes at once, and k1 itself would be too late.
-_ALARM = 0.3
+# Of the first step. A larger one costs speed that would come back.
+_SURE_STEP = 1.2
 # Dwell times (s, in the drive's own time). The climb waits least: the load takes speed away faster than steps of a
 # degree return it.
 _STARVED_DWELL = 0.03
@@ -93,6 +95,8 @@ def rearm(state: Any) -> None:
     state.direction = -1.0
     state.forbidden = -inf
     state.forbidden_power = 0.0
+    state.lost_at = -inf
+    state.retried = 0
     state.good_integral = inf
     state.good_power = inf
     state.climb = 0.5 * state.first_step
@@ -116,8 +120,43 @@ def forbid(state: Any) -> None:
     # A step just made off the edge while holding is not to blame for what came before it.
     blamed = state.offset - (SMALLEST_STEP if state.mode == HOLDING and state.quiet == STEPPED_OFF else 0.0)
     state.forbidden = max(state.forbidden, blamed)
+    # Down a small step, or held: the angle is to blame, not the way on which the speed was lost.
+    if state.mode == HOLDING or -_SURE_STEP * state.first_step <= state.moved < 0.0:
+        state.lost_at = max(state.lost_at, blamed)
     # What has been held is known better than the interval in which it was lost.
     state.forbidden_power = state.held_power if state.mode == HOLDING else state.last_power
+
+
+@inlined
+def allow_all_angles(state: Any) -> None:
+    """Drop the forbidden angle.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.forbidden = -inf
+    state.lost_at = -inf
+
+
+@inlined
+def may_retry(state: Any) -> bool:
+    """Return whether angles are forbidden only since the speed was on its way back, and there is room among them.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    bool
+        Once for a load.
+    """
+    room = state.offset - state.lost_at >= SMALLEST_STEP + MARGIN
+    doubtful: bool = state.forbidden - state.lost_at > 2.0 * state.first_step
+    return state.retried == 0 and room and doubtful
 
 
 @inlined
@@ -174,7 +213,7 @@ def forget_other_load(state: Any, power: float) -> None:
     heavier = power > _HEAVIER * state.forbidden_power and not is_way_back(state, power)
     if power < _LIGHTER * state.forbidden_power or heavier:
         # A lighter load has a lower edge; and a load that has become much heavier costs speed at any angle.
-        state.forbidden = -inf
+        allow_all_angles(state)
 
 
 @inlined
@@ -289,6 +328,9 @@ def guard_regulation(
         initial_power = state.initial_power if held else 0.0
         rearm(state)
         state.forbidden = forbidden
+        # A fall as deep as this one is not to be had again.
+        state.lost_at = forbidden
+        state.retried = 1
         state.forbidden_power = forbidden_power
         state.initial_power = initial_power
     state.saturated_run = state.saturated_run + 1 if reference >= state.current_limit else 0
@@ -302,7 +344,7 @@ def guard_regulation(
         state.starved_mark = speed
     is_starved = state.starved_run * period >= _STARVED_DWELL
     # After an own step downward that step is to blame, so it is given back whole.
-    if state.moved < 0.0 and (is_starved or speed_reference - speed > _ALARM * state.speed_tolerance):
+    if state.moved < 0.0 and (is_starved or speed_reference - speed > ALARM * state.speed_tolerance):
         # The integral has wound up in vain; with the old angle goes the old current.
         state.integral = state.good_integral
         walk_back(state, -state.moved + _RECOVERY, True)

@@ -53,6 +53,7 @@ CONTROLLER_STATE: Final = np.dtype(
         # The guarded search only.
         ("mode", np.int64),
         ("quiet", np.int64),
+        ("quiet_from", np.float64),
         ("forbidden", np.float64),
         ("held_power", np.float64),
         ("rest_power", np.float64),
@@ -66,6 +67,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("good_offset", np.float64),
         ("good_power", np.float64),
         ("forbidden_power", np.float64),
+        ("lost_at", np.float64),
+        ("retried", np.int64),
         ("calm_error", np.float64),
         ("last_power", np.float64),
         ("last_integral", np.float64),

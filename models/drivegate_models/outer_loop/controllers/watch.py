@@ -26,6 +26,7 @@ from drivegate_models.outer_loop.controllers.protection import (
     SMALLEST_STEP,
     STARVED,
     STEPPED_OFF,
+    allow_all_angles,
     begin_settling,
     forbid,
     is_heavier_load,
@@ -44,6 +45,8 @@ CONTINUING: Final = 2
 _SETTLED = 0.01
 # A load that is still coming on may look settled once.
 _SETTLED_INTERVALS = 2
+# Intervals of a steady current sum after which the speed will not get any calmer.
+_SETTLED_UNEASY = 8
 _SMALLEST_POWER = 1.0 / TUNED_SUM
 # With a band the torque climbs in jumps, up which the regulator creeps to its limit within seconds; the least of it
 # over the current limit of the drive tuned on (A).
@@ -206,6 +209,9 @@ def settle(state: Any, power: float, settled: bool) -> int:
     # A load that is still coming on would be taken for the effect of the first step.
     wound = state.integral > STARVED * power / state.conducting_phases + SLACK * state.current_limit
     state.quiet = state.quiet + 1 if settled else 0
+    if state.quiet >= _SETTLED_UNEASY:
+        # It has been calmer at other angles; at this one regulator and band beat.
+        state.calm_error = max(state.calm_error, state.worst_error)
     if state.quiet < _SETTLED_INTERVALS or wound or is_uneasy(state):
         return WAITING
     state.quiet = 0
@@ -241,7 +247,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     remember(state, power)
     if is_heavier_load(state, power):
         # It was this load that lost the torque, not the angle with the load of before.
-        state.forbidden = -inf
+        allow_all_angles(state)
     regulated = state.worst_error <= state.speed_tolerance and state.saturated == 0
     change = power - state.old_power
     state.old_power = power
@@ -272,8 +278,9 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         state.integral = state.good_integral
         walk_back(state, 0.5 * state.first_step - state.moved, True)
         return WAITING, change
-    # Nor does one that still changes, or with the speed still on its way back, tell of another load.
-    told = state.mode != SETTLING or (settled and not is_uneasy(state))
+    # Nor does one that still changes, with the speed still on its way back, or after small steps over the edge and the
+    # way up from there, tell of another load.
+    told = state.mode != SETTLING or (settled and state.quiet > 0 and not is_uneasy(state) and state.retried == 0)
     seems = told and load_has_changed(state, power, fall, rise)
     if (seems or is_jolted(state, jolt)) and rearm_unless_repeated(state):
         return WAITING, change
