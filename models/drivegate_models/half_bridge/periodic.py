@@ -43,6 +43,12 @@ def torque_period(drive: Drive, electrical: float) -> float:
     return pi / (drive.phases * electrical)
 
 
+@inlined
+def averaged_cycles(_drive: Drive) -> int:
+    """Return the number of electrical cycles that a search averages where no periodic state exists."""
+    return 32
+
+
 @kernel
 def least_conceivable(drive: Drive, torque: float) -> float:
     """Return a current reference below which the drive cannot give a torque.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 PERIODIC: Final = 1
-"""Certified: the state repeats."""
+"""Certified: the state repeats, as a number of torque periods after one of them."""
 APERIODIC: Final = 0
 """No periodic state was found."""
 TOLERANCE: Final = 1e-10

@@ -22,8 +22,8 @@ from drivegate_models.star.plant.phases import StarPhases, advance_phases
 from drivegate_models.star.plant.window import GAP, PIECES
 
 # Steps before plain repetition takes over, and repetitions before a state counts as aperiodic.
-_STEPS = 60
-_SETTLING = 40
+_STEPS = 20
+_SETTLING = 60
 # Periods before the first step: currents that die out or come to their level forget where they began.
 _WARM_UP = 2
 # A difference that is small against every current, and large against rounding.
@@ -58,6 +58,9 @@ class _Room(NamedTuple):
     slopes: NDArray[np.float64]
     """Derivatives of the gap, shape (n, n)."""
     inverse: NDArray[np.float64]
+    kept_currents: NDArray[np.float64]
+    """A state some periods ago, to see that it comes again, shape (m,) (A)."""
+    kept_latches: NDArray[np.int64]
 
 
 @inlined
@@ -83,6 +86,16 @@ def torque_period(drive: StarDrive, electrical: float) -> float:
         (s).
     """
     return (pi if _is_symmetric(drive) else 2.0 * pi) / (drive.phases * electrical)
+
+
+@inlined
+def averaged_cycles(_drive: StarDrive) -> int:
+    """Return the number of electrical cycles that a search averages where no periodic state exists.
+
+    Half of such states have means over so many that differ by less than 1e-5 from those over forty times as many, 95 of
+    100 by less than 1e-3.
+    """
+    return 8
 
 
 @inlined
@@ -161,6 +174,25 @@ def _adopt(work: StarPhases, slices: StarPhases) -> None:
         slices.currents[k] = work.currents[k]
         slices.pieces[k] = work.pieces[k]
         slices.latches[k] = work.latches[k]
+
+
+@inlined
+def _keep(slices: StarPhases, room: _Room) -> None:
+    """Keep a state."""
+    for k in range(slices.currents.size):
+        room.kept_currents[k] = slices.currents[k]
+        room.kept_latches[k] = slices.latches[k]
+
+
+@inlined
+def _is_kept(drive: StarDrive, slices: StarPhases, room: _Room, tolerance: float) -> bool:
+    """Return whether a state is the one that was kept."""
+    for k in range(slices.currents.size):
+        if not abs(slices.currents[k] - room.kept_currents[k]) <= tolerance:
+            return False
+        if drive.hysteresis_band > 0.0 and slices.latches[k] != room.kept_latches[k]:
+            return False
+    return True
 
 
 @inlined
@@ -329,7 +361,13 @@ def periodic_start(
     Returns
     -------
     int
-        `PERIODIC`, or `APERIODIC` with the state after `_SETTLING` periods or more.
+        Number of torque periods after which the state repeats, `PERIODIC` for one; or `APERIODIC` with the state after
+        `_SETTLING` periods or more.
+
+    Notes
+    -----
+    With a band, a state often repeats only after a few torque periods. While plain repetition goes on, each state is
+    compared with one that was kept, a newer one each time that twice as many periods have passed (Brent's algorithm).
     """
     count = drive.phases
     unknowns = count - 1
@@ -342,6 +380,8 @@ def periodic_start(
         np.zeros(unknowns),
         np.zeros((unknowns, unknowns)),
         np.zeros((unknowns, unknowns)),
+        np.zeros(count),
+        np.zeros(count, np.int64),
     )
     duration = torque_period(drive, drive.pole_pairs * speed)
     point = _Point(speed, voltage, reference, advance, 0.5 * (pi - drive.window) - advance, duration)
@@ -354,6 +394,9 @@ def periodic_start(
     is_known = False
     waiting = _WARM_UP
     failures = 0
+    periods = APERIODIC
+    age = 0
+    oldest = 0
     for attempt in range(_STEPS + _SETTLING):
         if worst <= tolerance:
             break
@@ -366,6 +409,15 @@ def periodic_start(
                 waiting = _WARM_UP * failures
         else:
             _adopt(work, slices)
+            if attempt >= _STEPS:
+                age += 1
+                if oldest > 0 and _is_kept(drive, slices, room, tolerance):
+                    periods = age
+                    break
+                if age >= oldest:
+                    _keep(slices, room)
+                    oldest = max(2 * oldest, 1)
+                    age = 0
             worst = _gap(drive, work, slices, point, room.scratch, room.gap)
             waiting = max(waiting - 1, 0)
             is_known = False
@@ -373,4 +425,4 @@ def periodic_start(
         work.currents[k] = slices.currents[k]
         work.pieces[k] = slices.pieces[k]
         work.latches[k] = slices.latches[k]
-    return PERIODIC if worst <= tolerance else APERIODIC
+    return PERIODIC if worst <= tolerance else periods

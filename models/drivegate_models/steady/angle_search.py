@@ -35,6 +35,10 @@ _SEARCH_TOLERANCE = 1e-4
 _VALLEYS = 2
 # A valley this much above the least found is not worth a closer look.
 _HOPELESS = 1.05
+# Step of a look ahead at the coarse grid with the ideal regulator (deg).
+_STRIDE = 3
+# Hysteresis bands a phase by which the band may change the sum of current magnitudes, with a reserve.
+_BANDS = 2.0
 # How far below a neighbouring angle's reference the scan starts, over the current limit.
 _BELOW = 0.05
 
@@ -255,6 +259,34 @@ def _finest(demand: TorqueDemand, by_power: bool, valley: Evaluation) -> Evaluat
     return min(best, *candidates, _golden(demand, by_power, ends[0], ends[1], valley.reference))
 
 
+def last_promising(demand: TorqueDemand) -> int:
+    """Return an angle beyond which the sum of current magnitudes is far from the least.
+
+    Parameters
+    ----------
+    demand : TorqueDemand
+        Drive, speed, supply and torque.
+
+    Returns
+    -------
+    int
+        Electrical degrees, from a grid of 3 degrees with the ideal regulator, whose steady states are found many times
+        as fast as those with a band: at the same torque, the band changes the current of each phase by about its
+        half-width at most. 90 where the ideal regulator reaches the torque nowhere.
+    """
+    ideal = demand._replace(drive=demand.drive._replace(hysteresis_band=0.0))
+    costs = []
+    nearby = nan
+    for degrees in range(0, _DEGREES + 1, _STRIDE):
+        point = _evaluated(ideal, False, radians(degrees), nearby)
+        costs.append(point.cost)
+        nearby = point.reference
+    reserve = _BANDS * demand.drive.phases * demand.drive.hysteresis_band
+    highest = _HOPELESS * (min(costs) + reserve) + reserve
+    promising = [place for place, cost in enumerate(costs) if cost <= highest < inf]
+    return min((promising[-1] + 1) * _STRIDE, _DEGREES) if promising else _DEGREES
+
+
 def least_cost(demand: TorqueDemand, by_power: bool) -> float:
     """Return the robustly feasible advance angle at which a torque costs least.
 
@@ -268,12 +300,15 @@ def least_cost(demand: TorqueDemand, by_power: bool) -> float:
     Returns
     -------
     float
-        The angle (rad electrical), from a grid of 1 degree, the two lowest valleys of it on a grid of 0.1
-        degree, and golden section with the feasible edges; NaN if no angle is robustly feasible.
+        The angle (rad electrical), from a grid of 1 degree up to the last promising angle, the two lowest valleys of it
+        on a grid of 0.1 degree, and golden section with the feasible edges; NaN if no angle is robustly feasible.
     """
     grid: list[Evaluation] = []
     nearby = nan
-    for degrees in range(_DEGREES + 1):
+    # Of the power the ideal regulator tells less: with a band, each switching costs energy.
+    has_far_end = demand.drive.hysteresis_band > 0.0 and not by_power
+    last = last_promising(demand) if has_far_end else _DEGREES
+    for degrees in range(last + 1):
         grid.append(_evaluated(demand, by_power, radians(degrees), nearby))
         # Neighbouring angles need much the same current, so each scan starts just below the last result.
         nearby = grid[-1].reference

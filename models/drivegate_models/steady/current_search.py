@@ -15,16 +15,16 @@ import numpy as np
 
 from drivegate_models.compilation.kernels import kernel
 from drivegate_models.machine import ledger
-from drivegate_models.machine.period import PERIODIC
+from drivegate_models.machine.period import APERIODIC
 from drivegate_models.steady.plant import (
     AnyDrive,
     AnyPhases,
     advance_phases,
+    averaged_cycles,
     least_conceivable,
     periodic_start,
     torque_period,
 )
-from drivegate_models.steady.steady_state import AVERAGED_CYCLES
 
 OUT_OF_REACH: int = 0
 """No current reference up to the limit gives the torque."""
@@ -100,18 +100,19 @@ def mean_state(
     Returns
     -------
     MeanState
-        As `drivegate_models.steady.steady_state.solve_steady_state` has them.
+        As `drivegate_models.steady.steady_state.solve_steady_state` has them; where no periodic state exists, over as
+        many cycles as `averaged_cycles` tells.
     """
-    certified = periodic_start(drive, work, slices, speed, voltage, reference, advance)
+    periods = periodic_start(drive, work, slices, speed, voltage, reference, advance)
     angle = 0.5 * (pi - drive.window) - advance
     electrical = drive.pole_pairs * speed
     totals = np.zeros(ledger.ENTRIES)
-    # A periodic torque repeats every pi/m; an aperiodic state is averaged over whole cycles.
-    length = torque_period(drive, electrical)
+    # A periodic torque repeats every pi/m, or after a few times that; an aperiodic state is averaged over whole cycles.
+    length = periods * torque_period(drive, electrical)
     count = 1
-    if certified != PERIODIC:
+    if periods == APERIODIC:
         length = 2.0 * pi / electrical
-        count = AVERAGED_CYCLES
+        count = averaged_cycles(drive)
     for _ in range(count):
         advance_phases(drive, work, angle, speed, voltage, voltage, reference, advance, length, totals)
     per = 1.0 / (count * length)

@@ -76,5 +76,7 @@ periodic_start: Final = _of_any_drive("periodic_start")
 """Find the periodic state and leave it, at the first phase's window start."""
 torque_period: Final = _of_any_drive("torque_period")
 """Return the period of the torque in a periodic state (s)."""
+averaged_cycles: Final = _of_any_drive("averaged_cycles")
+"""Return the number of electrical cycles that a search averages where no periodic state exists."""
 least_conceivable: Final = _of_any_drive("least_conceivable")
 """Return a current reference below which the drive cannot give a torque (A)."""

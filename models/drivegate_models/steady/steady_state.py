@@ -177,17 +177,17 @@ def solve_steady_state(
     SteadyState
         Means, and the torque's exact extremes.
     """
-    certified = periodic_start(drive, work, slices, speed, voltage, reference, advance)
+    periods = periodic_start(drive, work, slices, speed, voltage, reference, advance)
     angle = 0.5 * (pi - drive.window) - advance
     totals = np.zeros(ledger.ENTRIES)
     electrical = drive.pole_pairs * speed
-    if certified == PERIODIC:
+    if periods != APERIODIC:
         # All phases are alike, so everything repeats with the shift; a cycle would cost 2 m times as much.
-        duration = torque_period(drive, electrical)
+        duration = periods * torque_period(drive, electrical)
         _, lowest, highest = advance_with_extremes(
             drive, work, angle, speed, voltage, reference, advance, duration, totals
         )
-        return _summarised(drive, certified, speed, duration, totals, lowest, highest)
+        return _summarised(drive, PERIODIC, speed, duration, totals, lowest, highest)
     cycle = 2.0 * pi / electrical
     lowest = 0.0
     highest = 0.0
@@ -199,7 +199,7 @@ def solve_steady_state(
         if k == 0 or high - low > highest - lowest:
             lowest = low
             highest = high
-    return _summarised(drive, certified, speed, AVERAGED_CYCLES * cycle, totals, lowest, highest)
+    return _summarised(drive, APERIODIC, speed, AVERAGED_CYCLES * cycle, totals, lowest, highest)
 
 
 @kernel

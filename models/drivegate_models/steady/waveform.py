@@ -10,9 +10,16 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import kernel
 from drivegate_models.machine import ledger, segments
-from drivegate_models.machine.period import PERIODIC
+from drivegate_models.machine.period import APERIODIC
 from drivegate_models.machine.winding_current import current_after
-from drivegate_models.steady.plant import AnyDrive, AnyPhases, advance_phases, make_phases, periodic_start
+from drivegate_models.steady.plant import (
+    AnyDrive,
+    AnyPhases,
+    advance_phases,
+    make_phases,
+    periodic_start,
+    torque_period,
+)
 from drivegate_models.steady.steady_state import KEPT_TIME
 
 
@@ -124,7 +131,7 @@ def periodic_waveforms(
     """
     supply = drive.half_supply_voltage if voltage is None else voltage
     phases = make_phases(drive, KEPT_TIME)
-    certified = periodic_start(drive, phases, make_phases(drive), speed, supply, reference, advance)
+    periods = periodic_start(drive, phases, make_phases(drive), speed, supply, reference, advance)
     electrical = drive.pole_pairs * speed
     cycle = 2.0 * pi / electrical
     grid = np.linspace(0.0, cycle, samples + 1)
@@ -161,5 +168,5 @@ def periodic_waveforms(
         voltages=voltages,
         torque=drive.emf_constant * np.sum(shapes * currents, axis=0),
         cycle=cycle,
-        certified=bool(certified == PERIODIC),
+        certified=periods != APERIODIC and round(cycle / torque_period(drive, electrical)) % periods == 0,
     )

@@ -27,12 +27,15 @@ def page(document: Mapping[str, Any]) -> str:
     from drivegate_reports.conformance.runs import margin_figure, shown_runs
     from drivegate_reports.conformance.view import view_of
     from drivegate_reports.page.page import page_text
+    from drivegate_reports.paper.drive import reference_drive
     from drivegate_reports.paper.facts import comparisons
-    from drivegate_reports.paper.findings import recomputed_findings
+    from drivegate_reports.paper.findings import recomputed_findings, told_findings
     from drivegate_reports.paper.verdicts import verdict_counts
 
     view, drive = view_of(document), drive_of(document)
-    compared = comparisons()
+    # For a drive of another kind, the paper's plant would be compiled beside its own for these numbers alone.
+    is_of_paper_kind = drive.kind == reference_drive().kind
+    compared = comparisons() if is_of_paper_kind else ()
     return page_text(
         "conformance.html.j2",
         result=view,
@@ -42,8 +45,9 @@ def page(document: Mapping[str, Any]) -> str:
         evidence={row.id: evidence_of(row.id, drive) for row in view.checks},
         gaps=coverage_gaps(document),
         fact_rows=fact_rows(),
+        is_of_paper_kind=is_of_paper_kind,
         counts=verdict_counts(compared),
         facts=[(fact, [row for row in compared if row.fact == fact.id]) for fact in facts()],
-        findings=recomputed_findings(of_paper_drive_only=True),
+        findings=recomputed_findings(of_paper_drive_only=True) if is_of_paper_kind else told_findings(),
         assumptions=open_assumptions(),
     )

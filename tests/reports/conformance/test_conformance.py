@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.publication.facts import facts, findings, open_assumptions
 from drivegate_models.errors import InputError
 from drivegate_reports.conformance.report import REPORT_FILE, page, write
@@ -270,6 +271,22 @@ def test_the_same_document_gives_the_same_bytes(recorded: dict[str, Any], record
     comparisons.cache_clear()
     recomputed_findings.cache_clear()
     assert page(recorded) == recorded_page
+
+
+def test_the_page_of_another_kind_of_drive_computes_nothing_of_the_papers(
+    make_document: Factory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def compiles(*_: object, **__: object) -> None:
+        pytest.fail("the page computes numbers of the paper's drive, whose plant would have to be compiled")
+
+    monkeypatch.setattr("drivegate_reports.paper.facts.comparisons", compiles)
+    monkeypatch.setattr("drivegate_reports.paper.findings.recomputed_findings", compiles)
+    star = load_drive("star-3-phase")
+    drive = {"name": star.name, "kind": star.kind, "hash": "5eed", "document": star.to_mapping()}
+    text = page(make_document(drive=drive))
+    assert "<code>drivegate reproduce</code> computes its numbers" in text
+    assert all(f'id="fact-{fact.id}"' in text for fact in facts()), "links of checks to facts lead somewhere"
+    assert all(finding.id in text for finding in findings()), "findings are told without numbers"
 
 
 def test_a_settled_date_makes_equal_results_equal_pages(

@@ -11,6 +11,7 @@ import pytest
 
 from drivegate_models.machine import ledger
 from drivegate_models.machine.period import PERIODIC
+from drivegate_models.star.periodic import periodic_start, torque_period
 from drivegate_models.star.plant.drive import ON_PWM, PWM_ON, UPPER_ONLY, StarDrive
 from drivegate_models.star.plant.phases import advance_phases, make_phases
 from drivegate_models.steady.steady_state import KEPT_TIME, advance_with_extremes, steady_state
@@ -83,6 +84,59 @@ def test_most_states_with_a_band_are_certified_and_the_others_marked(star: Calla
         certified.append(state.certified)
         assert math.isfinite(state.torque)
     assert 0.5 <= np.mean(certified) < 1.0, f"{np.mean(certified):.0%} are periodic"
+
+
+@pytest.mark.kernel
+def test_states_with_a_band_repeat_after_several_torque_periods(star: Callable[..., StarDrive]) -> None:
+    drive = star(hysteresis_band=0.25)
+    draw = np.random.default_rng(1)
+    found = set()
+    for _ in range(40):
+        speed, reference, advance = draw.uniform(80, 160), draw.uniform(8, 30), draw.uniform(0.2, 1.2)
+        work, slices = make_phases(drive), make_phases(drive)
+        periods = periodic_start(drive, work, slices, speed, 48.0, reference, advance)
+        if periods <= PERIODIC:
+            continue
+        found.add(periods)
+        state = steady_state(drive, speed, reference, advance)
+        assert state.certified == PERIODIC
+        # Two whole rounds of the state after another: twice the same, whatever shift and cycle are to each other.
+        electrical = drive.pole_pairs * speed
+        length = periods * torque_period(drive, electrical)
+        angle = 0.5 * (math.pi - drive.window) - advance
+        for turn in range(2 * drive.phases):
+            totals = np.zeros(ledger.ENTRIES)
+            start = angle + turn * electrical * length
+            advance_phases(drive, work, start, speed, 48.0, 48.0, reference, advance, length, totals)
+            for name, entry in [("torque", ledger.IMPULSE), ("current_sum", ledger.MAGNITUDE)]:
+                difference = totals[entry] / length / getattr(state, name) - 1.0
+                assert abs(difference) <= 1e-8, (
+                    f"{name} differs by {difference:.1e} in round {turn} of {periods} torque periods "
+                    f"at {speed!r} rad/s, {reference!r} A, {advance!r} rad"
+                )
+    assert len(found) >= 3, f"states repeat after {sorted(found)} torque periods alone"
+
+
+@pytest.mark.kernel
+def test_waveforms_are_certified_where_one_cycle_is_whole_periods(star: Callable[..., StarDrive]) -> None:
+    drive = star(hysteresis_band=0.25)
+    draw = np.random.default_rng(1)
+    seen = set()
+    for _ in range(120):
+        point = draw.uniform(80, 160), draw.uniform(8, 30), draw.uniform(0.2, 1.2)
+        speed, reference, advance = (float(value) for value in point)
+        work, slices = make_phases(drive), make_phases(drive)
+        periods = periodic_start(drive, work, slices, speed, 48.0, reference, advance)
+        if periods not in (2, 3, 4, 5) or periods in seen:
+            continue
+        seen.add(periods)
+        waves = periodic_waveforms(drive, speed, reference, advance)
+        assert waves.certified == (periods in (2, 3)), f"of a cycle's six torque periods, {periods} repeat"
+        ends = np.max(np.abs(waves.currents[:, -1] - waves.currents[:, 0]))
+        assert (ends <= 1e-6) == waves.certified, (
+            f"after {periods} periods the currents are {ends:.1e} A apart"
+        )
+    assert len(seen) >= 3, f"there are only {seen} periods to test"
 
 
 @pytest.mark.kernel
