@@ -29,7 +29,7 @@ from drivegate_models.outer_loop.controllers.watch import BEGINNING, WAITING, be
 _IMPROVEMENTS = 3
 _WORSE = 3
 # First steps from the initial angle within which a rest is confirmed.
-_NEAR_THE_START = 3.5
+_NEAR_THE_START = 6.0
 
 
 @inlined
