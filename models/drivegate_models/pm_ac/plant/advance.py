@@ -47,6 +47,10 @@ from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, make_legs, 
 EVENT_LIMIT: Final = 100_000
 """Greatest number of segments in one advance."""
 
+# An event this early, over the segment's length, is looked for again in a segment that ends soon after it.
+_SHORT_SHARE = 1e-2
+_SOON_AFTER = 4.0
+_LEAST_SHARE = 1e-14
 # Terms of the turning series over the longest segment.
 _TURNING_TERMS = 14
 _NO_LEG = -1
@@ -126,9 +130,9 @@ def stored_energy(drive: PmAcDrive, phases: PmAcPhases) -> float:
     """
     direct = phases.rotor_currents[0]
     quadrature = phases.rotor_currents[1]
-    return 0.75 * (
-        drive.direct_inductance * direct * direct + drive.quadrature_inductance * quadrature * quadrature
-    )
+    along = drive.direct_inductance * direct * direct
+    across = drive.quadrature_inductance * quadrature * quadrature
+    return float(0.75 * (along + across))
 
 
 @inlined
@@ -212,6 +216,24 @@ def _after_event(legs: Legs, event: Event, frame: RotorFrame) -> tuple[RotorFram
     return frame, _NO_LEG, 0
 
 
+@inlined
+def _first_event(
+    circuit: Circuit, phases: PmAcPhases, frame: RotorFrame, held: int, length: float
+) -> tuple[Event, int]:
+    """Write the series of a segment; return the first event in it, and the number of coefficients."""
+    legs = phases.legs
+    series = phases.series
+    if held == EMPTY:
+        return begin_of_current(circuit, legs, series, frame, _TURNING_TERMS, length), 0
+    if held == FREE:
+        voltages = legs.voltages
+        direct, quadrature = rotor_voltages(frame, voltages[0], voltages[1], voltages[2])
+        count = free_series(circuit, series, frame, direct, quadrature, length)
+        return zero_of_current(circuit, legs, series, frame, count, length), count
+    count = held_series(circuit, series, frame, held, legs.voltages, length)
+    return end_of_hold(legs, series, held, count), count
+
+
 @unallocating
 def _segment(
     drive: PmAcDrive,
@@ -225,24 +247,17 @@ def _segment(
     totals: NDArray[np.float64],
 ) -> tuple[Event, float, RotorFrame]:
     """Advance to the first event within a length; return it, the time it takes and the currents then."""
-    legs = phases.legs
-    series = phases.series
-    count = 0
-    if held == EMPTY:
-        event = begin_of_current(circuit, legs, series, frame, _TURNING_TERMS, length)
-    elif held == FREE:
-        voltages = legs.voltages
-        direct, quadrature = rotor_voltages(frame, voltages[0], voltages[1], voltages[2])
-        count = free_series(circuit, series, frame, direct, quadrature, length)
-        event = zero_of_current(circuit, legs, series, frame, count, length)
-    else:
-        count = held_series(circuit, series, frame, held, legs.voltages, length)
-        event = end_of_hold(legs, series, held, count)
+    event, count = _first_event(circuit, phases, frame, held, length)
+    while _LEAST_SHARE < event.share < _SHORT_SHARE:
+        # So early that the scale of the whole segment says nothing of that of its currents.
+        length *= _SOON_AFTER * event.share
+        event, count = _first_event(circuit, phases, frame, held, length)
     if event.kind != NOTHING:
         length *= event.share
     cosine, sine = cosine_sine(angle + circuit.electrical * (time + length))
     if held == EMPTY:
         return event, length, RotorFrame(0.0, 0.0, cosine, sine)
+    series = phases.series
     if event.kind != NOTHING:
         shorten(series, count, event.share)
     after = at_end(series, count, cosine, sine)
@@ -250,7 +265,7 @@ def _segment(
         add_segment(
             drive,
             circuit,
-            legs,
+            phases.legs,
             series,
             frame,
             after,
@@ -368,9 +383,9 @@ def advance_period(
         longest = longest_segment(circuit, held, duration)
         is_whole = length <= longest
         length = min(length, longest)
-        event, length, after = _segment(
-            drive, circuit, phases, frame, held, angle, time, length, totals
-        )
+        event, passed, after = _segment(drive, circuit, phases, frame, held, angle, time, length, totals)
+        is_whole = is_whole and passed == length
+        length = passed
         if held == EMPTY:
             before = _stator_flux(circuit, frame)
             behind = _stator_flux(circuit, after)
@@ -389,9 +404,7 @@ def advance_period(
         after, fixed, excluded = _after_event(legs, event, after)
         settled = settle(circuit, legs, after, fixed, excluded)
     end = _stator_flux(circuit, settled.frame)
-    _add_core_loss(
-        drive, circuit, _Connected(end[0] - along, end[1] - across, idle), duration, totals
-    )
+    _add_core_loss(drive, circuit, _Connected(end[0] - along, end[1] - across, idle), duration, totals)
     _finish(phases, settled.frame)
     totals[ledger.EVENTS] += segments
     return status

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import sqrt
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -14,9 +14,13 @@ from drivegate_models.pm_ac.plant.modulator import LOWER, UPPER
 
 HALF_ROOT: Final = 0.8660254037844386
 """Sine of a third of a turn."""
+UNBOUNDED: Final = 1e200
+"""Instead of a bound of slopes; finite, so that none is left of it in no time."""
 _COSINES: Final = (1.0, -0.5, -0.5)
 _SINES: Final = (0.0, HALF_ROOT, -HALF_ROOT)
 _STANDSTILL = 1e-100
+_TIE = 1e-13
+_ROUNDING = 1e-16
 
 
 class Circuit(NamedTuple):
@@ -42,6 +46,10 @@ class Circuit(NamedTuple):
     """Fastest rate of the equations, |w| + R/min L (1/s)."""
     steepest: float
     """Bound of the slope of any phase current in the advance (A/s)."""
+    tie: float
+    """Difference of voltages that is none but for rounding (V)."""
+    nothing: float
+    """Current that builds up within the rounding of time (A)."""
 
 
 class RotorFrame(NamedTuple):
@@ -79,7 +87,7 @@ def circuit_of(
     Returns
     -------
     Circuit
-        Its bound of slopes is infinite where the currents may change altogether in the advance.
+        Its bound of slopes is `UNBOUNDED` where the currents may change altogether in the advance.
     """
     electrical = drive.pole_pairs * speed
     if abs(electrical) < _STANDSTILL:
@@ -88,8 +96,10 @@ def circuit_of(
     greatest = max(drive.direct_inductance, drive.quadrature_inductance)
     turning = abs(electrical)
     growth = (drive.resistance + turning * greatest) / least
-    voltage = (2.0 / 3.0) * (link + 2.0 * drive.diode_drop + drive.switch_drop) + turning * drive.magnet_flux
-    steepest = inf
+    voltage = (2.0 / 3.0) * (link + 2.0 * drive.diode_drop + drive.switch_drop) + turning * abs(
+        drive.magnet_flux
+    )
+    steepest = UNBOUNDED
     if growth * duration <= 0.5:
         # e**x is at most 1 + 2 x up to a half.
         size = (sqrt(direct * direct + quadrature * quadrature) + voltage / least * duration) * (
@@ -107,12 +117,14 @@ def circuit_of(
         drive.diode_drop,
         turning + drive.resistance / least,
         steepest,
+        _TIE * voltage,
+        _ROUNDING * voltage / least * duration,
     )
 
 
 @inlined
 def leg_voltages(circuit: Circuit, gate: int) -> tuple[float, float]:
-    """Return the voltage of a leg, against the lower rail, while its current is positive and while it is negative (V)."""
+    """Return the voltages of a leg, against the lower rail, for a positive and for a negative current (V)."""
     if gate == UPPER:
         return circuit.link - circuit.switch_drop, circuit.link + circuit.diode_drop
     if gate == LOWER:
@@ -161,7 +173,9 @@ def rotor_voltages(frame: RotorFrame, first: float, second: float, third: float)
 
 
 @inlined
-def current_slopes(circuit: Circuit, frame: RotorFrame, direct: float, quadrature: float) -> tuple[float, float]:
+def current_slopes(
+    circuit: Circuit, frame: RotorFrame, direct: float, quadrature: float
+) -> tuple[float, float]:
     """Return the slopes of the currents of the rotor frame under voltages of it (A/s)."""
     return (
         (

@@ -23,6 +23,7 @@ ONSET: Final = 4
 
 _SLACK = 1e-13
 """How far beyond its level counts as an event, over the scale in the segment; it keeps ties from repeating."""
+_BEYOND = 2.0
 
 
 class Event(NamedTuple):
@@ -127,7 +128,7 @@ def end_of_hold(legs: Legs, series: Series, held: int, count: int) -> Event:
 
 
 @inlined
-def _emf_series(circuit: Circuit, series: Series, frame: RotorFrame, first: int, second: int, count: int) -> None:
+def _emf_series(circuit: Circuit, series: Series, first: int, second: int, count: int) -> None:
     """Write the difference of the back-EMFs of two phases, whose sines stand in the turning series of the rotor."""
     cosine_a, sine_a = axis_of(RotorFrame(0.0, 0.0, 1.0, 0.0), first)
     cosine_b, sine_b = axis_of(RotorFrame(0.0, 0.0, 1.0, 0.0), second)
@@ -166,17 +167,16 @@ def begin_of_current(
         `ONSET` or `NOTHING`.
     """
     first = Event(NOTHING, 1.0, -1, 0)
-    turning_series(
-        series.cosine, series.sine, count, frame.cosine, frame.sine, circuit.electrical * length
-    )
+    turning_series(series.cosine, series.sine, count, frame.cosine, frame.sine, circuit.electrical * length)
     for j in range(3):
         for k in range(3):
             if j == k:
                 continue
             # Current would begin to flow out of leg j and back into leg k.
-            _emf_series(circuit, series, frame, j, k, count)
-            slack = _SLACK * (size_of(series.other, count) + abs(legs.low[j]) + abs(legs.high[k]))
+            _emf_series(circuit, series, j, k, count)
             series.other[0] += legs.high[k] - legs.low[j]
+            # Beyond what counts as a tie, so that what follows does begin.
+            slack = _BEYOND * circuit.tie
             share = first_fall(series.other, count, 1.0, 0.0, slack) if slack > 0.0 else NOWHERE
             if share < first.share or (share <= 1.0 and first.kind == NOTHING):
                 first = Event(ONSET, share, -1, 0)

@@ -20,7 +20,6 @@ from drivegate_models.pm_ac.plant.circuit import (
 )
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.polynomial import (
-    NOWHERE,
     extremes,
     first_fall,
     integral_to,
@@ -190,9 +189,7 @@ def _add_leg(
 
 
 @inlined
-def _widen_torque(
-    drive: PmAcDrive, series: Series, count: int, bounds: NDArray[np.float64]
-) -> None:
+def _widen_torque(drive: PmAcDrive, series: Series, count: int, bounds: NDArray[np.float64]) -> None:
     """Widen a range by the torque over a segment."""
     saliency = drive.direct_inductance - drive.quadrature_inductance
     per_ampere = 1.5 * drive.pole_pairs

@@ -140,9 +140,7 @@ def first_fall(series: NDArray[np.float64], count: int, sign: float, start: floa
 
 
 @unallocating
-def extremes(
-    series: NDArray[np.float64], count: int, slopes: NDArray[np.float64]
-) -> tuple[float, float]:
+def extremes(series: NDArray[np.float64], count: int, slopes: NDArray[np.float64]) -> tuple[float, float]:
     """Return least and greatest value of a polynomial on [0, 1].
 
     Parameters

@@ -7,6 +7,7 @@ resistance, speed or difference is divided by, so none is a special case.
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -20,8 +21,11 @@ TERMS: Final = 40
 """Room for coefficients."""
 LONGEST: Final = 0.25
 """Longest segment over the time of the fastest rate (1)."""
-LONGEST_HELD: Final = 0.0625
-"""The same while a leg is held in a salient machine, whose inductance then varies."""
+LONGEST_HELD: Final = 0.125
+"""The same while a leg is held in a salient machine, times the root of lesser over greater inductance (1).
+
+The inductance past the held leg then varies with the angle, and is zero at a complex one, artanh of that root away.
+"""
 
 _CUT = 1e-17
 _LEAST_TERMS = 4
@@ -60,7 +64,8 @@ def longest_segment(circuit: Circuit, held: int, duration: float) -> float:
     """Return how long a segment may last for its series to converge fast (s)."""
     share = LONGEST
     if 0 <= held <= 2 and circuit.direct != circuit.quadrature:
-        share = LONGEST_HELD
+        ratio = circuit.direct / circuit.quadrature
+        share = LONGEST_HELD * sqrt(min(ratio, 1.0 / ratio))
     return share / circuit.rate if circuit.rate * duration > share else duration
 
 
@@ -154,7 +159,9 @@ def _product_term(first: NDArray[np.float64], second: NDArray[np.float64], order
 
 
 @unallocating
-def phase_series(circuit: Circuit, series: Series, frame: RotorFrame, leg: int, count: int, length: float) -> None:
+def phase_series(
+    circuit: Circuit, series: Series, frame: RotorFrame, leg: int, count: int, length: float
+) -> None:
     """Write the series of a phase current to `other`.
 
     Parameters

@@ -117,7 +117,7 @@ def _conducts(circuit: Circuit, legs: Legs, frame: RotorFrame) -> bool:
         emf = _emf(circuit, frame, leg)
         most = max(most, legs.low[leg] - emf)
         least = min(least, legs.high[leg] - emf)
-    return most > least
+    return most > least + circuit.tie
 
 
 @inlined
@@ -131,9 +131,7 @@ def _margin(circuit: Circuit, legs: Legs, frame: RotorFrame) -> float:
             legs.voltages[leg] = voltage
     for leg in range(3):
         if legs.signs[leg] != 0 and is_relay(legs, leg):
-            slope = phase_slope(
-                circuit, frame, leg, legs.voltages[0], legs.voltages[1], legs.voltages[2]
-            )
+            slope = phase_slope(circuit, frame, leg, legs.voltages[0], legs.voltages[1], legs.voltages[2])
             margin = min(margin, legs.signs[leg] * slope)
     return margin
 
@@ -176,9 +174,9 @@ def _begin(circuit: Circuit, legs: Legs, frame: RotorFrame) -> int:
 
 
 @inlined
-def _look(legs: Legs, frame: RotorFrame, fixed: int) -> tuple[int, int]:
+def _look(circuit: Circuit, legs: Legs, frame: RotorFrame, fixed: int) -> tuple[int, int]:
     """Take over the signs of all currents; return how many legs are at zero, and the last of them."""
-    near = _NEAR * (abs(frame.direct) + abs(frame.quadrature))
+    near = _NEAR * (abs(frame.direct) + abs(frame.quadrature)) + circuit.nothing
     count = 0
     last = _NONE
     for leg in range(3):
@@ -220,7 +218,7 @@ def settle(circuit: Circuit, legs: Legs, frame: RotorFrame, fixed: int, excluded
     Settled
         What is held, and the currents.
     """
-    count, last = _look(legs, frame, fixed)
+    count, last = _look(circuit, legs, frame, fixed)
     if count == 0:
         return Settled(FREE, frame)
     if count > 1:
@@ -233,7 +231,13 @@ def settle(circuit: Circuit, legs: Legs, frame: RotorFrame, fixed: int, excluded
     elif voltage > legs.high[last]:
         sign = -1
     if sign == 0 or sign == excluded:
+        frame = _project(frame, last)
         _take_sign(legs, last, 0)
-        return Settled(last, _project(frame, last))
+        # What one of the others gives the other one takes, also where both are hardly more than rounding.
+        ahead = (last + 1) % 3
+        flows = 1 if phase_current(frame, ahead) >= 0.0 else -1
+        _take_sign(legs, ahead, flows)
+        _take_sign(legs, (last + 2) % 3, -flows)
+        return Settled(last, frame)
     _take_sign(legs, last, sign)
     return Settled(FREE, frame)

@@ -45,7 +45,7 @@ def drawn_run(seed: int) -> DrawnRun:
     current = pick(2.0, 26.0, 350.0)
     duration = pick(1e-4, 5e-5, 1e-3)
     direct = supply * duration / (current * draw.uniform(0.02, 5.0))
-    saliency = pick(1.0, 1.0, 0.25, 2.5, 4.0, draw.uniform(0.3, 4.0))
+    saliency = pick(1.0, 1.0, 0.25, 2.5, 4.0, 30.0, draw.uniform(0.3, 4.0))
     pole_pairs = int(draw.integers(1, 12))
     base = pick(0.05, 0.3, 1.0) / duration
     edge = pick(0.0, 0.0, 0.02, 0.3)

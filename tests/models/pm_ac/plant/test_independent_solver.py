@@ -1,9 +1,9 @@
 """The PM AC drive against a second simulation that shares no code with it.
 
 The second one is written from the physics alone: the flux linkage of the currents, in the frame that stands still,
-integrated numerically (DOP853), and legs of two switches and two diodes. At every event it tries each combination of legs that
-conduct one way, the other way, or not at all, for a moment, and takes the one that stays lawful; the next event is a
-root of the integrated solution.
+integrated numerically (DOP853), and legs of two switches and two diodes. At every event it tries for a moment each
+combination of legs that conduct one way, the other way, or not at all, and takes the one that stays lawful; the next
+event is a root of the integrated solution.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.pm_ac.plant.advance import advance_period, make_phases
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING, RISING, Modulator, PmAcDrive
 
-AGREEMENT = 1e-10
+AGREEMENT = 1e-11
 """Greatest difference of a current or an integral, relative to the scale of each."""
 
 INTEGRALS = ("magnitude", "square", "impulse", "charge", "device")
@@ -100,9 +100,7 @@ class Solver:
 
     def rotor_current(self, time: float, state: np.ndarray) -> complex:
         flux = complex(state[0], state[1]) / np.exp(1j * self.angle(time))
-        return complex(
-            flux.real / self.drive.direct_inductance, flux.imag / self.drive.quadrature_inductance
-        )
+        return complex(flux.real / self.drive.direct_inductance, flux.imag / self.drive.quadrature_inductance)
 
     def currents(self, time: float, state: np.ndarray) -> np.ndarray:
         current = self.rotor_current(time, state) * np.exp(1j * self.angle(time))
@@ -215,9 +213,7 @@ class Solver:
             # Without any current at all one leg may be driven: its phase is at the leg's voltage, nothing else.
             if len(held) == 2 or (len(held) == 1 and held[0] in fixed) or (len(held) == 3 and len(fixed) > 1):
                 continue
-            law = Law(
-                signs, tuple(self.limits(k)[0 if signs[k] >= 0 else 1] for k in range(3))
-            )
+            law = Law(signs, tuple(self.limits(k)[0 if signs[k] >= 0 else 1] for k in range(3)))
             after = self.momentary(law, step)
             then = self.currents(self.time + step, after)
             voltages = self.voltages(law, self.time + step, after)
@@ -371,11 +367,12 @@ def _drawn(seed: int) -> Point:
     draw = np.random.default_rng(seed)
     modes = [(MODULATED,), (MODULATED,), (BLOCKED,), (MODULATED, BLOCKED), ((1, 0, 1), MODULATED)]
     direct = 8.72e-3
+    size = float(draw.choice([0.0, 0.1, 1.0]))
     return Point(
         rpm=float(draw.choice([0.0, 100.0, 700.0, 2000.0, 8000.0]) * draw.uniform(-1.0, 1.0)),
         ratio=float(draw.uniform(0.0, 1.4)),
         lead_deg=float(draw.uniform(-180, 180)),
-        currents=tuple(draw.uniform(-6, 6, 2) * draw.choice([0.0, 0.1, 1.0])),
+        currents=(float(draw.uniform(-6, 6) * size), float(draw.uniform(-6, 6) * size)),
         modes=modes[draw.integers(len(modes))],
         alignment=int(draw.choice([CENTRED, CENTRED, RISING, FALLING])),
         dead_time=float(draw.choice([0.0, 2e-6, 8e-6, 3e-5])),
