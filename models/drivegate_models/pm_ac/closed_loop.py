@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, isfinite, pi
+from math import isfinite, pi
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -154,15 +154,13 @@ def _speed_change(
     driving -= drive.viscous_friction * speed
     opposing = load + drive.friction
     # Load and friction oppose a shaft that turns and hold one that stands; they never turn it.
+    forward = float((driving - opposing) * length / inertia)
+    backward = float((driving + opposing) * length / inertia)
     if speed > 0.0:
-        return max((driving - opposing) * length / inertia, -speed if driving >= -opposing else -inf)
+        return max(forward, -speed) if driving >= -opposing else forward
     if speed < 0.0:
-        return min((driving + opposing) * length / inertia, -speed if driving <= opposing else inf)
-    if driving > opposing:
-        return (driving - opposing) * length / inertia
-    if driving < -opposing:
-        return (driving + opposing) * length / inertia
-    return 0.0
+        return min(backward, -speed) if driving <= opposing else backward
+    return max(forward, 0.0) + min(backward, 0.0)
 
 
 @inlined

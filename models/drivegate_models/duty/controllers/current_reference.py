@@ -24,7 +24,7 @@ def most_torque_direct(state: Any, current: float) -> float:
     saliency = state.quadrature_inductance - state.direct_inductance
     square = current * current
     root = sqrt(state.magnet_flux * state.magnet_flux + 8.0 * saliency * saliency * square)
-    return -2.0 * saliency * square / (state.magnet_flux + root)
+    return float(-2.0 * saliency * square / (state.magnet_flux + root))
 
 
 @inlined
@@ -59,7 +59,7 @@ def _greatest_quadrature(state: Any, electrical: float, voltage: float, direct: 
     inside = b * b - a * c
     if inside < 0.0:
         return -1.0
-    return min(sqrt(square), (sqrt(inside) - b) / a)
+    return float(min(sqrt(square), (sqrt(inside) - b) / a))
 
 
 @inlined
@@ -72,7 +72,7 @@ def _greatest_torque_at(state: Any, electrical: float, voltage: float, direct: f
 def _direct_of_greatest_torque(state: Any, electrical: float, voltage: float) -> float:
     """Return the current along the magnet's axis at which the limits leave the greatest torque (A)."""
     # Further than the magnet's whole flux there is less torque for more current.
-    low = max(-state.current_limit, -state.magnet_flux / state.direct_inductance)
+    low: float = max(-state.current_limit, -state.magnet_flux / state.direct_inductance)
     high = most_torque_direct(state, state.current_limit)
     if low >= high:
         return high

@@ -8,7 +8,6 @@ from typing import Any, Final
 
 import numba
 from numba import types
-from numba.core.types import CPointer
 from numba.np.numpy_support import carray
 
 from drivegate_models.compilation.calling import double_at
@@ -191,7 +190,8 @@ def step_function() -> Any:
         Its `address` is that of a C function; keep the object.
     """
     layouts = (FOC_STATE, DUTY_SENSE, DUTY_COMMAND)
-    signature = types.void(*(CPointer(numba.from_dtype(layout)) for layout in layouts))
+    pointer: Any = types.CPointer
+    signature = types.void(*(pointer(numba.from_dtype(layout)) for layout in layouts))
 
     def drivegate_duty_step(state: Any, sense: Any, command: Any) -> None:
         step_state(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])

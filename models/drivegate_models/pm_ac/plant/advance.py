@@ -218,20 +218,23 @@ def _after_event(legs: Legs, event: Event, frame: RotorFrame) -> tuple[RotorFram
 
 @inlined
 def _first_event(
-    circuit: Circuit, phases: PmAcPhases, frame: RotorFrame, held: int, length: float
-) -> tuple[Event, int]:
-    """Write the series of a segment; return the first event in it, and the number of coefficients."""
+    circuit: Circuit, phases: PmAcPhases, frame: RotorFrame, held: int, end_angle: float, length: float
+) -> tuple[Event, int, RotorFrame]:
+    """Write the series of a segment; return the first event in it, how many coefficients, and its end without one."""
     legs = phases.legs
     series = phases.series
+    cosine, sine = cosine_sine(end_angle)
     if held == EMPTY:
-        return begin_of_current(circuit, legs, series, frame, _TURNING_TERMS, length), 0
+        event = begin_of_current(circuit, legs, series, frame, _TURNING_TERMS, length)
+        return event, 0, RotorFrame(0.0, 0.0, cosine, sine)
     if held == FREE:
         voltages = legs.voltages
         direct, quadrature = rotor_voltages(frame, voltages[0], voltages[1], voltages[2])
         count = free_series(circuit, series, frame, direct, quadrature, length)
-        return zero_of_current(circuit, legs, series, frame, count, length), count
+        after = at_end(series, count, cosine, sine)
+        return zero_of_current(circuit, legs, series, frame, after, count, length), count, after
     count = held_series(circuit, series, frame, held, legs.voltages, length)
-    return end_of_hold(legs, series, held, count), count
+    return end_of_hold(legs, series, held, count), count, at_end(series, count, cosine, sine)
 
 
 @unallocating
@@ -247,21 +250,24 @@ def _segment(
     totals: NDArray[np.float64],
 ) -> tuple[Event, float, RotorFrame]:
     """Advance to the first event within a length; return it, the time it takes and the currents then."""
-    event, count = _first_event(circuit, phases, frame, held, length)
+    begin_angle = angle + circuit.electrical * time
+    electrical = circuit.electrical
+    event, count, after = _first_event(
+        circuit, phases, frame, held, begin_angle + electrical * length, length
+    )
     while _LEAST_SHARE < event.share < _SHORT_SHARE:
         # So early that the scale of the whole segment says nothing of that of its currents.
         length *= _SOON_AFTER * event.share
-        event, count = _first_event(circuit, phases, frame, held, length)
-    if event.kind != NOTHING:
-        length *= event.share
-    cosine, sine = cosine_sine(angle + circuit.electrical * (time + length))
-    if held == EMPTY:
-        return event, length, RotorFrame(0.0, 0.0, cosine, sine)
+        event, count, after = _first_event(
+            circuit, phases, frame, held, begin_angle + electrical * length, length
+        )
     series = phases.series
     if event.kind != NOTHING:
+        length *= event.share
+        cosine, sine = cosine_sine(begin_angle + electrical * length)
         shorten(series, count, event.share)
-    after = at_end(series, count, cosine, sine)
-    if length > 0.0:
+        after = RotorFrame(0.0, 0.0, cosine, sine) if held == EMPTY else at_end(series, count, cosine, sine)
+    if length > 0.0 and held != EMPTY:
         add_segment(
             drive,
             circuit,

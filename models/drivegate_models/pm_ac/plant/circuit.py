@@ -46,6 +46,8 @@ class Circuit(NamedTuple):
     """Fastest rate of the equations, |w| + R/min L (1/s)."""
     steepest: float
     """Bound of the slope of any phase current in the advance (A/s)."""
+    bend: float
+    """Bound of the slope's own slope while no leg is held (A/s2)."""
     tie: float
     """Difference of voltages that is none but for rounding (V)."""
     nothing: float
@@ -96,9 +98,9 @@ def circuit_of(
     greatest = max(drive.direct_inductance, drive.quadrature_inductance)
     turning = abs(electrical)
     growth = (drive.resistance + turning * greatest) / least
-    voltage = (2.0 / 3.0) * (link + 2.0 * drive.diode_drop + drive.switch_drop) + turning * abs(
-        drive.magnet_flux
-    )
+    # The legs lie between -V_D and V + V_D, or, on a link below the switches' drop, between V - V_S and V_S.
+    span = link + 2.0 * max(drive.diode_drop, drive.switch_drop)
+    voltage = (2.0 / 3.0) * span + turning * abs(drive.magnet_flux)
     steepest = UNBOUNDED
     if growth * duration <= 0.5:
         # e**x is at most 1 + 2 x up to a half.
@@ -117,9 +119,16 @@ def circuit_of(
         drive.diode_drop,
         turning + drive.resistance / least,
         steepest,
+        (growth + 4.0 * turning) * steepest,
         _TIE * voltage,
         _ROUNDING * voltage / least * duration,
     )
+
+
+@inlined
+def sagitta(circuit: Circuit, length: float) -> float:
+    """Return how far a phase current can be from the chord of a segment in which no leg is held (A)."""
+    return 0.125 * circuit.bend * length * length
 
 
 @inlined

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.pm_ac.plant.circuit import Circuit, RotorFrame, axis_of, phase_current
+from drivegate_models.pm_ac.plant.circuit import Circuit, RotorFrame, axis_of, phase_current, sagitta
 from drivegate_models.pm_ac.plant.polynomial import NOWHERE, first_fall, size_of
 from drivegate_models.pm_ac.plant.series import Series, phase_series, turning_series
 from drivegate_models.pm_ac.plant.settling import Legs, is_relay
@@ -41,7 +41,13 @@ class Event(NamedTuple):
 
 @unallocating
 def zero_of_current(
-    circuit: Circuit, legs: Legs, series: Series, frame: RotorFrame, count: int, length: float
+    circuit: Circuit,
+    legs: Legs,
+    series: Series,
+    frame: RotorFrame,
+    after: RotorFrame,
+    count: int,
+    length: float,
 ) -> Event:
     """Return the first current that comes to zero while no leg is held.
 
@@ -53,8 +59,8 @@ def zero_of_current(
         Signs and voltages.
     series : Series
         Of the currents in the segment.
-    frame : RotorFrame
-        At its start.
+    frame, after : RotorFrame
+        At its start and end.
     count : int
         Number of coefficients.
     length : float
@@ -67,11 +73,12 @@ def zero_of_current(
     """
     first = Event(NOTHING, 1.0, -1, 0)
     size = -1.0
+    deviation = sagitta(circuit, length)
     for leg in range(3):
         if legs.sure[leg] != 0 or not is_relay(legs, leg):
             continue
         sign = legs.signs[leg]
-        if sign * phase_current(frame, leg) > circuit.steepest * length:
+        if min(sign * phase_current(frame, leg), sign * phase_current(after, leg)) > deviation:
             continue
         if size < 0.0:
             size = size_of(series.direct, count) + size_of(series.quadrature, count)

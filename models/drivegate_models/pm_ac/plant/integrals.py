@@ -17,6 +17,7 @@ from drivegate_models.pm_ac.plant.circuit import (
     drop_of,
     is_on_upper_rail,
     phase_current,
+    sagitta,
 )
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.polynomial import (
@@ -172,11 +173,11 @@ def _add_leg(
     begin = phase_current(frame, leg)
     end = phase_current(after, leg)
     peak = max(peak, abs(begin), abs(end))
-    reach = circuit.steepest * length
-    turns = (circuit.rate + 3.0 * abs(circuit.electrical)) * length * reach * 0.25
-    keeps_sign = abs(begin) > reach
-    # Between its ends a current exceeds both by no more than an eighth of its greatest curvature.
-    stays_below = is_smooth and max(abs(begin), abs(end)) + turns <= peak
+    deviation = sagitta(circuit, length)
+    least = min(begin, end) if begin > 0.0 else -max(begin, end)
+    keeps_sign = is_smooth and least > deviation
+    is_steady = abs(end - begin) > 8.0 * deviation
+    stays_below = is_smooth and (is_steady or max(abs(begin), abs(end)) + deviation <= peak)
     if keeps_sign and stays_below:
         return abs(charge), peak
     phase_series(circuit, series, frame, leg, count, length)

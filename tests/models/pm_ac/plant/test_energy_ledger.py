@@ -22,3 +22,11 @@ def test_energy_closes_for_some_drawn_drives() -> None:
 
 def test_energy_closes_for_thousands_of_drawn_drives() -> None:
     check(range(60, 4000))
+
+
+@pytest.mark.kernel
+def test_energy_closes_on_a_link_below_the_drop_of_the_switches() -> None:
+    """Driven legs then lie beyond both rails, which every bound of the voltages has to know."""
+    run = drawn_run(5621)
+    assert run.link < run.drive.switch_drop
+    check(range(5621, 5622))
