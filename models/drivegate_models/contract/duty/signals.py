@@ -1,0 +1,142 @@
+"""What passes between the harness and a candidate that answers with duty ratios, as Python sees it."""
+
+from __future__ import annotations
+
+from math import nan
+from typing import Final, NamedTuple
+
+SPEED_REFERENCE: Final = 0
+"""The reference is a speed of the shaft (rad/s)."""
+TORQUE_REFERENCE: Final = 1
+"""The reference is a torque (N m)."""
+
+LEG_OFF: Final = 0
+"""Both switches of a leg are off."""
+LEG_PWM: Final = 1
+"""A leg follows its duty ratio."""
+LEG_HIGH: Final = 2
+"""The upper switch of a leg is on."""
+LEG_LOW: Final = 3
+"""The lower switch of a leg is on."""
+
+
+class DutySense(NamedTuple):
+    """What a controller senses at the start of a control period.
+
+    Attributes
+    ----------
+    time : float
+        Simulated time (s).
+    reference : float
+        Demanded speed (rad/s) or torque (N m), as the nameplate says.
+    phase_currents : tuple of float
+        Measured phase currents at this instant (A).
+    supply_voltage : float
+        Measured voltage of the dc link (V).
+    supply_current : float
+        Mean current taken from the link in the period just ended (A).
+    angle : float
+        Angle of the shaft (rad); NaN without an encoder.
+    speed : float
+        Speed of the shaft (rad/s); NaN likewise.
+    hall : int
+        Bits of the Hall switches; -1 without them.
+    encoder_count : int
+        Count of the encoder; -1 without one.
+    trip : int
+        Flags of the drive's own protection; 0 for none.
+    """
+
+    time: float
+    reference: float
+    phase_currents: tuple[float, float, float]
+    supply_voltage: float
+    supply_current: float
+    angle: float
+    speed: float
+    hall: int = -1
+    encoder_count: int = -1
+    trip: int = 0
+
+
+class DutyCommand(NamedTuple):
+    """What a controller answers; it acts `update_delay` periods later.
+
+    Attributes
+    ----------
+    duty_ratios : tuple of float
+        Share of the period with the upper switch on, for each leg (1).
+    legs : tuple of int
+        `LEG_OFF`, `LEG_PWM`, `LEG_HIGH` or `LEG_LOW` for each leg.
+    next_period : float
+        Length of the next control period (s); 0 keeps it.
+    torque, angle, speed, input_power : float
+        The controller's own estimates (N m, rad, rad/s, W); NaN for none.
+    fault : int
+        The controller's own code of a fault; 0 for none.
+    """
+
+    duty_ratios: tuple[float, float, float]
+    legs: tuple[int, int, int] = (LEG_PWM, LEG_PWM, LEG_PWM)
+    next_period: float = 0.0
+    torque: float = nan
+    angle: float = nan
+    speed: float = nan
+    input_power: float = nan
+    fault: int = 0
+
+
+class DutyNameplate(NamedTuple):
+    """The drive's nominal data.
+
+    Attributes
+    ----------
+    kind : int
+        Kind of drive, as in the contract of current references.
+    reference_kind : int
+        `SPEED_REFERENCE` or `TORQUE_REFERENCE`.
+    pole_pairs : int
+        Pole pairs.
+    updates : int
+        Updates of the duty ratios in a period of the carrier.
+    update_delay : int
+        Control periods between an answer and its effect.
+    supply_voltage : float
+        Nominal voltage of the dc link (V).
+    base_speed, highest_speed : float
+        Range of constant power (rad/s).
+    rated_power : float
+        (W).
+    current_limit : float
+        Greatest peak current of a phase (A).
+    control_period : float
+        (s).
+    dead_time : float
+        (s).
+    resistance : float
+        Of a phase (ohm).
+    direct_inductance, quadrature_inductance : float
+        Along and across the magnet's axis (H).
+    magnet_flux : float
+        Peak flux linkage of a phase (V s).
+    inertia : float
+        Of rotor and load (kg m2).
+    """
+
+    kind: int
+    reference_kind: int
+    pole_pairs: int
+    updates: int
+    update_delay: int
+    supply_voltage: float
+    base_speed: float
+    highest_speed: float
+    rated_power: float
+    current_limit: float
+    control_period: float
+    dead_time: float
+    resistance: float
+    direct_inductance: float
+    quadrature_inductance: float
+    magnet_flux: float
+    inertia: float

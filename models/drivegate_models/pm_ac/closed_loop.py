@@ -1,0 +1,339 @@
+"""The closed loop of a PM AC drive with a controller that answers with duty ratios, called by address."""
+
+from __future__ import annotations
+
+from math import isfinite, pi
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.calling import call_step
+from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.contract.duty.records import duty_command_record, duty_sense_record
+from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
+from drivegate_models.loop.loop_kernel import PLANT_FAULT
+from drivegate_models.loop.schedule import Conditions, Schedule, conditions_at
+from drivegate_models.loop.shaft import within_a_turn
+from drivegate_models.machine import ledger
+from drivegate_models.machine.load import LOCKED, Load, load_torque
+from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases, stored_energy
+from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING, RISING, PmAcDrive, drifted
+from drivegate_models.pm_ac.plant.modulator import LOW, OFF
+
+BAD_LEG: Final = 4
+"""Status of a run: a leg's state is none of the contract's; those of `loop.exchange` and `loop_kernel` besides."""
+
+TRACE: Final = (
+    "time",
+    "speed_reference",
+    "speed",
+    "torque",
+    "direct",
+    "quadrature",
+    "peak_current",
+    "input_power",
+    "load",
+)
+"""Columns of a run's trace: means over a control period, currents of the rotor frame at its end, greatest current."""
+
+
+class DutyExchange(NamedTuple):
+    """The records through which loop and controller talk, and where the controller is."""
+
+    sense: NDArray[Any]
+    """Shape (1,) of DUTY_SENSE."""
+    command: NDArray[Any]
+    """Shape (1,) of DUTY_COMMAND."""
+    fresh: NDArray[Any]
+    """What a command is before the step, shape (1,) of DUTY_COMMAND."""
+    sensed_currents: NDArray[np.float64]
+    """Shape (3,) (A)."""
+    step_address: int
+    """Address of the controller's step."""
+    state_address: int
+    """Address of its state."""
+    sense_address: int
+    """Address of `sense`."""
+    command_address: int
+    """Address of `command`."""
+
+
+class DutyTiming(NamedTuple):
+    """When things happen in a run."""
+
+    control_period: float
+    """(s)."""
+    steps: int
+    """Control periods."""
+    initial_speed: float
+    """(rad/s)."""
+    initial_angle: float
+    """Electrical (rad)."""
+
+
+class DutyRoom(NamedTuple):
+    """Room for the loop's computations."""
+
+    course_positions: NDArray[np.int64]
+    period: NDArray[np.float64]
+    ratios: NDArray[np.float64]
+    """Duty ratios to act, shape (2, 3): now, and after the delay."""
+    legs: NDArray[np.int64]
+    """States of the legs likewise."""
+
+
+class DutyRun(NamedTuple):
+    """What came of a run."""
+
+    status: int
+    """`COMPLETED`, or another status of `loop.exchange`, `loop_kernel.PLANT_FAULT` or `BAD_LEG`."""
+    steps: int
+    """Control periods that were run."""
+    trace: NDArray[np.float64]
+    """Shape (steps, len(TRACE))."""
+    totals: NDArray[np.float64]
+    """Exact integrals over the run, shape (ledger.ENTRIES,)."""
+    worst_balance: float
+    """Greatest energy that a period misses, over its throughput (1)."""
+
+
+@inlined
+def _freshen(command: Any, fresh: Any) -> None:
+    """Make a command one that nothing has been written to."""
+    command.struct_size = fresh.struct_size
+    command.first_duty = fresh.first_duty
+    command.second_duty = fresh.second_duty
+    command.third_duty = fresh.third_duty
+    command.first_leg = fresh.first_leg
+    command.second_leg = fresh.second_leg
+    command.third_leg = fresh.third_leg
+    command.next_period = fresh.next_period
+    command.torque = fresh.torque
+    command.angle = fresh.angle
+    command.speed = fresh.speed
+    command.input_power = fresh.input_power
+    command.fault = fresh.fault
+
+
+@inlined
+def _take_command(command: Any, room: DutyRoom, place: int) -> int:
+    """Take over a command; return `COMPLETED` or why it is none."""
+    if command.struct_size < 0:
+        return STOPPED
+    room.legs[place, 0] = command.first_leg
+    room.legs[place, 1] = command.second_leg
+    room.legs[place, 2] = command.third_leg
+    room.ratios[place, 0] = command.first_duty
+    room.ratios[place, 1] = command.second_duty
+    room.ratios[place, 2] = command.third_duty
+    for leg in range(3):
+        if not isfinite(room.ratios[place, leg]):
+            return NOT_FINITE
+        if not OFF <= room.legs[place, leg] <= LOW:
+            return BAD_LEG
+    return COMPLETED
+
+
+@inlined
+def _alignment(updates: int, step: int) -> int:
+    """Return where in a control period the upper switch is on."""
+    if updates == 0:
+        return FALLING
+    if updates == 1:
+        return CENTRED
+    return RISING if step % 2 == 0 else FALLING
+
+
+@inlined
+def _speed_change(
+    drive: PmAcDrive, inertia: float, speed: float, load: float, period: NDArray[np.float64], length: float
+) -> float:
+    """Return by how much the shaft's speed changes in a control period (rad/s)."""
+    driving = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE]) / length
+    driving -= drive.viscous_friction * speed
+    opposing = load + drive.friction
+    # Load and friction oppose a shaft that turns and hold one that stands; they never turn it.
+    forward = float((driving - opposing) * length / inertia)
+    backward = float((driving + opposing) * length / inertia)
+    if speed > 0.0:
+        return max(forward, -speed) if driving >= -opposing else forward
+    if speed < 0.0:
+        return min(backward, -speed) if driving <= opposing else backward
+    return max(forward, 0.0) + min(backward, 0.0)
+
+
+@inlined
+def _balance(
+    resistance: float, speed: float, growth: float, stored: float, period: NDArray[np.float64]
+) -> float:
+    """Return what energy a period misses over its throughput (1)."""
+    net = period[ledger.UPPER] + period[ledger.LOWER]
+    shaft = speed * period[ledger.IMPULSE]
+    missing = net - resistance * period[ledger.SQUARE] - shaft - period[ledger.DEVICE] - growth
+    throughput = period[ledger.EXCHANGED] + abs(shaft) + stored
+    return abs(missing) / throughput if throughput > 0.0 else 0.0
+
+
+@inlined
+def _write_sense(
+    exchange: DutyExchange,
+    phases: PmAcPhases,
+    conditions: Conditions,
+    time: float,
+    angle: float,
+    speed: float,
+) -> None:
+    """Write what is sensed at the start of a period."""
+    sense = exchange.sense
+    sense[0].time = time
+    sense[0].reference = conditions.speed_reference
+    sense[0].supply_voltage = 2.0 * conditions.supply
+    sense[0].angle = angle
+    sense[0].speed = speed
+    for leg in range(3):
+        exchange.sensed_currents[leg] = phases.currents[leg]
+
+
+@unallocating
+def _run(
+    drive: PmAcDrive,
+    phases: PmAcPhases,
+    load: Load,
+    schedule: Schedule,
+    exchange: DutyExchange,
+    timing: DutyTiming,
+    room: DutyRoom,
+    trace: NDArray[np.float64],
+    totals: NDArray[np.float64],
+) -> tuple[int, int, float]:
+    """Run a closed loop; return status, steps and the worst balance of energy."""
+    length = timing.control_period
+    period = room.period
+    inertia = drive.inertia + load.inertia
+    delay = 1 if drive.modulator.update_delay > 0 else 0
+    speed = timing.initial_speed
+    angle = timing.initial_angle
+    change = 0.0
+    stored = stored_energy(drive, phases)
+    worst = 0.0
+    for k in range(timing.steps):
+        conditions = conditions_at(schedule, room.course_positions, k * length)
+        plant = drifted(drive, conditions.resistance_factor, conditions.emf_factor)
+        if load.kind == LOCKED:
+            speed = conditions.speed_reference
+            change = 0.0
+        _write_sense(exchange, phases, conditions, k * length, angle / drive.pole_pairs, speed)
+        _freshen(exchange.command[0], exchange.fresh[0])
+        call_step(
+            exchange.step_address, exchange.state_address, exchange.sense_address, exchange.command_address
+        )
+        status = _take_command(exchange.command[0], room, delay)
+        if status != COMPLETED:
+            return status, k, worst
+        for entry in range(ledger.ENTRIES):
+            period[entry] = 0.0
+        link = 2.0 * conditions.supply
+        # Frozen where it will be at the middle of the period, if it goes on as it did.
+        middle = speed + 0.5 * change
+        if advance_period(
+            plant,
+            phases,
+            angle,
+            middle,
+            link,
+            room.ratios[0],
+            room.legs[0],
+            _alignment(drive.modulator.updates, k),
+            length,
+            period,
+        ):
+            return PLANT_FAULT, k, worst
+        now = stored_energy(drive, phases)
+        worst = max(worst, _balance(plant.resistance, middle, now - stored, now, period))
+        stored = now
+        ledger.add_period(totals, period)
+        exchange.sense[0].supply_current = (
+            ledger.source_energy(period) / (link * length) if link > 0.0 else 0.0
+        )
+        opposing = load_torque(load, conditions.load_factor, max(abs(middle), 0.0))
+        row = trace[k]
+        row[0] = k * length
+        row[1] = conditions.speed_reference
+        row[2] = speed
+        row[3] = period[ledger.IMPULSE] / length
+        row[4] = phases.rotor_currents[0]
+        row[5] = phases.rotor_currents[1]
+        row[6] = period[ledger.PEAK]
+        row[7] = ledger.source_energy(period) / length
+        row[8] = opposing
+        angle = within_a_turn(angle + drive.pole_pairs * middle * length)
+        if load.kind != LOCKED:
+            change = _speed_change(drive, inertia, speed, opposing, period, length)
+            speed += change
+        if delay > 0:
+            for leg in range(3):
+                room.ratios[0, leg] = room.ratios[1, leg]
+                room.legs[0, leg] = room.legs[1, leg]
+    return COMPLETED, timing.steps, worst
+
+
+def run_duty_loop(
+    drive: PmAcDrive,
+    load: Load,
+    schedule: Schedule,
+    *,
+    step_address: int,
+    state_address: int,
+    control_period: float,
+    duration: float,
+    initial_speed: float = 0.0,
+    initial_angle: float = 0.0,
+) -> DutyRun:
+    """Run a controller that has been reset against the plant.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    load : Load
+        What it drives.
+    schedule : Schedule
+        What happens; its supply is half of the link's voltage, and its speed the reference.
+    step_address, state_address : int
+        Addresses of the controller's step function and of its state.
+    control_period : float
+        (s).
+    duration : float
+        (s).
+    initial_speed : float
+        Of the shaft (rad/s).
+    initial_angle : float
+        Electrical, from the first phase's axis to the magnet's (rad).
+
+    Returns
+    -------
+    DutyRun
+        Its trace and totals. Before the first answer acts, the duty ratios are all 1/2.
+    """
+    currents = np.zeros(3)
+    sense, command, fresh = duty_sense_record(currents), duty_command_record(), duty_command_record()
+    exchange = DutyExchange(
+        sense,
+        command,
+        fresh,
+        currents,
+        step_address,
+        state_address,
+        sense.ctypes.data,
+        command.ctypes.data,
+    )
+    steps = round(duration / control_period)
+    trace = np.zeros((steps, len(TRACE)))
+    totals = np.zeros(ledger.ENTRIES)
+    room = DutyRoom(
+        np.zeros(6, np.int64), np.zeros(ledger.ENTRIES), np.full((2, 3), 0.5), np.ones((2, 3), np.int64)
+    )
+    timing = DutyTiming(float(control_period), steps, float(initial_speed), float(initial_angle % (2.0 * pi)))
+    status, done, worst = _run(drive, make_phases(), load, schedule, exchange, timing, room, trace, totals)
+    return DutyRun(int(status), int(done), trace[:done], totals, float(worst))

@@ -1,0 +1,304 @@
+"""The best that a PM AC drive can do at a speed: least current, least loss and greatest torque within its limits.
+
+At a given torque the currents lie on a curve, one for each current along the magnet's axis. The curve is searched
+densely between the ends that the limits leave and then by golden section; nothing is assumed of how many valleys
+it has.
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+from typing import Final, NamedTuple
+
+from drivegate_models.compilation.kernels import inlined, kernel
+from drivegate_models.pm_ac.fundamental import (
+    SteadyState,
+    base_speed,
+    core_loss,
+    steady_state,
+    steady_voltages,
+)
+from drivegate_models.pm_ac.plant.drive import PmAcDrive, electrical_torque
+
+CURRENT: Final = 0
+"""The search is for the least current."""
+LOSS: Final = 1
+"""The search is for the least sum of copper and core loss."""
+
+_PLACES = 2000
+_GOLDEN = 0.6180339887498949
+_NARROWINGS = 60
+_HALVINGS = 100
+_SLACK = 1e-12
+_FURTHEST = 1e6
+"""Speed over base speed beyond which constant power counts as unbounded (1)."""
+
+
+class Limits(NamedTuple):
+    """What currents and voltages a search may use."""
+
+    current: float
+    """Greatest peak current of a phase (A)."""
+    voltage: float
+    """Greatest peak voltage of a phase (V)."""
+
+
+@inlined
+def _is_within(drive: PmAcDrive, limits: Limits, electrical: float, direct: float, quadrature: float) -> bool:
+    """Return whether currents keep to both limits, but for rounding."""
+    along, across = steady_voltages(drive, electrical, direct, quadrature)
+    room = 1.0 + _SLACK
+    return (
+        direct * direct + quadrature * quadrature <= limits.current * limits.current * room
+        and along * along + across * across <= limits.voltage * limits.voltage * room
+    )
+
+
+@inlined
+def _direct_range(drive: PmAcDrive, limits: Limits, electrical: float) -> tuple[float, float]:
+    """Return between which currents along the magnet's axis both limits can be kept (A); reversed where none can."""
+    reactance = electrical * drive.quadrature_inductance
+    resistance = drive.resistance
+    determinant = resistance * resistance + electrical * drive.direct_inductance * reactance
+    if determinant == 0.0:
+        return -limits.current, limits.current
+    centre = -reactance * electrical * drive.magnet_flux / determinant
+    reach = limits.voltage * sqrt(resistance * resistance + reactance * reactance) / determinant
+    return max(-limits.current, centre - reach), min(limits.current, centre + reach)
+
+
+@inlined
+def _quadrature_of(drive: PmAcDrive, torque: float, direct: float) -> float:
+    """Return the current across the magnet's axis that gives a torque (A); infinite where none does."""
+    per_ampere = electrical_torque(drive, direct, 1.0)
+    if per_ampere == 0.0:
+        return 0.0 if torque == 0.0 else inf
+    return torque / per_ampere
+
+
+@inlined
+def _cost(
+    drive: PmAcDrive, limits: Limits, electrical: float, torque: float, purpose: int, direct: float
+) -> float:
+    """Return what is sought the least of at a current along the magnet's axis; infinite beyond the limits."""
+    quadrature = _quadrature_of(drive, torque, direct)
+    if quadrature == inf or not _is_within(drive, limits, electrical, direct, quadrature):
+        return inf
+    square = direct * direct + quadrature * quadrature
+    if purpose == CURRENT:
+        return square
+    return 1.5 * drive.resistance * square + core_loss(drive, electrical, direct, quadrature)
+
+
+@inlined
+def _feasible_end(
+    drive: PmAcDrive,
+    limits: Limits,
+    electrical: float,
+    torque: float,
+    inside: float,
+    outside: float,
+) -> float:
+    """Return the last feasible place between a feasible and an infeasible one."""
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (inside + outside)
+        if middle in (inside, outside):
+            break
+        if _cost(drive, limits, electrical, torque, CURRENT, middle) < inf:
+            inside = middle
+        else:
+            outside = middle
+    return inside
+
+
+@kernel
+def least_at(drive: PmAcDrive, limits: Limits, speed: float, torque: float, purpose: int) -> SteadyState:
+    """Return the steady state of least current or least loss that gives a torque at a speed.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    limits : Limits
+        Of current and voltage.
+    speed : float
+        Shaft speed (rad/s).
+    torque : float
+        Electromagnetic torque (N m).
+    purpose : int
+        `CURRENT` or `LOSS`.
+
+    Returns
+    -------
+    SteadyState
+        Of NaN where no currents within the limits give that torque.
+    """
+    electrical = drive.pole_pairs * speed
+    first, last = _direct_range(drive, limits, electrical)
+    step = max(last - first, 0.0) / _PLACES
+    best = inf
+    best_direct = 0.0
+    for k in range(_PLACES + 1):
+        direct = first + k * step
+        cost = _cost(drive, limits, electrical, torque, purpose, direct)
+        if cost < best:
+            best = cost
+            best_direct = direct
+    if best == inf:
+        # A sliver of feasible currents hides between two places only close to the greatest torque.
+        top = greatest_torque(drive, limits, speed)
+        if not top.torque >= torque * (1.0 - _SLACK) or torque < 0.0:
+            nothing = inf - inf
+            return SteadyState(nothing, nothing, nothing, nothing, nothing, nothing, nothing)
+        best_direct = top.direct
+        if _cost(drive, limits, electrical, torque, purpose, best_direct) == inf:
+            return top
+    low = _feasible_end(drive, limits, electrical, torque, best_direct, best_direct - step)
+    high = _feasible_end(drive, limits, electrical, torque, best_direct, best_direct + step)
+    inner = high - _GOLDEN * (high - low)
+    outer = low + _GOLDEN * (high - low)
+    inner_cost = _cost(drive, limits, electrical, torque, purpose, inner)
+    outer_cost = _cost(drive, limits, electrical, torque, purpose, outer)
+    for _ in range(_NARROWINGS):
+        if inner_cost <= outer_cost:
+            high, outer, outer_cost = outer, inner, inner_cost
+            inner = high - _GOLDEN * (high - low)
+            inner_cost = _cost(drive, limits, electrical, torque, purpose, inner)
+        else:
+            low, inner, inner_cost = inner, outer, outer_cost
+            outer = low + _GOLDEN * (high - low)
+            outer_cost = _cost(drive, limits, electrical, torque, purpose, outer)
+    found = best_direct
+    least = _cost(drive, limits, electrical, torque, purpose, found)
+    for place in (low, 0.5 * (low + high), high):
+        cost = _cost(drive, limits, electrical, torque, purpose, place)
+        if cost < least:
+            least = cost
+            found = place
+    return steady_state(drive, speed, found, _quadrature_of(drive, torque, found))
+
+
+@inlined
+def _greatest_at(drive: PmAcDrive, limits: Limits, electrical: float, direct: float) -> tuple[float, float]:
+    """Return the greatest torque at a current along the magnet's axis, and the current across it; -inf for none."""
+    square = limits.current * limits.current - direct * direct
+    if square < 0.0:
+        return -inf, 0.0
+    high = sqrt(square)
+    low = -high
+    # The voltage limit is a quadratic in the current across: a q**2 + 2 b q + c <= 0.
+    along = electrical * (drive.direct_inductance * direct + drive.magnet_flux)
+    reactance = electrical * drive.quadrature_inductance
+    resistance = drive.resistance
+    a = reactance * reactance + resistance * resistance
+    b = resistance * along - reactance * resistance * direct
+    c = resistance * resistance * direct * direct + along * along - limits.voltage * limits.voltage
+    if a > 0.0:
+        inside = b * b - a * c
+        if inside < 0.0:
+            return -inf, 0.0
+        root = sqrt(inside)
+        high = min(high, (root - b) / a)
+        low = max(low, -(root + b) / a)
+    elif c > 0.0:
+        return -inf, 0.0
+    if low > high:
+        return -inf, 0.0
+    above = electrical_torque(drive, direct, high)
+    below = electrical_torque(drive, direct, low)
+    return (above, high) if above >= below else (below, low)
+
+
+@kernel
+def greatest_torque(drive: PmAcDrive, limits: Limits, speed: float) -> SteadyState:
+    """Return the steady state of the greatest torque at a speed.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    limits : Limits
+        Of current and voltage.
+    speed : float
+        Shaft speed (rad/s).
+
+    Returns
+    -------
+    SteadyState
+        Of NaN where no currents keep to both limits.
+    """
+    electrical = drive.pole_pairs * speed
+    first, last = _direct_range(drive, limits, electrical)
+    step = max(last - first, 0.0) / _PLACES
+    best = -inf
+    best_direct = 0.0
+    for k in range(_PLACES + 1):
+        direct = first + k * step
+        torque = _greatest_at(drive, limits, electrical, direct)[0]
+        if torque > best:
+            best = torque
+            best_direct = direct
+    if best == -inf:
+        nothing = inf - inf
+        return SteadyState(nothing, nothing, nothing, nothing, nothing, nothing, nothing)
+    low = max(best_direct - step, first)
+    high = min(best_direct + step, last)
+    for _ in range(_NARROWINGS):
+        inner = high - _GOLDEN * (high - low)
+        outer = low + _GOLDEN * (high - low)
+        if (
+            _greatest_at(drive, limits, electrical, inner)[0]
+            >= _greatest_at(drive, limits, electrical, outer)[0]
+        ):
+            high = outer
+        else:
+            low = inner
+    for place in (low, 0.5 * (low + high), high):
+        torque = _greatest_at(drive, limits, electrical, place)[0]
+        if torque > best:
+            best = torque
+            best_direct = place
+    return steady_state(drive, speed, best_direct, _greatest_at(drive, limits, electrical, best_direct)[1])
+
+
+@kernel
+def constant_power_end(drive: PmAcDrive, limits: Limits, power: float) -> float:
+    """Return the greatest speed up to which a mechanical power can be held from base speed on.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    limits : Limits
+        Of current and voltage.
+    power : float
+        Electromagnetic torque times speed (W).
+
+    Returns
+    -------
+    float
+        Shaft speed (rad/s); infinite where the power lasts beyond a million times base speed, as it does where the
+        current limit can take the whole of the magnet's flux (psi/L_d <= I) and the power is small enough; 0 where
+        base speed does not reach it.
+    """
+    begin = base_speed(drive, limits.current, limits.voltage)
+    if begin == 0.0 or not greatest_torque(drive, limits, begin).torque * begin >= power * (1.0 - _SLACK):
+        return 0.0
+    inside = begin
+    outside = begin
+    while outside < _FURTHEST * begin:
+        outside *= 1.1
+        if not greatest_torque(drive, limits, outside).torque * outside >= power:
+            break
+        inside = outside
+    if inside == outside:
+        return inf
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (inside + outside)
+        if middle in (inside, outside):
+            break
+        if greatest_torque(drive, limits, middle).torque * middle >= power:
+            inside = middle
+        else:
+            outside = middle
+    return inside

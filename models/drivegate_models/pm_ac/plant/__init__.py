@@ -1,0 +1,1 @@
+"""The plant over one control period, exact from event to event."""

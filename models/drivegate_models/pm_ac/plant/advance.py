@@ -1,0 +1,416 @@
+"""Machine and bridge advanced over one control period at constant speed and link voltage, from event to event."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.machine import ledger
+from drivegate_models.machine.advance_status import COMPLETED, TOO_MANY_EVENTS
+from drivegate_models.machine.sine import cosine_sine
+from drivegate_models.pm_ac.plant.circuit import (
+    Circuit,
+    RotorFrame,
+    circuit_of,
+    leg_voltages,
+    phase_current,
+    rotor_voltages,
+)
+from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.pm_ac.plant.events import (
+    LAST_ZERO,
+    NOTHING,
+    ONSET,
+    RELEASE,
+    ZERO,
+    Event,
+    begin_of_current,
+    end_of_hold,
+    zero_of_current,
+)
+from drivegate_models.pm_ac.plant.integrals import add_segment
+from drivegate_models.pm_ac.plant.modulator import Gates, make_gates, schedule_gates
+from drivegate_models.pm_ac.plant.series import (
+    Series,
+    at_end,
+    free_series,
+    held_series,
+    longest_segment,
+    make_series,
+    shorten,
+)
+from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, make_legs, set_gate, settle
+
+EVENT_LIMIT: Final = 100_000
+"""Greatest number of segments in one advance."""
+
+# An event this early, over the segment's length, is looked for again in a segment that ends soon after it.
+_SHORT_SHARE = 1e-2
+_SOON_AFTER = 4.0
+_LEAST_SHARE = 1e-14
+# Terms of the turning series over the longest segment.
+_TURNING_TERMS = 14
+_NO_LEG = -1
+# Current of a held leg, over that of the rotor frame, that can be rounding.
+_NO_CURRENT = 1e-10
+
+
+class PmAcPhases(NamedTuple):
+    """State of machine, bridge and modulator; the arrays are updated in place."""
+
+    rotor_currents: NDArray[np.float64]
+    """Currents along and across the magnet's axis, shape (2,) (A)."""
+    currents: NDArray[np.float64]
+    """Phase currents at the end of the last advance, shape (3,) (A)."""
+    magnitudes: NDArray[np.float64]
+    """Integral of each phase's current magnitude over the last advance, shape (3,) (A s)."""
+    torque_bounds: NDArray[np.float64]
+    """Least and greatest torque of the last advance (N m), shape (2,); shape (0,) follows none."""
+    gates: Gates
+    """Modulators and their schedule."""
+    legs: Legs
+    """Signs and voltages of the legs; the signs are part of the state."""
+    series: Series
+    """Room for the series of a segment."""
+
+
+class _Connected(NamedTuple):
+    """Of the part of an advance in which current can flow: what the core loss follows from."""
+
+    along: float
+    """Change of the stator's flux linkage along the first phase's axis (V s)."""
+    across: float
+    """And across it (V s)."""
+    idle: float
+    """Time without any current (s)."""
+
+
+def make_phases(*, follows_torque: bool = False) -> PmAcPhases:
+    """Return a machine without current, behind modulators that have commanded the lower switches.
+
+    Parameters
+    ----------
+    follows_torque : bool
+        Whether the extremes of the torque are to be found.
+
+    Returns
+    -------
+    PmAcPhases
+        State and room.
+    """
+    return PmAcPhases(
+        np.zeros(2),
+        np.zeros(3),
+        np.zeros(3),
+        np.zeros(2 if follows_torque else 0),
+        make_gates(),
+        make_legs(),
+        make_series(),
+    )
+
+
+@inlined
+def stored_energy(drive: PmAcDrive, phases: PmAcPhases) -> float:
+    """Return the energy of the currents in the windings.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    phases : PmAcPhases
+        With the currents of the rotor frame.
+
+    Returns
+    -------
+    float
+        (J).
+    """
+    direct = phases.rotor_currents[0]
+    quadrature = phases.rotor_currents[1]
+    along = drive.direct_inductance * direct * direct
+    across = drive.quadrature_inductance * quadrature * quadrature
+    return float(0.75 * (along + across))
+
+
+@inlined
+def _stator_flux(circuit: Circuit, frame: RotorFrame) -> tuple[float, float]:
+    """Return the flux linkage along and across the first phase's axis (V s)."""
+    direct = circuit.direct * frame.direct + circuit.flux
+    quadrature = circuit.quadrature * frame.quadrature
+    return (
+        frame.cosine * direct - frame.sine * quadrature,
+        frame.sine * direct + frame.cosine * quadrature,
+    )
+
+
+@inlined
+def _begin_schedule(circuit: Circuit, legs: Legs, gates: Gates, frame: RotorFrame, duration: float) -> None:
+    """Set the first gates, and find the legs whose current keeps its sign for the whole advance."""
+    reach = circuit.steepest * duration
+    none = _NO_CURRENT * (abs(frame.direct) + abs(frame.quadrature))
+    for leg in range(3):
+        legs.positions[leg] = 0
+        set_gate(circuit, legs, leg, gates.gates[leg, 0])
+        current = phase_current(frame, leg)
+        if legs.signs[leg] == 0 and abs(current) > none:
+            # Someone has set other currents since the leg was held.
+            legs.signs[leg] = 1 if current > 0.0 else -1
+        legs.sure[leg] = 0
+        if abs(current) > reach:
+            legs.sure[leg] = 1 if current > 0.0 else -1
+
+
+@inlined
+def _changes_nothing(circuit: Circuit, legs: Legs, leg: int, gate: int) -> bool:
+    """Return whether a leg whose current keeps its sign stays on its rail when its gate changes so."""
+    if legs.sure[leg] == 0:
+        return False
+    low, high = leg_voltages(circuit, gate)
+    return bool((low if legs.sure[leg] > 0 else high) == legs.voltages[leg])
+
+
+@inlined
+def _next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
+    """Return when the voltage of a leg next changes by its gate (s)."""
+    limit = duration
+    for leg in range(3):
+        following = legs.positions[leg] + 1
+        while following < gates.counts[leg] and _changes_nothing(
+            circuit, legs, leg, gates.gates[leg, following]
+        ):
+            legs.positions[leg] = following
+            set_gate(circuit, legs, leg, gates.gates[leg, following])
+            following += 1
+        if following < gates.counts[leg]:
+            limit = min(limit, gates.times[leg, following])
+    return limit
+
+
+@inlined
+def _pass_edges(circuit: Circuit, legs: Legs, gates: Gates, time: float) -> None:
+    """Let all gates change that change up to a time (s)."""
+    for leg in range(3):
+        following = legs.positions[leg] + 1
+        while following < gates.counts[leg] and gates.times[leg, following] <= time:
+            legs.positions[leg] = following
+            set_gate(circuit, legs, leg, gates.gates[leg, following])
+            following += 1
+
+
+@inlined
+def _after_event(legs: Legs, event: Event, frame: RotorFrame) -> tuple[RotorFrame, int, int]:
+    """Mark what an event has settled; return the currents, the leg it has settled, and the sign it excludes."""
+    if event.kind == RELEASE:
+        legs.signs[event.leg] = event.sign
+        return frame, event.leg, 0
+    if event.kind == ZERO:
+        legs.signs[event.leg] = 0
+        return frame, _NO_LEG, event.sign
+    if event.kind in (LAST_ZERO, ONSET):
+        for leg in range(3):
+            legs.signs[leg] = 0
+        return RotorFrame(0.0, 0.0, frame.cosine, frame.sine), _NO_LEG, 0
+    return frame, _NO_LEG, 0
+
+
+@inlined
+def _first_event(
+    circuit: Circuit, phases: PmAcPhases, frame: RotorFrame, held: int, end_angle: float, length: float
+) -> tuple[Event, int, RotorFrame]:
+    """Write the series of a segment; return the first event in it, how many coefficients, and its end without one."""
+    legs = phases.legs
+    series = phases.series
+    cosine, sine = cosine_sine(end_angle)
+    if held == EMPTY:
+        event = begin_of_current(circuit, legs, series, frame, _TURNING_TERMS, length)
+        return event, 0, RotorFrame(0.0, 0.0, cosine, sine)
+    if held == FREE:
+        voltages = legs.voltages
+        direct, quadrature = rotor_voltages(frame, voltages[0], voltages[1], voltages[2])
+        count = free_series(circuit, series, frame, direct, quadrature, length)
+        after = at_end(series, count, cosine, sine)
+        return zero_of_current(circuit, legs, series, frame, after, count, length), count, after
+    count = held_series(circuit, series, frame, held, legs.voltages, length)
+    return end_of_hold(legs, series, held, count), count, at_end(series, count, cosine, sine)
+
+
+@unallocating
+def _segment(
+    drive: PmAcDrive,
+    circuit: Circuit,
+    phases: PmAcPhases,
+    frame: RotorFrame,
+    held: int,
+    angle: float,
+    time: float,
+    length: float,
+    totals: NDArray[np.float64],
+) -> tuple[Event, float, RotorFrame]:
+    """Advance to the first event within a length; return it, the time it takes and the currents then."""
+    begin_angle = angle + circuit.electrical * time
+    electrical = circuit.electrical
+    event, count, after = _first_event(
+        circuit, phases, frame, held, begin_angle + electrical * length, length
+    )
+    while _LEAST_SHARE < event.share < _SHORT_SHARE:
+        # So early that the scale of the whole segment says nothing of that of its currents.
+        length *= _SOON_AFTER * event.share
+        event, count, after = _first_event(
+            circuit, phases, frame, held, begin_angle + electrical * length, length
+        )
+    series = phases.series
+    if event.kind != NOTHING:
+        length *= event.share
+        cosine, sine = cosine_sine(begin_angle + electrical * length)
+        shorten(series, count, event.share)
+        after = RotorFrame(0.0, 0.0, cosine, sine) if held == EMPTY else at_end(series, count, cosine, sine)
+    if length > 0.0 and held != EMPTY:
+        add_segment(
+            drive,
+            circuit,
+            phases.legs,
+            series,
+            frame,
+            after,
+            held,
+            count,
+            length,
+            phases.magnitudes,
+            phases.torque_bounds,
+            totals,
+        )
+    return event, length, after
+
+
+@inlined
+def _add_core_loss(
+    drive: PmAcDrive, circuit: Circuit, connected: _Connected, duration: float, totals: NDArray[np.float64]
+) -> None:
+    """Add the core loss of the mean flux voltage; without any current the shaft supplies it."""
+    conductance = 1.5 * drive.core_loss_conductance
+    length = duration - connected.idle
+    if length > 0.0:
+        square = connected.along * connected.along + connected.across * connected.across
+        totals[ledger.CORE_SOURCE] += conductance * square / length
+    # Power over speed, without dividing by it.
+    totals[ledger.CORE_DRAG_IMPULSE] += (
+        conductance * circuit.flux * circuit.flux * circuit.electrical * drive.pole_pairs * connected.idle
+    )
+
+
+@inlined
+def _finish(phases: PmAcPhases, frame: RotorFrame) -> None:
+    """Write down the state at the end of an advance."""
+    phases.rotor_currents[0] = frame.direct
+    phases.rotor_currents[1] = frame.quadrature
+    for leg in range(3):
+        phases.currents[leg] = phase_current(frame, leg)
+
+
+@inlined
+def _begin_observation(phases: PmAcPhases) -> None:
+    """Forget what the last advance has left."""
+    for leg in range(3):
+        phases.magnitudes[leg] = 0.0
+    if phases.torque_bounds.size > 0:
+        phases.torque_bounds[0] = np.inf
+        phases.torque_bounds[1] = -np.inf
+
+
+@unallocating
+def advance_period(
+    drive: PmAcDrive,
+    phases: PmAcPhases,
+    angle: float,
+    speed: float,
+    link: float,
+    ratios: NDArray[np.float64],
+    legs_mode: NDArray[np.int64],
+    alignment: int,
+    duration: float,
+    totals: NDArray[np.float64],
+) -> int:
+    """Advance machine and bridge by one control period, solving every event in it.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive's constants.
+    phases : PmAcPhases
+        State, updated.
+    angle : float
+        Electrical angle of the magnet's axis at the start (rad).
+    speed : float
+        Shaft speed, of either sign (rad/s).
+    link : float
+        Voltage of the dc link, at least 0 (V).
+    ratios : ndarray, shape (3,)
+        Duty ratios that act in this period (1).
+    legs_mode : ndarray, shape (3,)
+        `modulator.OFF`, `PWM`, `HIGH` or `LOW` for each leg.
+    alignment : int
+        `drive.CENTRED`, `RISING` or `FALLING`.
+    duration : float
+        Length (s).
+    totals : ndarray, shape (ledger.ENTRIES,)
+        Exact integrals, added to; both halves of the link give the same.
+
+    Returns
+    -------
+    int
+        `COMPLETED` or `TOO_MANY_EVENTS`.
+    """
+    legs = phases.legs
+    gates = phases.gates
+    cosine, sine = cosine_sine(angle)
+    frame = RotorFrame(phases.rotor_currents[0], phases.rotor_currents[1], cosine, sine)
+    circuit = circuit_of(drive, speed, link, frame.direct, frame.quadrature, duration)
+    _begin_observation(phases)
+    schedule_gates(drive.modulator, gates, ratios, legs_mode, alignment, duration)
+    _begin_schedule(circuit, legs, gates, frame, duration)
+    along, across = _stator_flux(circuit, frame)
+    idle = 0.0
+    status = COMPLETED
+    time = 0.0
+    segments = 0
+    settled = settle(circuit, legs, frame, _NO_LEG, 0)
+    while time < duration:
+        segments += 1
+        if segments > EVENT_LIMIT:
+            status = TOO_MANY_EVENTS
+            break
+        held = settled.held
+        frame = settled.frame
+        limit = _next_edge(circuit, legs, gates, duration)
+        length = limit - time
+        longest = longest_segment(circuit, held, duration)
+        is_whole = length <= longest
+        length = min(length, longest)
+        event, passed, after = _segment(drive, circuit, phases, frame, held, angle, time, length, totals)
+        is_whole = is_whole and passed == length
+        length = passed
+        if held == EMPTY:
+            before = _stator_flux(circuit, frame)
+            behind = _stator_flux(circuit, after)
+            along += behind[0] - before[0]
+            across += behind[1] - before[1]
+            idle += length
+            if phases.torque_bounds.size > 0:
+                phases.torque_bounds[0] = min(phases.torque_bounds[0], 0.0)
+                phases.torque_bounds[1] = max(phases.torque_bounds[1], 0.0)
+        if event.kind == NOTHING and is_whole:
+            # The limit itself, not the sum, so that every edge is passed exactly once.
+            time = limit
+            _pass_edges(circuit, legs, gates, time)
+        else:
+            time += length
+        after, fixed, excluded = _after_event(legs, event, after)
+        settled = settle(circuit, legs, after, fixed, excluded)
+    end = _stator_flux(circuit, settled.frame)
+    _add_core_loss(drive, circuit, _Connected(end[0] - along, end[1] - across, idle), duration, totals)
+    _finish(phases, settled.frame)
+    totals[ledger.EVENTS] += segments
+    return status

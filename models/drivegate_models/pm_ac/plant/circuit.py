@@ -1,0 +1,246 @@
+"""What is constant over one advance, and how currents and voltages of legs and rotor frame belong together."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.pm_ac.plant.modulator import LOWER, UPPER
+
+HALF_ROOT: Final = 0.8660254037844386
+"""Sine of a third of a turn."""
+UNBOUNDED: Final = 1e200
+"""Instead of a bound of slopes; finite, so that none is left of it in no time."""
+_COSINES: Final = (1.0, -0.5, -0.5)
+_SINES: Final = (0.0, HALF_ROOT, -HALF_ROOT)
+_STANDSTILL = 1e-100
+_TIE = 1e-13
+_ROUNDING = 1e-16
+
+
+class Circuit(NamedTuple):
+    """Constants of machine and bridge over one advance."""
+
+    resistance: float
+    """(ohm)."""
+    direct: float
+    """Inductance along the magnet's axis (H)."""
+    quadrature: float
+    """Inductance across it (H)."""
+    flux: float
+    """Flux linkage by the magnet (V s)."""
+    electrical: float
+    """Electrical speed (rad/s)."""
+    link: float
+    """Voltage of the link (V)."""
+    switch_drop: float
+    """(V)."""
+    diode_drop: float
+    """(V)."""
+    rate: float
+    """Fastest rate of the equations, |w| + R/min L (1/s)."""
+    steepest: float
+    """Bound of the slope of any phase current in the advance (A/s)."""
+    bend: float
+    """Bound of the slope's own slope while no leg is held (A/s2)."""
+    tie: float
+    """Difference of voltages that is none but for rounding (V)."""
+    nothing: float
+    """Current that builds up within the rounding of time (A)."""
+
+
+class RotorFrame(NamedTuple):
+    """Currents of the rotor frame and where that is."""
+
+    direct: float
+    """Current along the magnet's axis (A)."""
+    quadrature: float
+    """Current across it (A)."""
+    cosine: float
+    """Cosine of the electrical angle (1)."""
+    sine: float
+    """Its sine (1)."""
+
+
+@inlined
+def circuit_of(
+    drive: PmAcDrive, speed: float, link: float, direct: float, quadrature: float, duration: float
+) -> Circuit:
+    """Return the constants of an advance.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    speed : float
+        Shaft speed (rad/s).
+    link : float
+        Voltage of the link (V).
+    direct, quadrature : float
+        Currents at the start (A).
+    duration : float
+        Length (s).
+
+    Returns
+    -------
+    Circuit
+        Its bound of slopes is `UNBOUNDED` where the currents may change altogether in the advance.
+    """
+    electrical = drive.pole_pairs * speed
+    if abs(electrical) < _STANDSTILL:
+        electrical = 0.0
+    least = min(drive.direct_inductance, drive.quadrature_inductance)
+    greatest = max(drive.direct_inductance, drive.quadrature_inductance)
+    turning = abs(electrical)
+    growth = (drive.resistance + turning * greatest) / least
+    # The legs lie between -V_D and V + V_D, or, on a link below the switches' drop, between V - V_S and V_S.
+    span = link + 2.0 * max(drive.diode_drop, drive.switch_drop)
+    voltage = (2.0 / 3.0) * span + turning * abs(drive.magnet_flux)
+    steepest = UNBOUNDED
+    if growth * duration <= 0.5:
+        # e**x is at most 1 + 2 x up to a half.
+        size = (sqrt(direct * direct + quadrature * quadrature) + voltage / least * duration) * (
+            1.0 + 2.0 * growth * duration
+        )
+        steepest = voltage / least + (growth + turning) * size
+    return Circuit(
+        drive.resistance,
+        drive.direct_inductance,
+        drive.quadrature_inductance,
+        drive.magnet_flux,
+        electrical,
+        link,
+        drive.switch_drop,
+        drive.diode_drop,
+        turning + drive.resistance / least,
+        steepest,
+        (growth + 4.0 * turning) * steepest,
+        _TIE * voltage,
+        _ROUNDING * voltage / least * duration,
+    )
+
+
+@inlined
+def sagitta(circuit: Circuit, length: float) -> float:
+    """Return how far a phase current can be from the chord of a segment in which no leg is held (A)."""
+    return 0.125 * circuit.bend * length * length
+
+
+@inlined
+def leg_voltages(circuit: Circuit, gate: int) -> tuple[float, float]:
+    """Return the voltages of a leg, against the lower rail, for a positive and for a negative current (V)."""
+    if gate == UPPER:
+        return circuit.link - circuit.switch_drop, circuit.link + circuit.diode_drop
+    if gate == LOWER:
+        return -circuit.diode_drop, circuit.switch_drop
+    return -circuit.diode_drop, circuit.link + circuit.diode_drop
+
+
+@inlined
+def is_on_upper_rail(gate: int, sign: int) -> bool:
+    """Return whether a leg that carries a current of a sign takes it from the upper rail."""
+    return gate == UPPER or (gate != LOWER and sign < 0)
+
+
+@inlined
+def drop_of(circuit: Circuit, gate: int, sign: int) -> float:
+    """Return the forward drop of what carries the current of a leg (V); 0 for a leg without a current."""
+    if sign == 0:
+        return 0.0
+    return circuit.switch_drop if gate == sign else circuit.diode_drop
+
+
+@inlined
+def axis_of(frame: RotorFrame, leg: int) -> tuple[float, float]:
+    """Return cosine and sine of the angle from the axis of a phase to the magnet's."""
+    cosine = _COSINES[leg]
+    sine = _SINES[leg]
+    return frame.cosine * cosine + frame.sine * sine, frame.sine * cosine - frame.cosine * sine
+
+
+@inlined
+def phase_current(frame: RotorFrame, leg: int) -> float:
+    """Return the current of a phase (A)."""
+    cosine, sine = axis_of(frame, leg)
+    return cosine * frame.direct - sine * frame.quadrature
+
+
+@inlined
+def rotor_voltages(frame: RotorFrame, first: float, second: float, third: float) -> tuple[float, float]:
+    """Return the voltages of the rotor frame that those of three legs make (V)."""
+    along = (2.0 * first - second - third) / 3.0
+    across = (second - third) / (2.0 * HALF_ROOT)
+    return (
+        frame.cosine * along + frame.sine * across,
+        frame.cosine * across - frame.sine * along,
+    )
+
+
+@inlined
+def current_slopes(
+    circuit: Circuit, frame: RotorFrame, direct: float, quadrature: float
+) -> tuple[float, float]:
+    """Return the slopes of the currents of the rotor frame under voltages of it (A/s)."""
+    return (
+        (
+            direct
+            - circuit.resistance * frame.direct
+            + circuit.electrical * circuit.quadrature * frame.quadrature
+        )
+        / circuit.direct,
+        (
+            quadrature
+            - circuit.resistance * frame.quadrature
+            - circuit.electrical * (circuit.direct * frame.direct + circuit.flux)
+        )
+        / circuit.quadrature,
+    )
+
+
+@inlined
+def phase_slope(
+    circuit: Circuit, frame: RotorFrame, leg: int, first: float, second: float, third: float
+) -> float:
+    """Return the slope of a phase current under voltages of three legs (A/s)."""
+    voltages = rotor_voltages(frame, first, second, third)
+    direct, quadrature = current_slopes(circuit, frame, voltages[0], voltages[1])
+    cosine, sine = axis_of(frame, leg)
+    return cosine * (direct - circuit.electrical * frame.quadrature) - sine * (
+        quadrature + circuit.electrical * frame.direct
+    )
+
+
+@inlined
+def holding_voltage(
+    circuit: Circuit, frame: RotorFrame, leg: int, voltages: NDArray[np.float64]
+) -> tuple[float, float]:
+    """Return the voltage at which the current of a leg has no slope (V), and slope over voltage there (A/(V s)).
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Constants of the advance.
+    frame : RotorFrame
+        Currents and angle.
+    leg : int
+        The leg.
+    voltages : ndarray, shape (3,)
+        Of the other legs (V).
+
+    Returns
+    -------
+    voltage, gain : float
+        The gain is above 0.
+    """
+    first = 0.0 if leg == 0 else voltages[0]
+    second = 0.0 if leg == 1 else voltages[1]
+    third = 0.0 if leg == 2 else voltages[2]
+    slope = phase_slope(circuit, frame, leg, first, second, third)
+    cosine, sine = axis_of(frame, leg)
+    gain = (2.0 / 3.0) * (cosine * cosine / circuit.direct + sine * sine / circuit.quadrature)
+    return -slope / gain, gain

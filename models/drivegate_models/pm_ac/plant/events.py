@@ -1,0 +1,190 @@
+"""What ends a segment: a current comes to zero, the voltage of a held leg to that of a diode or a switch."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.pm_ac.plant.circuit import Circuit, RotorFrame, axis_of, phase_current, sagitta
+from drivegate_models.pm_ac.plant.polynomial import NOWHERE, first_fall, size_of
+from drivegate_models.pm_ac.plant.series import Series, phase_series, turning_series
+from drivegate_models.pm_ac.plant.settling import Legs, is_relay
+
+NOTHING: Final = 0
+"""The segment lasts as long as it may."""
+ZERO: Final = 1
+"""The current of a leg comes to zero."""
+RELEASE: Final = 2
+"""A held leg begins to conduct."""
+LAST_ZERO: Final = 3
+"""The only current comes to zero."""
+ONSET: Final = 4
+"""The first current begins."""
+
+_SLACK = 1e-13
+"""How far beyond its level counts as an event, over the scale in the segment; it keeps ties from repeating."""
+_BEYOND = 2.0
+
+
+class Event(NamedTuple):
+    """The first event of a segment."""
+
+    kind: int
+    """`NOTHING`, `ZERO`, `RELEASE`, `LAST_ZERO` or `ONSET`."""
+    share: float
+    """When, over the segment's length (1)."""
+    leg: int
+    """Whose current it is, or -1."""
+    sign: int
+    """Sign that the current had, or has from now on."""
+
+
+@unallocating
+def zero_of_current(
+    circuit: Circuit,
+    legs: Legs,
+    series: Series,
+    frame: RotorFrame,
+    after: RotorFrame,
+    count: int,
+    length: float,
+) -> Event:
+    """Return the first current that comes to zero while no leg is held.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Constants of the advance.
+    legs : Legs
+        Signs and voltages.
+    series : Series
+        Of the currents in the segment.
+    frame, after : RotorFrame
+        At its start and end.
+    count : int
+        Number of coefficients.
+    length : float
+        Its length (s).
+
+    Returns
+    -------
+    Event
+        `ZERO` or `NOTHING`.
+    """
+    first = Event(NOTHING, 1.0, -1, 0)
+    size = -1.0
+    deviation = sagitta(circuit, length)
+    for leg in range(3):
+        if legs.sure[leg] != 0 or not is_relay(legs, leg):
+            continue
+        sign = legs.signs[leg]
+        if min(sign * phase_current(frame, leg), sign * phase_current(after, leg)) > deviation:
+            continue
+        if size < 0.0:
+            size = size_of(series.direct, count) + size_of(series.quadrature, count)
+        phase_series(circuit, series, frame, leg, count, length)
+        share = first_fall(series.other, count, float(sign), 0.0, _SLACK * size)
+        if share < first.share or (share <= 1.0 and first.leg < 0):
+            first = Event(ZERO, share, leg, sign)
+    return first
+
+
+@unallocating
+def end_of_hold(legs: Legs, series: Series, held: int, count: int) -> Event:
+    """Return what first ends a segment in which a leg is held.
+
+    Parameters
+    ----------
+    legs : Legs
+        Signs and voltages.
+    series : Series
+        Of the currents and of the held leg's voltage in the segment.
+    held : int
+        The leg.
+    count : int
+        Number of coefficients.
+
+    Returns
+    -------
+    Event
+        `RELEASE`, `LAST_ZERO` or `NOTHING`.
+    """
+    first = Event(NOTHING, 1.0, -1, 0)
+    ahead = (held + 1) % 3
+    behind = (held + 2) % 3
+    sign = 0
+    if is_relay(legs, ahead):
+        sign = legs.signs[ahead]
+    elif is_relay(legs, behind):
+        sign = -legs.signs[behind]
+    if sign != 0:
+        slack = _SLACK * size_of(series.current, count)
+        share = first_fall(series.current, count, float(sign), 0.0, slack) if slack > 0.0 else NOWHERE
+        if share <= 1.0:
+            first = Event(LAST_ZERO, share, -1, 0)
+    level = series.holding[0]
+    scale = _SLACK * (size_of(series.holding, count) + abs(legs.low[held]) + abs(legs.high[held]))
+    for side in (-1, 1):
+        series.holding[0] = level - (legs.high[held] if side < 0 else legs.low[held])
+        share = first_fall(series.holding, count, float(side), 0.0, scale)
+        if share < first.share or (share <= 1.0 and first.kind == NOTHING):
+            # Above `high` the current becomes negative.
+            first = Event(RELEASE, share, held, side)
+    series.holding[0] = level
+    return first
+
+
+@inlined
+def _emf_series(circuit: Circuit, series: Series, first: int, second: int, count: int) -> None:
+    """Write the difference of the back-EMFs of two phases, whose sines stand in the turning series of the rotor."""
+    cosine_a, sine_a = axis_of(RotorFrame(0.0, 0.0, 1.0, 0.0), first)
+    cosine_b, sine_b = axis_of(RotorFrame(0.0, 0.0, 1.0, 0.0), second)
+    peak = circuit.electrical * circuit.flux
+    for k in range(count):
+        # The sine of theta plus each phase's own angle.
+        series.other[k] = -peak * (
+            series.sine[k] * (cosine_a - cosine_b) + series.cosine[k] * (sine_a - sine_b)
+        )
+
+
+@unallocating
+def begin_of_current(
+    circuit: Circuit, legs: Legs, series: Series, frame: RotorFrame, count: int, length: float
+) -> Event:
+    """Return when the first current begins where none flows.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Constants of the advance.
+    legs : Legs
+        Voltages.
+    series : Series
+        Room.
+    frame : RotorFrame
+        At the segment's start.
+    count : int
+        Number of coefficients.
+    length : float
+        Its length (s).
+
+    Returns
+    -------
+    Event
+        `ONSET` or `NOTHING`.
+    """
+    first = Event(NOTHING, 1.0, -1, 0)
+    turning_series(series.cosine, series.sine, count, frame.cosine, frame.sine, circuit.electrical * length)
+    for j in range(3):
+        for k in range(3):
+            if j == k:
+                continue
+            # Current would begin to flow out of leg j and back into leg k.
+            _emf_series(circuit, series, j, k, count)
+            series.other[0] += legs.high[k] - legs.low[j]
+            # Beyond what counts as a tie, so that what follows does begin.
+            slack = _BEYOND * circuit.tie
+            share = first_fall(series.other, count, 1.0, 0.0, slack) if slack > 0.0 else NOWHERE
+            if share < first.share or (share <= 1.0 and first.kind == NOTHING):
+                first = Event(ONSET, share, -1, 0)
+    return first

@@ -1,0 +1,297 @@
+"""What one segment adds to the ledger: linear integrals of the series, products by Gauss-Legendre on them."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.machine import ledger
+from drivegate_models.machine.sine import small_cosine_sine
+from drivegate_models.pm_ac.plant.circuit import (
+    HALF_ROOT,
+    Circuit,
+    RotorFrame,
+    drop_of,
+    is_on_upper_rail,
+    phase_current,
+    sagitta,
+)
+from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.pm_ac.plant.polynomial import (
+    extremes,
+    first_fall,
+    integral_to,
+    size_of,
+    value_at,
+)
+from drivegate_models.pm_ac.plant.series import TERMS, Series, phase_series
+from drivegate_models.pm_ac.plant.settling import FREE, Legs
+
+# Places and weights on [0, 1] of the rules of 3, 4 and 5 points, one after the other.
+_PLACES: Final = (
+    0.1127016653792583,
+    0.5,
+    0.8872983346207417,
+    0.06943184420297371,
+    0.33000947820757187,
+    0.6699905217924281,
+    0.9305681557970262,
+    0.04691007703066802,
+    0.23076534494715845,
+    0.5,
+    0.7692346550528415,
+    0.9530899229693319,
+)
+_WEIGHTS: Final = (
+    0.27777777777777785,
+    0.4444444444444444,
+    0.27777777777777785,
+    0.17392742256872679,
+    0.3260725774312732,
+    0.3260725774312732,
+    0.17392742256872679,
+    0.11846344252809464,
+    0.23931433524968315,
+    0.28444444444444433,
+    0.23931433524968315,
+    0.11846344252809464,
+)
+# Reach of a segment up to which three and four points leave less than 1e-13 of a product. Where a current begins at
+# zero, the coefficient of order k of its square is that of order 2 times the (k - 2)th power of the reach.
+_THREE_POINTS = 7e-3
+_FOUR_POINTS = 9e-2
+_CROSSING = 1e-14
+_CROSSINGS = 16
+
+
+class Sums(NamedTuple):
+    """Integrals over a segment."""
+
+    square: float
+    """Of the squares of the currents of the rotor frame (A2 s)."""
+    impulse: float
+    """Of the torque (N m s)."""
+    along: float
+    """Of the current along the axis of the first phase (A s)."""
+    across: float
+    """Of that across it (A s)."""
+
+
+@inlined
+def _sums(
+    circuit: Circuit,
+    drive: PmAcDrive,
+    series: Series,
+    frame: RotorFrame,
+    count: int,
+    length: float,
+    is_free: bool,
+) -> Sums:
+    """Integrate squares, products and turning currents over a segment."""
+    reach = circuit.rate * length
+    points = 5
+    offset = 7
+    if is_free and reach <= _THREE_POINTS:
+        points = 3
+        offset = 0
+    elif is_free and reach <= _FOUR_POINTS:
+        points = 4
+        offset = 3
+    square = 0.0
+    product = 0.0
+    quadrature_sum = 0.0
+    along = 0.0
+    across = 0.0
+    for n in range(offset, offset + points):
+        direct = value_at(series.direct, count, _PLACES[n])
+        quadrature = value_at(series.quadrature, count, _PLACES[n])
+        cosine, sine = small_cosine_sine(circuit.electrical * length * _PLACES[n])
+        weight = _WEIGHTS[n]
+        square += weight * (direct * direct + quadrature * quadrature)
+        product += weight * (direct * quadrature)
+        quadrature_sum += weight * quadrature
+        along += weight * (cosine * direct - sine * quadrature)
+        across += weight * (sine * direct + cosine * quadrature)
+    saliency = drive.direct_inductance - drive.quadrature_inductance
+    per_ampere = 1.5 * drive.pole_pairs * length
+    return Sums(
+        square * length,
+        per_ampere * (circuit.flux * quadrature_sum + saliency * product),
+        length * (frame.cosine * along - frame.sine * across),
+        length * (frame.sine * along + frame.cosine * across),
+    )
+
+
+@inlined
+def _charge(sums: Sums, leg: int) -> float:
+    """Return the charge that a leg gives in a segment (A s)."""
+    if leg == 0:
+        return sums.along
+    return -0.5 * sums.along + (HALF_ROOT if leg == 1 else -HALF_ROOT) * sums.across
+
+
+@unallocating
+def _magnitude(series: Series, count: int) -> float:
+    """Return the integral of the magnitude of the phase current in `other`, over the segment's length."""
+    slack = _CROSSING * size_of(series.other, count)
+    if slack == 0.0:
+        return 0.0
+    total = 0.0
+    at = 0.0
+    before = 0.0
+    sign = 1.0 if value_at(series.other, count, 1e-3) >= 0.0 else -1.0
+    for _ in range(_CROSSINGS):
+        following = first_fall(series.other, count, sign, at, slack)
+        end = following if following <= 1.0 else 1.0
+        now = integral_to(series.other, count, end)
+        total += abs(now - before)
+        before = now
+        at = end
+        sign = -sign
+        if following > 1.0:
+            return total
+    return total + abs(integral_to(series.other, count, 1.0) - before)
+
+
+@inlined
+def _add_leg(
+    circuit: Circuit,
+    series: Series,
+    frame: RotorFrame,
+    after: RotorFrame,
+    leg: int,
+    charge: float,
+    count: int,
+    length: float,
+    is_smooth: bool,
+    peak: float,
+) -> tuple[float, float]:
+    """Return the integral of a current's magnitude over a segment (A s), and the greatest one so far (A)."""
+    begin = phase_current(frame, leg)
+    end = phase_current(after, leg)
+    peak = max(peak, abs(begin), abs(end))
+    deviation = sagitta(circuit, length)
+    least = min(begin, end) if begin > 0.0 else -max(begin, end)
+    keeps_sign = is_smooth and least > deviation
+    is_steady = abs(end - begin) > 8.0 * deviation
+    stays_below = is_smooth and (is_steady or max(abs(begin), abs(end)) + deviation <= peak)
+    if keeps_sign and stays_below:
+        return abs(charge), peak
+    phase_series(circuit, series, frame, leg, count, length)
+    if not stays_below:
+        lowest, highest = extremes(series.other, count, series.slopes)
+        peak = max(peak, -lowest, highest)
+    if keeps_sign:
+        return abs(charge), peak
+    return length * _magnitude(series, count), peak
+
+
+@inlined
+def _widen_torque(drive: PmAcDrive, series: Series, count: int, bounds: NDArray[np.float64]) -> None:
+    """Widen a range by the torque over a segment."""
+    saliency = drive.direct_inductance - drive.quadrature_inductance
+    per_ampere = 1.5 * drive.pole_pairs
+    terms = min(2 * count - 1, TERMS)
+    for k in range(terms):
+        product = 0.0
+        for n in range(max(0, k - count + 1), min(k, count - 1) + 1):
+            product += series.direct[n] * series.quadrature[k - n]
+        linear = drive.magnet_flux * series.quadrature[k] if k < count else 0.0
+        series.other[k] = per_ampere * (linear + saliency * product)
+    lowest, highest = extremes(series.other, terms, series.slopes)
+    bounds[0] = min(bounds[0], lowest)
+    bounds[1] = max(bounds[1], highest)
+
+
+@inlined
+def _supply_leg(legs: Legs, held: int) -> int:
+    """Return the leg whose current is that of the link, -1 where the link gives none."""
+    upper = 0
+    only_upper = -1
+    only_lower = -1
+    for leg in range(3):
+        if leg == held:
+            continue
+        if is_on_upper_rail(legs.gates[leg], legs.signs[leg]):
+            upper += 1
+            only_upper = leg
+        else:
+            only_lower = leg
+    if upper == 1:
+        return only_upper
+    # Two on the upper rail give together what the third one returns.
+    return only_lower if upper == 2 and only_lower >= 0 else -1
+
+
+@unallocating
+def add_segment(
+    drive: PmAcDrive,
+    circuit: Circuit,
+    legs: Legs,
+    series: Series,
+    frame: RotorFrame,
+    after: RotorFrame,
+    held: int,
+    count: int,
+    length: float,
+    magnitudes: NDArray[np.float64],
+    bounds: NDArray[np.float64],
+    totals: NDArray[np.float64],
+) -> None:
+    """Add a segment with currents to the ledger.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    circuit : Circuit
+        Constants of the advance.
+    legs : Legs
+        What they did.
+    series : Series
+        Of the currents.
+    frame, after : RotorFrame
+        At the segment's start and end.
+    held : int
+        `settling.FREE` or the leg that was held.
+    count : int
+        Number of coefficients.
+    length : float
+        (s).
+    magnitudes : ndarray, shape (3,)
+        Integral of each phase's current magnitude (A s), added to.
+    bounds : ndarray, shape (2,) or (0,)
+        Least and greatest torque (N m), widened; none is followed where there is no room.
+    totals : ndarray, shape (ledger.ENTRIES,)
+        Exact integrals, added to.
+    """
+    sums = _sums(circuit, drive, series, frame, count, length, held == FREE)
+    totals[ledger.SQUARE] += 1.5 * sums.square
+    totals[ledger.IMPULSE] += sums.impulse
+    supply = _supply_leg(legs, held)
+    peak = totals[ledger.PEAK]
+    for leg in range(3):
+        if leg == held:
+            continue
+        charge = _charge(sums, leg)
+        magnitude, peak = _add_leg(
+            circuit, series, frame, after, leg, charge, count, length, held == FREE, peak
+        )
+        magnitudes[leg] += magnitude
+        totals[ledger.MAGNITUDE] += magnitude
+        totals[ledger.DEVICE] += drop_of(circuit, legs.gates[leg], legs.signs[leg]) * magnitude
+        if leg == supply:
+            exchanged = circuit.link * magnitude
+            taken = circuit.link * charge
+            if not is_on_upper_rail(legs.gates[leg], legs.signs[leg]):
+                taken = -taken
+            totals[ledger.UPPER] += 0.5 * taken
+            totals[ledger.LOWER] += 0.5 * taken
+            totals[ledger.EXCHANGED] += exchanged
+            totals[ledger.RETURNED] += 0.5 * (exchanged - taken)
+    totals[ledger.PEAK] = peak
+    if bounds.size > 0:
+        _widen_torque(drive, series, count, bounds)

@@ -1,0 +1,291 @@
+"""The currents between two events as power series over the share of the segment's time, 0 to 1.
+
+Speed and leg voltages are constant in a segment, so the equations of the rotor frame are linear with a voltage that
+turns backward; with all terms multiplied by powers of the length, each coefficient follows from the one before. No
+resistance, speed or difference is divided by, so none is a special case.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.pm_ac.plant.circuit import HALF_ROOT, Circuit, RotorFrame, axis_of
+from drivegate_models.pm_ac.plant.polynomial import value_at
+
+TERMS: Final = 40
+"""Room for coefficients."""
+LONGEST: Final = 0.25
+"""Longest segment over the time of the fastest rate (1)."""
+LONGEST_HELD: Final = 0.125
+"""The same while a leg is held in a salient machine, times the root of lesser over greater inductance (1).
+
+The inductance past the held leg then varies with the angle, and is zero at a complex one, artanh of that root away.
+"""
+
+_CUT = 1e-17
+_LEAST_TERMS = 4
+
+
+class Series(NamedTuple):
+    """Coefficients in one segment, each of shape (TERMS,); written anew for every segment."""
+
+    direct: NDArray[np.float64]
+    """Current along the magnet's axis (A)."""
+    quadrature: NDArray[np.float64]
+    """Current across it (A)."""
+    other: NDArray[np.float64]
+    """What an event is looked for in: a phase current (A) or a voltage (V)."""
+    cosine: NDArray[np.float64]
+    """Cosine of an angle (1)."""
+    sine: NDArray[np.float64]
+    """Its sine (1)."""
+    flux: NDArray[np.float64]
+    """Flux linkage of the currents (V s)."""
+    current: NDArray[np.float64]
+    """Current that flows past a held leg (A)."""
+    holding: NDArray[np.float64]
+    """Voltage of a held leg (V)."""
+    slopes: NDArray[np.float64]
+    """Room for a derivative."""
+
+
+def make_series() -> Series:
+    """Return room for the series of a segment."""
+    return Series(*(np.zeros(TERMS) for _ in Series._fields))
+
+
+@inlined
+def longest_segment(circuit: Circuit, held: int, duration: float) -> float:
+    """Return how long a segment may last for its series to converge fast (s)."""
+    share = LONGEST
+    if 0 <= held <= 2 and circuit.direct != circuit.quadrature:
+        ratio = circuit.direct / circuit.quadrature
+        share = LONGEST_HELD * sqrt(min(ratio, 1.0 / ratio))
+    return share / circuit.rate if circuit.rate * duration > share else duration
+
+
+@inlined
+def _term_count(reach: float) -> int:
+    """Return how many terms a series of entire functions needs."""
+    count = 1
+    term = 1.0
+    while (term > _CUT or count < _LEAST_TERMS) and count < TERMS:
+        term *= reach / count
+        count += 1
+    return count
+
+
+@inlined
+def free_series(
+    circuit: Circuit, series: Series, frame: RotorFrame, direct: float, quadrature: float, length: float
+) -> int:
+    """Write the series of the currents while no leg is held.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Constants of the advance.
+    series : Series
+        Receives `direct` and `quadrature`.
+    frame : RotorFrame
+        Currents at the start.
+    direct, quadrature : float
+        Voltages of the rotor frame at the start (V).
+    length : float
+        (s).
+
+    Returns
+    -------
+    int
+        Number of coefficients.
+    """
+    electrical = circuit.electrical
+    per_direct = 1.0 / circuit.direct
+    per_quadrature = 1.0 / circuit.quadrature
+    # The voltage that the magnet induces does not turn with the others.
+    opposed = electrical * circuit.flux
+    flux_d = circuit.direct * frame.direct
+    flux_q = circuit.quadrature * frame.quadrature
+    current_d = frame.direct
+    current_q = frame.quadrature
+    series.direct[0] = current_d
+    series.quadrature[0] = current_q
+    count = _term_count(circuit.rate * length)
+    for k in range(1, count):
+        step = length / k
+        rate_d = direct - circuit.resistance * current_d + electrical * flux_q
+        rate_q = quadrature - circuit.resistance * current_q - electrical * flux_d - opposed
+        opposed = 0.0
+        flux_d = step * rate_d
+        flux_q = step * rate_q
+        direct, quadrature = step * electrical * quadrature, -step * electrical * direct
+        current_d = flux_d * per_direct
+        current_q = flux_q * per_quadrature
+        series.direct[k] = current_d
+        series.quadrature[k] = current_q
+    return count
+
+
+@inlined
+def turning_series(
+    cosines: NDArray[np.float64],
+    sines: NDArray[np.float64],
+    count: int,
+    cosine: float,
+    sine: float,
+    angle: float,
+) -> None:
+    """Write the series of cosine and sine of an angle that grows evenly by so much (rad) over the segment."""
+    cosines[0] = cosine
+    sines[0] = sine
+    for k in range(1, count):
+        step = angle / k
+        cosines[k] = -step * sines[k - 1]
+        sines[k] = step * cosines[k - 1]
+
+
+@inlined
+def _product_term(first: NDArray[np.float64], second: NDArray[np.float64], order: int) -> float:
+    """Return a coefficient of the product of two series."""
+    total = 0.0
+    for k in range(order + 1):
+        total += first[k] * second[order - k]
+    return total
+
+
+@unallocating
+def phase_series(
+    circuit: Circuit, series: Series, frame: RotorFrame, leg: int, count: int, length: float
+) -> None:
+    """Write the series of a phase current to `other`.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Constants of the advance.
+    series : Series
+        With `direct` and `quadrature`.
+    frame : RotorFrame
+        At the start.
+    leg : int
+        The phase.
+    count : int
+        Number of coefficients.
+    length : float
+        (s).
+    """
+    cosine, sine = axis_of(frame, leg)
+    turning_series(series.cosine, series.sine, count, cosine, sine, circuit.electrical * length)
+    for k in range(count):
+        series.other[k] = _product_term(series.cosine, series.direct, k) - _product_term(
+            series.sine, series.quadrature, k
+        )
+
+
+@unallocating
+def held_series(
+    circuit: Circuit,
+    series: Series,
+    frame: RotorFrame,
+    held: int,
+    voltages: NDArray[np.float64],
+    length: float,
+) -> int:
+    """Write the series of the currents, and of the leg's own voltage, while a leg is held at zero current.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Constants of the advance.
+    series : Series
+        Receives `direct`, `quadrature`, `current` and `holding`.
+    frame : RotorFrame
+        Currents at the start, without one of the held leg.
+    held : int
+        The leg.
+    voltages : ndarray, shape (3,)
+        Of the legs (V); that of the held one has no meaning.
+    length : float
+        (s).
+
+    Returns
+    -------
+    int
+        Number of coefficients.
+
+    Notes
+    -----
+    With T the angle from the phase's axis to the magnet's, the current m that flows from the next leg to the one
+    behind it links ``m (L_S + L_D cos 2T)`` along its own direction, and ``psi cos T - m L_D sin 2T`` along the
+    phase's axis, where 2 L_S = L_q + L_d and 2 L_D = L_q - L_d.
+    """
+    ahead = voltages[(held + 1) % 3]
+    behind = voltages[(held + 2) % 3]
+    driving = (ahead - behind) / (2.0 * HALF_ROOT)
+    cosine, sine = axis_of(frame, held)
+    angle = circuit.electrical * length
+    mean = 0.5 * (circuit.quadrature + circuit.direct)
+    swing = 0.5 * (circuit.quadrature - circuit.direct)
+    double_cosine = cosine * cosine - sine * sine
+    count = TERMS if swing != 0.0 else _term_count(circuit.rate * length)
+    cosines = series.cosine
+    sines = series.sine
+    # The room of the currents serves for the double angle until they are known.
+    doubles = series.direct
+    double_sines = series.quadrature
+    turning_series(cosines, sines, count, cosine, sine, angle)
+    turning_series(doubles, double_sines, count, double_cosine, 2.0 * sine * cosine, 2.0 * angle)
+    currents = series.current
+    flux = series.flux
+    inductance = mean + swing * double_cosine
+    currents[0] = sine * frame.direct + cosine * frame.quadrature
+    flux[0] = inductance * currents[0]
+    emf = circuit.electrical * circuit.flux
+    rest = 1.0
+    size = 0.0
+    used = count
+    for k in range(1, count):
+        forced = driving if k == 1 else 0.0
+        flux[k] = length / k * (forced - circuit.resistance * currents[k - 1] - emf * cosines[k - 1])
+        varied = 0.0
+        for n in range(1, k + 1):
+            varied += doubles[n] * currents[k - n]
+        currents[k] = (flux[k] - swing * varied) / inductance
+        size += abs(currents[k])
+        rest = max(abs(currents[k]), abs(currents[k - 1]))
+        if k >= _LEAST_TERMS and rest <= _CUT * size and abs(cosines[k]) + abs(sines[k]) <= _CUT:
+            used = k + 1
+            break
+    for k in range(used):
+        series.holding[k] = circuit.flux * cosines[k] - swing * _product_term(currents, double_sines, k)
+    for k in range(used - 1):
+        series.holding[k] = 1.5 * (k + 1) * series.holding[k + 1] / length
+    series.holding[used - 1] = 0.0
+    series.holding[0] += 0.5 * (ahead + behind)
+    for k in range(used):
+        series.direct[k] = _product_term(currents, sines, k)
+        series.quadrature[k] = _product_term(currents, cosines, k)
+    return used
+
+
+@inlined
+def shorten(series: Series, count: int, share: float) -> None:
+    """Let the series of the currents run over a share of their segment."""
+    power = 1.0
+    for k in range(count):
+        series.direct[k] *= power
+        series.quadrature[k] *= power
+        power *= share
+
+
+@inlined
+def at_end(series: Series, count: int, cosine: float, sine: float) -> RotorFrame:
+    """Return the currents at the end of a segment, and its angle there."""
+    return RotorFrame(
+        value_at(series.direct, count, 1.0), value_at(series.quadrature, count, 1.0), cosine, sine
+    )
