@@ -88,4 +88,5 @@ def speed_gained(
     resisting = load + drive.friction + drive.viscous_friction * held
     change = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE] - resisting * length) / inertia
     # Load and friction hold a shaft at standstill; they never drive it backward.
-    return max(change, -speed)
+    gained: float = max(change, -speed)
+    return gained

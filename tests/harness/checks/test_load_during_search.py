@@ -8,6 +8,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.convergence import converges_again, reaches_optimum
+from drivegate.drives.drawn_drives import drawn_drive
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import steady_scenario
@@ -47,6 +48,31 @@ def test_a_load_that_drifts_while_the_search_rests_is_followed(
         margin = reaches_optimum(RunRecord(scenario, run_scenario(scenario, controller), Declaration()))
         assert margin is not None
         assert margin.met, f"{name}: {margin.measured}"
+
+
+def test_an_edge_that_is_met_while_the_load_grows_is_sought_again() -> None:
+    plain = steady_scenario(load_drive("fan-3-phase"), 5650.0, power_share=1.0, constant_power=False)
+    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 0.169}))
+    ramp = ((0.0, 0.0), (0.2, 0.45), (7.6, 0.45), (9.6, 0.65))
+    scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.6)
+    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
+    margin = reaches_optimum(RunRecord(scenario, run, Declaration()))
+    assert margin is not None
+    assert margin.met, margin.measured
+
+
+@pytest.mark.parametrize(
+    ("number", "speed", "torque"), [(11, 1750.0, 1.386), (14, 7150.0, 7.169), (17, 1620.0, 2.258)]
+)
+def test_what_was_forbidden_on_the_way_back_is_tried_again(number: int, speed: float, torque: float) -> None:
+    # A step of 2 degrees costs the speed as much as the edge does, or leads over it.
+    drive = drawn_drive(0, number).document
+    plain = steady_scenario(drive, speed, power_share=1.0, constant_power=False)
+    scenario = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
+    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
+    margin = reaches_optimum(RunRecord(scenario, run, Declaration()))
+    assert margin is not None
+    assert margin.met, margin.measured
 
 
 @pytest.mark.parametrize("name", ["near:gain-doubled", "near:stops-early"])

@@ -57,6 +57,29 @@ def decide_by_flowchart(state: Any, error: float) -> None:
 
 
 @inlined
+def rest_or_confirm(state: Any, power: float) -> None:
+    """Rest where no step pays; where these were the first ones, only after others like them.
+
+    A load that grows during the first steps takes as much current as they save, so that all of them look flat.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Mean current sum of the decision interval (A).
+    """
+    is_at_edge = state.offset - state.first_step < state.forbidden + MARGIN
+    if state.confirmed == 1 or is_at_edge or abs(state.offset) > _NEAR_THE_START * state.first_step:
+        begin_holding(state, power)
+        return
+    state.confirmed = 1
+    state.step = state.first_step
+    state.direction = -1.0
+    begin_settling(state)
+
+
+@inlined
 def move(state: Any, power: float, change: float) -> None:
     """Take the next step, by as much as the forbidden angle leaves; rest where nothing is left.
 
@@ -86,31 +109,9 @@ def move(state: Any, power: float, change: float) -> None:
         if made_worse:
             # The last step made things worse: it is taken back before the search rests.
             state.offset -= state.moved
-        begin_holding(state, power)
+        rest_or_confirm(state, power)
         return
     take_step(state, power, state.direction * state.step)
-
-
-@inlined
-def rest_or_confirm(state: Any, power: float) -> None:
-    """Rest after flat steps; where these were the first ones, only after others like them.
-
-    A load that grows during the first steps takes as much current as they save, so that all of them look flat.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    power : float
-        Mean current sum of the decision interval (A).
-    """
-    if state.confirmed == 1 or abs(state.offset) > _NEAR_THE_START * state.first_step:
-        begin_holding(state, power)
-        return
-    state.confirmed = 1
-    state.step = state.first_step
-    state.direction = -1.0
-    begin_settling(state)
 
 
 @inlined

@@ -30,7 +30,7 @@ STARVED: Final = 3.0
 SLACK: Final = 0.04
 """Current reference at which no winding counts as starved yet, as a share of the current limit."""
 ALARM: Final = 0.3
-"""Share of k1 whose loss after an own step tells of a lost torque: beyond the edge it goes at once, and k1 is too late."""
+"""Share of k1 whose loss after an own step tells of a lost torque: it goes at once, and k1 itself would be too late."""
 
 # The supply is held until it moves by this: the noise of its measurement must not move the angle.
 _SUPPLY_MOVED = 0.02

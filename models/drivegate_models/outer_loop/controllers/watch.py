@@ -280,7 +280,9 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         return WAITING, change
     # Nor does one that still changes, with the speed still on its way back, or after small steps over the edge and the
     # way up from there, tell of another load.
-    told = state.mode != SETTLING or (settled and state.quiet > 0 and not is_uneasy(state) and state.retried == 0)
+    told = state.mode != SETTLING or (
+        settled and state.quiet > 0 and not is_uneasy(state) and state.retried == 0
+    )
     seems = told and load_has_changed(state, power, fall, rise)
     if (seems or is_jolted(state, jolt)) and rearm_unless_repeated(state):
         return WAITING, change
