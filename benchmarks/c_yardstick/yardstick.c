@@ -152,7 +152,7 @@ int yardstick_run(const drive *d, const task *t, result *done, record *rows) {
         whole.shaft_energy += held * part.impulse;
         whole.input_energy += source;
         if (rows)
-            rows[k] = (record){held, inputs.reference, inputs.advance, current_sum, part.impulse, source};
+            rows[k] = (record){speed, inputs.reference, inputs.advance, current_sum, part.impulse, source};
 
         const double turned = angle + (double)d->pole_pairs * held * period;
         angle = turned - 2.0 * PI * floor(turned * (0.5 / PI));

@@ -323,7 +323,7 @@ def loop_of(kernels: PlantKernels) -> Any:
             applied = _applied(period, length, reference, advance, held, current_sum, load_now)
             _observe_windows(timing, records, room, k, conditions.speed_reference, applied)
             if traced < records.trace.shape[0] and k % timing.trace_every == 0:
-                write_trace(records.trace[traced], time, conditions, applied, measured.speed)
+                write_trace(records.trace[traced], time, conditions, applied, speed, measured.speed)
                 traced += 1
 
             turned = angle + drive.pole_pairs * held * length

@@ -212,7 +212,7 @@ def observe_window(
 
 @inlined
 def write_trace(
-    row: Any, time: float, conditions: Conditions, applied: Applied, measured_speed: float
+    row: Any, time: float, conditions: Conditions, applied: Applied, speed: float, measured_speed: float
 ) -> None:
     """Write one control period into a trace, in people's units.
 
@@ -226,12 +226,12 @@ def write_trace(
         What acted from outside.
     applied : Applied
         The period.
-    measured_speed : float
-        The speed that the controller saw (rad/s).
+    speed, measured_speed : float
+        True speed at the start of the period, and the one that the controller saw then (rad/s).
     """
     row.time_s = time
     row.speed_reference_rpm = conditions.speed_reference * RPM
-    row.speed_rpm = applied.speed * RPM
+    row.speed_rpm = speed * RPM
     row.current_sum_a = applied.current_sum
     row.current_reference_a = applied.reference
     row.advance_deg = applied.advance * DEGREES
