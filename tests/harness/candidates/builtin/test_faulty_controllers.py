@@ -32,7 +32,7 @@ from drivegate_models.outer_loop.faults.state import FAULTY_STATE
 KNOWN = {check.id: check for check in CHECKS}
 DRIVE = load_drive("paper-5-phase")
 SHORT = steady_scenario(DRIVE, 1500.0, power_share=1.0, constant_power=False)
-LIGHT = steady_scenario(DRIVE, 1500.0, power_share=0.5, constant_power=False)
+LIGHT = steady_scenario(DRIVE, 1000.0, power_share=0.35, constant_power=False)
 BETWEEN_FIXED_SPEEDS = steady_scenario(DRIVE, 1250.0, power_share=1.0, constant_power=False)
 KEEPS_SOMETHING = sorted(
     name for name, mutation in MUTATIONS.items() if mutation.keeps and mutation.check == "DET-1"
