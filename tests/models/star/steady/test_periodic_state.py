@@ -86,7 +86,6 @@ def test_most_states_with_a_band_are_certified_and_the_others_marked(star: Calla
     assert 0.5 <= np.mean(certified) < 1.0, f"{np.mean(certified):.0%} are periodic"
 
 
-@pytest.mark.kernel
 def test_states_with_a_band_repeat_after_several_torque_periods(star: Callable[..., StarDrive]) -> None:
     drive = star(hysteresis_band=0.25)
     draw = np.random.default_rng(1)
@@ -117,7 +116,6 @@ def test_states_with_a_band_repeat_after_several_torque_periods(star: Callable[.
     assert len(found) >= 3, f"states repeat after {sorted(found)} torque periods alone"
 
 
-@pytest.mark.kernel
 def test_waveforms_are_certified_where_one_cycle_is_whole_periods(star: Callable[..., StarDrive]) -> None:
     drive = star(hysteresis_band=0.25)
     draw = np.random.default_rng(1)
