@@ -73,7 +73,6 @@ def test_every_transient_ends_in_the_periodic_state(
         )
 
 
-@pytest.mark.kernel
 def test_most_states_with_a_band_are_certified_and_the_others_marked(star: Callable[..., StarDrive]) -> None:
     drive = star(hysteresis_band=0.25)
     draw = np.random.default_rng(0)
