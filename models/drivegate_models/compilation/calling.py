@@ -10,7 +10,7 @@ import ctypes
 from typing import Any
 
 from llvmlite import ir
-from numba import types
+from numba import from_dtype, types
 from numba.core import config
 from numba.core.typing.templates import Signature
 from numba.extending import intrinsic
@@ -63,3 +63,9 @@ call_step: Any = _call_step_interpreted if _INTERPRETED else _call_step_compiled
 
 double_at: Any = _double_at_interpreted if _INTERPRETED else _double_at_compiled
 """Read the double number `index` behind `address`; both are integers."""
+
+
+def step_signature(state: Any, sense: Any, command: Any) -> Any:
+    """Return numba's signature of a step whose three arguments point to records of the given layouts."""
+    pointer: Any = types.CPointer
+    return types.void(*(pointer(from_dtype(layout)) for layout in (state, sense, command)))

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.calling import double_at
+from drivegate_models.compilation.calling import double_at, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE, STOP
 
@@ -31,8 +31,7 @@ def playing_step() -> Any:
     import numba
     from numba.np.numpy_support import carray
 
-    pointer: Any = numba.types.CPointer
-    records = (pointer(numba.from_dtype(layout)) for layout in (PLAYER, SENSE, COMMAND))
+    signature = step_signature(PLAYER, SENSE, COMMAND)
 
     def play_step(player: Any, _sense: Any, command: Any) -> None:
         state = carray(player, 1)[0]
@@ -46,7 +45,7 @@ def playing_step() -> Any:
         answer.input_power = double_at(state.commands_address, first + 2)
         state.given += 1
 
-    return numba.cfunc(numba.types.void(*records), cache=KEEPS_CACHE)(play_step)
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(play_step)
 
 
 def player_of(commands: NDArray[np.float64]) -> NDArray[Any]:

@@ -308,7 +308,7 @@ def loop_of(kernels: PlantKernels) -> Any:
             upper = conditions.supply * (1.0 + conditions.imbalance)
             lower = conditions.supply * (1.0 - conditions.imbalance)
             # The windows rest on the angle that the sensors give; its error moves them as an advance does.
-            held = held_speed(speed, gained)
+            held = max(held_speed(speed, gained), 0.0)
             shifted = advance + turn_sensors(sensors, k, time, length, held)
             if advance_phases(plant, moving, angle, held, upper, lower, reference, shifted, length, period):
                 observed.steps = k

@@ -46,9 +46,9 @@ def held_speed(speed: float, gained: float) -> float:
     Returns
     -------
     float
-        (rad/s), never below zero.
+        (rad/s); below zero where a shaft that has slowed down would come to rest within the period.
     """
-    return max(speed + 0.5 * gained, 0.0)
+    return speed + 0.5 * gained
 
 
 @inlined

@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.calling import call_step, double_at
+from drivegate_models.compilation.calling import call_step, double_at, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined, unallocating
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 from drivegate_models.loop.exchange import OUTPUTS
@@ -73,8 +73,7 @@ def recording_step() -> Any:
     import numba
     from numba.np.numpy_support import carray
 
-    pointer: Any = numba.types.CPointer
-    records = (pointer(numba.from_dtype(layout)) for layout in (RECORDER, SENSE, COMMAND))
+    signature = step_signature(RECORDER, SENSE, COMMAND)
 
     def record_step(recorder: Any, sense: Any, command: Any) -> None:
         whole = carray(recorder, 1)
@@ -99,7 +98,7 @@ def recording_step() -> Any:
         if kept.count == BLOCK_ROWS:
             call_step(kept.empty_address, whole.ctypes.data, senses.ctypes.data, answers.ctypes.data)
 
-    return numba.cfunc(numba.types.void(*records), cache=KEEPS_CACHE)(record_step)
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(record_step)
 
 
 @inlined

@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.contract.duty.records import duty_command_record, duty_sense_record
+from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.loop_kernel import PLANT_FAULT
 from drivegate_models.loop.schedule import Conditions, Schedule, conditions_at
-from drivegate_models.loop.shaft import within_a_turn
+from drivegate_models.loop.shaft import held_speed, within_a_turn
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load, load_torque
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases, stored_energy
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING, RISING, PmAcDrive, drifted
-from drivegate_models.pm_ac.plant.modulator import LOW, OFF
 
 BAD_LEG: Final = 4
 """Status of a run: a leg's state is none of the contract's; those of `loop.exchange` and `loop_kernel` besides."""
@@ -130,7 +130,7 @@ def _take_command(command: Any, room: DutyRoom, place: int) -> int:
     for leg in range(3):
         if not isfinite(room.ratios[place, leg]):
             return NOT_FINITE
-        if not OFF <= room.legs[place, leg] <= LOW:
+        if not LEG_OFF <= room.legs[place, leg] <= LEG_LOW:
             return BAD_LEG
     return COMPLETED
 
@@ -234,13 +234,12 @@ def _run(
         for entry in range(ledger.ENTRIES):
             period[entry] = 0.0
         link = 2.0 * conditions.supply
-        # Frozen where it will be at the middle of the period, if it goes on as it did.
-        middle = speed + 0.5 * change
+        held = held_speed(speed, change)
         if advance_period(
             plant,
             phases,
             angle,
-            middle,
+            held,
             link,
             room.ratios[0],
             room.legs[0],
@@ -250,13 +249,13 @@ def _run(
         ):
             return PLANT_FAULT, k, worst
         now = stored_energy(drive, phases)
-        worst = max(worst, _balance(plant.resistance, middle, now - stored, now, period))
+        worst = max(worst, _balance(plant.resistance, held, now - stored, now, period))
         stored = now
         ledger.add_period(totals, period)
         exchange.sense[0].supply_current = (
             ledger.source_energy(period) / (link * length) if link > 0.0 else 0.0
         )
-        opposing = load_torque(load, conditions.load_factor, max(abs(middle), 0.0))
+        opposing = load_torque(load, conditions.load_factor, abs(held))
         row = trace[k]
         row[0] = k * length
         row[1] = conditions.speed_reference
@@ -267,7 +266,7 @@ def _run(
         row[6] = period[ledger.PEAK]
         row[7] = ledger.source_energy(period) / length
         row[8] = opposing
-        angle = within_a_turn(angle + drive.pole_pairs * middle * length)
+        angle = within_a_turn(angle + drive.pole_pairs * held * length)
         if load.kind != LOCKED:
             change = _speed_change(drive, inertia, speed, opposing, period, length)
             speed += change

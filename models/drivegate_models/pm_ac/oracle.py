@@ -44,6 +44,13 @@ class Limits(NamedTuple):
 
 
 @inlined
+def _no_state() -> SteadyState:
+    """Return the answer where no currents are feasible: NaN throughout."""
+    nothing = inf - inf
+    return SteadyState(nothing, nothing, nothing, nothing, nothing, nothing, nothing)
+
+
+@inlined
 def _is_within(drive: PmAcDrive, limits: Limits, electrical: float, direct: float, quadrature: float) -> bool:
     """Return whether currents keep to both limits, but for rounding."""
     along, across = steady_voltages(drive, electrical, direct, quadrature)
@@ -148,8 +155,7 @@ def least_at(drive: PmAcDrive, limits: Limits, speed: float, torque: float, purp
         # A sliver of feasible currents hides between two places only close to the greatest torque.
         top = greatest_torque(drive, limits, speed)
         if not top.torque >= torque * (1.0 - _SLACK) or torque < 0.0:
-            nothing = inf - inf
-            return SteadyState(nothing, nothing, nothing, nothing, nothing, nothing, nothing)
+            return _no_state()
         best_direct = top.direct
         if _cost(drive, limits, electrical, torque, purpose, best_direct) == inf:
             return top
@@ -239,8 +245,7 @@ def greatest_torque(drive: PmAcDrive, limits: Limits, speed: float) -> SteadySta
             best = torque
             best_direct = direct
     if best == -inf:
-        nothing = inf - inf
-        return SteadyState(nothing, nothing, nothing, nothing, nothing, nothing, nothing)
+        return _no_state()
     low = max(best_direct - step, first)
     high = min(best_direct + step, last)
     for _ in range(_NARROWINGS):

@@ -8,13 +8,22 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.convergence import converges_again, reaches_optimum
+from drivegate.containment.messages import AnyController
 from drivegate.drives.drawn_drives import drawn_drive
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import with_load_factor
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.outer_loop.controllers.builtin import SEARCHES
+
+
+def assert_reaches_optimum(scenario: Scenario, controller: AnyController, name: str = "reference") -> None:
+    """Run, and hold the current found against the optimum."""
+    margin = reaches_optimum(RunRecord(scenario, run_scenario(scenario, controller), Declaration()))
+    assert margin is not None
+    assert margin.met, f"{name}: {margin.measured}"
 
 
 @pytest.mark.parametrize("factor", [((0.0, 0.0), (5.5, 0.0), (5.5, 0.9), (6.0, 0.9), (6.0, 1.0))])
@@ -45,9 +54,7 @@ def test_a_load_that_drifts_while_the_search_rests_is_followed(
         ("reference", BuiltinController(SEARCHES["reference"])),
         *((name, load_controller(resolve_candidate(name))) for name in DESIGN_CANDIDATES),
     ):
-        margin = reaches_optimum(RunRecord(scenario, run_scenario(scenario, controller), Declaration()))
-        assert margin is not None
-        assert margin.met, f"{name}: {margin.measured}"
+        assert_reaches_optimum(scenario, controller, name)
 
 
 def test_an_edge_that_is_met_while_the_load_grows_is_sought_again() -> None:
@@ -55,10 +62,7 @@ def test_an_edge_that_is_met_while_the_load_grows_is_sought_again() -> None:
     loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 0.169}))
     ramp = ((0.0, 0.0), (0.2, 0.45), (7.6, 0.45), (9.6, 0.65))
     scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.6)
-    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
-    margin = reaches_optimum(RunRecord(scenario, run, Declaration()))
-    assert margin is not None
-    assert margin.met, margin.measured
+    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
 
 
 @pytest.mark.parametrize(
@@ -69,10 +73,7 @@ def test_what_was_forbidden_on_the_way_back_is_tried_again(number: int, speed: f
     drive = drawn_drive(0, number).document
     plain = steady_scenario(drive, speed, power_share=1.0, constant_power=False)
     scenario = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
-    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
-    margin = reaches_optimum(RunRecord(scenario, run, Declaration()))
-    assert margin is not None
-    assert margin.met, margin.measured
+    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
 
 
 @pytest.mark.parametrize("name", ["near:gain-doubled", "near:stops-early"])
@@ -82,10 +83,7 @@ def test_a_load_that_grows_during_the_first_steps_does_not_end_the_search(name: 
     loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0}))
     ramp = ((0.0, 0.0), (0.2, 0.45), (8.0, 0.45), (10.0, 0.65))
     scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.0)
-    run = run_scenario(scenario, load_controller(resolve_candidate(name)))
-    margin = reaches_optimum(RunRecord(scenario, run, Declaration()))
-    assert margin is not None
-    assert margin.met, margin.measured
+    assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)
 
 
 @pytest.mark.parametrize("name", DESIGN_CANDIDATES)
@@ -93,7 +91,4 @@ def test_an_angle_lost_to_a_pulse_of_the_load_is_found_again(name: str) -> None:
     plain = steady_scenario(load_drive("paper-5-phase"), 1500.0, power_share=1.0, constant_power=False)
     pulse = ((0.0, 0.0), (0.2, 0.95), (6.0, 0.95), (6.0, 1.0), (7.0, 1.0), (7.0, 0.95))
     scenario = with_load_factor(plain, pulse).replaced(duration_s=16.0)
-    run = run_scenario(scenario, load_controller(resolve_candidate(name)))
-    margin = reaches_optimum(RunRecord(scenario, run, Declaration()))
-    assert margin is not None
-    assert margin.met, margin.measured
+    assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)

@@ -7,10 +7,9 @@ from math import nan, sqrt
 from typing import Any, Final
 
 import numba
-from numba import types
 from numba.np.numpy_support import carray
 
-from drivegate_models.compilation.calling import double_at
+from drivegate_models.compilation.calling import double_at, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.contract.duty.signals import LEG_PWM, SPEED_REFERENCE
@@ -189,9 +188,7 @@ def step_function() -> Any:
     CFunc
         Its `address` is that of a C function; keep the object.
     """
-    layouts = (FOC_STATE, DUTY_SENSE, DUTY_COMMAND)
-    pointer: Any = types.CPointer
-    signature = types.void(*(pointer(numba.from_dtype(layout)) for layout in layouts))
+    signature = step_signature(FOC_STATE, DUTY_SENSE, DUTY_COMMAND)
 
     def drivegate_duty_step(state: Any, sense: Any, command: Any) -> None:
         step_state(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])

@@ -216,7 +216,8 @@ def turn_hall(hall: Hall, time: float, period: float, speed: float) -> float:
     while passed < period:
         lag = lags[number % EDGES]
         left = SECTOR + lags[(number + 1) % EDGES] - lag - since
-        to_edge = max(left / electrical, 0.0) if electrical > 0.0 else inf
+        # Divided only where an edge is within reach: a shaft that all but rests would reach it at no finite time.
+        to_edge = max(left, 0.0) / electrical if electrical > 0.0 and left <= electrical * period else inf
         length = min(to_edge, period - passed)
         begin = time + passed - ticks[number % _RING] * hall.clock
         seen = _mean_angle(measured if timed > 0 else 0.0, begin, begin + length)

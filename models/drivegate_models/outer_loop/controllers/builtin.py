@@ -11,9 +11,9 @@ from types import MappingProxyType
 from typing import Any, Final
 
 import numba
-from numba import types
 from numba.np.numpy_support import carray
 
+from drivegate_models.compilation.calling import step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 from drivegate_models.outer_loop.controllers.angle_line import initial_angle
@@ -322,11 +322,6 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     answer(state, sense, reference, command)
 
 
-def _record_pointer(layout: Any) -> Any:
-    pointer: Any = types.CPointer
-    return pointer(numba.from_dtype(layout))
-
-
 @cache
 def step_function() -> Any:
     """Return the built-in controllers' `drivegate_step`, compiled.
@@ -336,9 +331,7 @@ def step_function() -> Any:
     CFunc
         Its `address` is that of a C function; keep the object.
     """
-    signature = types.void(
-        _record_pointer(CONTROLLER_STATE), _record_pointer(SENSE), _record_pointer(COMMAND)
-    )
+    signature = step_signature(CONTROLLER_STATE, SENSE, COMMAND)
 
     def drivegate_step(state: Any, sense: Any, command: Any) -> None:
         step_state(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])

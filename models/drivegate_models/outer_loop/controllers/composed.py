@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from drivegate_models.compilation.calling import call_step
+from drivegate_models.compilation.calling import call_step, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 from drivegate_models.outer_loop.controllers.builtin import answer, current_reference, line_speed, search
@@ -50,8 +50,7 @@ def composed_step_function() -> Any:
     import numba
     from numba.np.numpy_support import carray
 
-    pointer: Any = numba.types.CPointer
-    records = (pointer(numba.from_dtype(layout)) for layout in (COMPOSED_STATE, SENSE, COMMAND))
+    signature = step_signature(COMPOSED_STATE, SENSE, COMMAND)
 
     def drivegate_step(composed_pointer: Any, sense_pointer: Any, command_pointer: Any) -> None:
         senses, commands = carray(sense_pointer, 1), carray(command_pointer, 1)
@@ -85,4 +84,4 @@ def composed_step_function() -> Any:
             state.angle_slope = 0.0
         answer(state, sense, reference, command)
 
-    return numba.cfunc(numba.types.void(*records), cache=KEEPS_CACHE)(drivegate_step)
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(drivegate_step)

@@ -81,6 +81,19 @@ def begin_settling(state: Any) -> None:
 
 
 @inlined
+def allow_all_angles(state: Any) -> None:
+    """Drop the forbidden angle.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.forbidden = -inf
+    state.lost_at = -inf
+
+
+@inlined
 def rearm(state: Any) -> None:
     """Return to the initial angle and forget what was found: command or load has changed.
 
@@ -93,9 +106,8 @@ def rearm(state: Any) -> None:
     state.step = state.first_step
     # The initial line keeps above the edge, so less current lies at less angle.
     state.direction = -1.0
-    state.forbidden = -inf
+    allow_all_angles(state)
     state.forbidden_power = 0.0
-    state.lost_at = -inf
     state.retried = 0
     state.good_integral = inf
     state.good_power = inf
@@ -125,19 +137,6 @@ def forbid(state: Any) -> None:
         state.lost_at = max(state.lost_at, blamed)
     # What has been held is known better than the interval in which it was lost.
     state.forbidden_power = state.held_power if state.mode == HOLDING else state.last_power
-
-
-@inlined
-def allow_all_angles(state: Any) -> None:
-    """Drop the forbidden angle.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    """
-    state.forbidden = -inf
-    state.lost_at = -inf
 
 
 @inlined

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.another_load import greatest_current_sum
-from drivegate_models.outer_loop.controllers.protection import MARGIN
+from drivegate_models.outer_loop.controllers.protection import MARGIN, allow_all_angles
 from drivegate_models.outer_loop.controllers.unrest import is_uneasy
 from drivegate_models.outer_loop.designs.state import LOWEST_ANGLE
 
@@ -134,7 +134,7 @@ def continue_confirmation(state: Any, power: float) -> float:
         state.best_offset = controller.offset
         if power < _OTHER_EDGE * controller.forbidden_power:
             # A lighter load has a lower edge.
-            controller.forbidden = -inf
+            allow_all_angles(controller)
         state.confirming = BELOW
         return beside(state, -1.0)
     if power < inf and abs(power - state.best_power) > _OTHER_LOAD * power:

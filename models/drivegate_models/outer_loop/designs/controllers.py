@@ -11,9 +11,9 @@ from types import MappingProxyType
 from typing import Any, Final
 
 import numba
-from numba import types
 from numba.np.numpy_support import carray
 
+from drivegate_models.compilation.calling import step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 from drivegate_models.outer_loop.controllers.builtin import (
@@ -92,11 +92,6 @@ def step_design(state: Any, sense: Any, command: Any) -> None:
     answer(controller, sense, reference, command)
 
 
-def _record_pointer(layout: Any) -> Any:
-    pointer: Any = types.CPointer
-    return pointer(numba.from_dtype(layout))
-
-
 @cache
 def design_step_function() -> Any:
     """Return the designs' `drivegate_step`, compiled.
@@ -106,7 +101,7 @@ def design_step_function() -> Any:
     CFunc
         Its `address` is that of a C function; keep the object.
     """
-    signature = types.void(_record_pointer(DESIGN_STATE), _record_pointer(SENSE), _record_pointer(COMMAND))
+    signature = step_signature(DESIGN_STATE, SENSE, COMMAND)
 
     def drivegate_step(state: Any, sense: Any, command: Any) -> None:
         step_design(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])

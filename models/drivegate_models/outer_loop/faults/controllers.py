@@ -9,9 +9,9 @@ from functools import cache
 from typing import Any
 
 import numba
-from numba import types
 from numba.np.numpy_support import carray
 
+from drivegate_models.compilation.calling import step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
 from drivegate_models.outer_loop.controllers.builtin import step_state
@@ -94,11 +94,6 @@ def faulty_step_state(state: Any, sense: Any, command: Any) -> None:
         compute_in_vain(state)
 
 
-def _record_pointer(layout: Any) -> Any:
-    pointer: Any = types.CPointer
-    return pointer(numba.from_dtype(layout))
-
-
 @cache
 def faulty_step_function() -> Any:
     """Return the faulty controllers' `drivegate_step`, compiled.
@@ -108,7 +103,7 @@ def faulty_step_function() -> Any:
     CFunc
         Its `address` is that of a C function; keep the object.
     """
-    signature = types.void(_record_pointer(FAULTY_STATE), _record_pointer(SENSE), _record_pointer(COMMAND))
+    signature = step_signature(FAULTY_STATE, SENSE, COMMAND)
 
     def drivegate_faulty_step(state: Any, sense: Any, command: Any) -> None:
         faulty_step_state(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])

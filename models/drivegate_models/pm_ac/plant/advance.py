@@ -15,11 +15,11 @@ from drivegate_models.pm_ac.plant.circuit import (
     Circuit,
     RotorFrame,
     circuit_of,
-    leg_voltages,
     phase_current,
     rotor_voltages,
 )
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.pm_ac.plant.edges import begin_schedule, next_edge, pass_edges
 from drivegate_models.pm_ac.plant.events import (
     LAST_ZERO,
     NOTHING,
@@ -42,7 +42,7 @@ from drivegate_models.pm_ac.plant.series import (
     make_series,
     shorten,
 )
-from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, make_legs, set_gate, settle
+from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, make_legs, settle
 
 EVENT_LIMIT: Final = 100_000
 """Greatest number of segments in one advance."""
@@ -54,8 +54,6 @@ _LEAST_SHARE = 1e-14
 # Terms of the turning series over the longest segment.
 _TURNING_TERMS = 14
 _NO_LEG = -1
-# Current of a held leg, over that of the rotor frame, that can be rounding.
-_NO_CURRENT = 1e-10
 
 
 class PmAcPhases(NamedTuple):
@@ -144,60 +142,6 @@ def _stator_flux(circuit: Circuit, frame: RotorFrame) -> tuple[float, float]:
         frame.cosine * direct - frame.sine * quadrature,
         frame.sine * direct + frame.cosine * quadrature,
     )
-
-
-@inlined
-def _begin_schedule(circuit: Circuit, legs: Legs, gates: Gates, frame: RotorFrame, duration: float) -> None:
-    """Set the first gates, and find the legs whose current keeps its sign for the whole advance."""
-    reach = circuit.steepest * duration
-    none = _NO_CURRENT * (abs(frame.direct) + abs(frame.quadrature))
-    for leg in range(3):
-        legs.positions[leg] = 0
-        set_gate(circuit, legs, leg, gates.gates[leg, 0])
-        current = phase_current(frame, leg)
-        if legs.signs[leg] == 0 and abs(current) > none:
-            # Someone has set other currents since the leg was held.
-            legs.signs[leg] = 1 if current > 0.0 else -1
-        legs.sure[leg] = 0
-        if abs(current) > reach:
-            legs.sure[leg] = 1 if current > 0.0 else -1
-
-
-@inlined
-def _changes_nothing(circuit: Circuit, legs: Legs, leg: int, gate: int) -> bool:
-    """Return whether a leg whose current keeps its sign stays on its rail when its gate changes so."""
-    if legs.sure[leg] == 0:
-        return False
-    low, high = leg_voltages(circuit, gate)
-    return bool((low if legs.sure[leg] > 0 else high) == legs.voltages[leg])
-
-
-@inlined
-def _next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
-    """Return when the voltage of a leg next changes by its gate (s)."""
-    limit = duration
-    for leg in range(3):
-        following = legs.positions[leg] + 1
-        while following < gates.counts[leg] and _changes_nothing(
-            circuit, legs, leg, gates.gates[leg, following]
-        ):
-            legs.positions[leg] = following
-            set_gate(circuit, legs, leg, gates.gates[leg, following])
-            following += 1
-        if following < gates.counts[leg]:
-            limit = min(limit, gates.times[leg, following])
-    return limit
-
-
-@inlined
-def _pass_edges(circuit: Circuit, legs: Legs, gates: Gates, time: float) -> None:
-    """Let all gates change that change up to a time (s)."""
-    for leg in range(3):
-        following = legs.positions[leg] + 1
-        while following < gates.counts[leg] and gates.times[leg, following] <= time:
-            legs.positions[leg] = following
-            set_gate(circuit, legs, leg, gates.gates[leg, following])
-            following += 1
 
 
 @inlined
@@ -350,7 +294,7 @@ def advance_period(
     ratios : ndarray, shape (3,)
         Duty ratios that act in this period (1).
     legs_mode : ndarray, shape (3,)
-        `modulator.OFF`, `PWM`, `HIGH` or `LOW` for each leg.
+        `LEG_OFF`, `LEG_PWM`, `LEG_HIGH` or `LEG_LOW` of the contract for each leg.
     alignment : int
         `drive.CENTRED`, `RISING` or `FALLING`.
     duration : float
@@ -370,7 +314,7 @@ def advance_period(
     circuit = circuit_of(drive, speed, link, frame.direct, frame.quadrature, duration)
     _begin_observation(phases)
     schedule_gates(drive.modulator, gates, ratios, legs_mode, alignment, duration)
-    _begin_schedule(circuit, legs, gates, frame, duration)
+    begin_schedule(circuit, legs, gates, frame, duration)
     along, across = _stator_flux(circuit, frame)
     idle = 0.0
     status = COMPLETED
@@ -384,7 +328,7 @@ def advance_period(
             break
         held = settled.held
         frame = settled.frame
-        limit = _next_edge(circuit, legs, gates, duration)
+        limit = next_edge(circuit, legs, gates, duration)
         length = limit - time
         longest = longest_segment(circuit, held, duration)
         is_whole = length <= longest
@@ -404,7 +348,7 @@ def advance_period(
         if event.kind == NOTHING and is_whole:
             # The limit itself, not the sum, so that every edge is passed exactly once.
             time = limit
-            _pass_edges(circuit, legs, gates, time)
+            pass_edges(circuit, legs, gates, time)
         else:
             time += length
         after, fixed, excluded = _after_event(legs, event, after)

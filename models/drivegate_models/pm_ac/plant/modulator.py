@@ -9,16 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW, LEG_OFF
 from drivegate_models.pm_ac.plant.drive import CENTRED, RISING, Modulator
-
-OFF: Final = 0
-"""Both switches of the leg are off; its modulator goes on behind the blocked gates."""
-PWM: Final = 1
-"""The leg follows its duty ratio."""
-HIGH: Final = 2
-"""The upper switch is on throughout."""
-LOW: Final = 3
-"""The lower switch is on throughout."""
 
 UPPER: Final = 1
 """Gate of a leg: the upper switch is on."""
@@ -143,7 +135,7 @@ def schedule_gates(
     ratios : ndarray, shape (3,)
         Commanded duty ratios (1).
     legs : ndarray, shape (3,)
-        `OFF`, `PWM`, `HIGH` or `LOW`.
+        `LEG_OFF`, `LEG_PWM`, `LEG_HIGH` or `LEG_LOW` of the contract.
     alignment : int
         `CENTRED`, `RISING` or `FALLING`.
     period : float
@@ -155,9 +147,9 @@ def schedule_gates(
         gates.times[leg, 0] = 0.0
         gates.gates[leg, 0] = BLANKED if gates.waits[leg] > 0.0 else gates.levels[leg]
         ratio = settled_ratio(modulator, ratios[leg], period)
-        if legs[leg] == HIGH:
+        if legs[leg] == LEG_HIGH:
             ratio = 1.0
-        elif legs[leg] == LOW:
+        elif legs[leg] == LEG_LOW:
             ratio = 0.0
         begin, end = _pulse(alignment, ratio, period)
         _command(gates, leg, 0.0, UPPER if begin <= 0.0 < end else LOWER, dead_time)
@@ -170,6 +162,6 @@ def schedule_gates(
             gates.waits[leg] = _NONE
         elif gates.waits[leg] >= period:
             gates.waits[leg] -= period
-        if legs[leg] == OFF:
+        if legs[leg] == LEG_OFF:
             gates.counts[leg] = 1
             gates.gates[leg, 0] = BLANKED

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from drivegate_models.loop.sensing.hall import EDGES, SECTOR, Hall, hall_speed, turn_hall, turning_hall
@@ -106,6 +106,7 @@ def test_hysteresis_alone_makes_the_angle_late_by_itself(degrees: float) -> None
     st.floats(0.0, 200.0),
     st.lists(st.floats(-30.0, 30.0), min_size=1, max_size=150),
 )
+@example([0.0] * EDGES, 0.0, 5e-324, [0.0])
 @settings(max_examples=100, deadline=None)
 def test_the_angle_is_off_by_no_more_than_a_sector_and_the_edges_errors(
     errors: list[float], hysteresis: float, speed: float, changes: list[float]

@@ -39,7 +39,10 @@ class DrawnRun:
 def drawn_run(seed: int) -> DrawnRun:
     """Draw a run; the machine is scaled to its link, so that every mode is within reach."""
     draw = np.random.default_rng(seed)
-    pick = lambda *values: float(draw.choice(values))  # noqa: E731
+
+    def pick(*values: float) -> float:
+        return float(draw.choice(values))
+
     link = pick(0.0, 24.0, 96.0, 540.0) if draw.random() < 0.97 else 1e-6
     supply = link or 96.0
     current = pick(2.0, 26.0, 350.0)
@@ -67,7 +70,10 @@ def drawn_run(seed: int) -> DrawnRun:
             minimum_pulse=pick(0.0, 0.01) * duration,
         ),
     )
-    ratio = lambda: pick(0.0, 1.0, 0.5, draw.random(), draw.random())  # noqa: E731
+
+    def ratio() -> float:
+        return pick(0.0, 1.0, 0.5, draw.random(), draw.random())
+
     choices = [(1, 1, 1), (1, 1, 1), (0, 0, 0), (0, 1, 1), (2, 3, 0), (2, 0, 0), (3, 3, 3), (2, 1, 0)]
     return DrawnRun(
         drive,

@@ -5,14 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW, LEG_OFF, LEG_PWM
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING, RISING, Modulator
 from drivegate_models.pm_ac.plant.modulator import (
     BLANKED,
-    HIGH,
-    LOW,
     LOWER,
-    OFF,
-    PWM,
     UPPER,
     Gates,
     make_gates,
@@ -27,7 +24,7 @@ def schedule(
     gates: Gates,
     ratio: float,
     *,
-    mode: int = PWM,
+    mode: int = LEG_PWM,
     alignment: int = CENTRED,
     dead_time: float = 0.0,
 ) -> list[tuple[float, int]]:
@@ -96,7 +93,7 @@ def test_dead_time_goes_on_into_the_next_period() -> None:
 @pytest.mark.kernel
 def test_the_modulator_goes_on_behind_blocked_gates() -> None:
     gates, free = make_gates(), make_gates()
-    assert schedule(gates, 0.98, mode=OFF, dead_time=0.05 * PERIOD) == [(0.0, BLANKED)]
+    assert schedule(gates, 0.98, mode=LEG_OFF, dead_time=0.05 * PERIOD) == [(0.0, BLANKED)]
     schedule(free, 0.98, dead_time=0.05 * PERIOD)
     released = schedule(gates, 0.5, dead_time=0.05 * PERIOD)
     assert released == schedule(free, 0.5, dead_time=0.05 * PERIOD)
@@ -105,8 +102,8 @@ def test_the_modulator_goes_on_behind_blocked_gates() -> None:
 @pytest.mark.kernel
 def test_a_leg_is_held_high_or_low_whatever_its_ratio() -> None:
     gates = make_gates()
-    assert schedule(gates, 0.3, mode=HIGH) == [(0.0, UPPER)]
-    assert schedule(gates, 0.3, mode=LOW) == [(0.0, LOWER)]
+    assert schedule(gates, 0.3, mode=LEG_HIGH) == [(0.0, UPPER)]
+    assert schedule(gates, 0.3, mode=LEG_LOW) == [(0.0, LOWER)]
 
 
 @pytest.mark.kernel

@@ -9,16 +9,19 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW, LEG_OFF, LEG_PWM
 from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases
 from drivegate_models.pm_ac.plant.drive import CENTRED, Modulator, PmAcDrive, drifted, electrical_torque
-from drivegate_models.pm_ac.plant.modulator import HIGH, LOW, OFF, PWM
 
 PERIOD = 1e-4
 THIRD = 2.0 * math.pi / 3.0
 RATIOS = np.array([0.7, 0.42, 0.18])
 CLOSE = 1e-12
+ALIGNED = (LEG_HIGH, LEG_LOW, LEG_LOW)
+ONE_OPEN = (LEG_HIGH, LEG_OFF, LEG_LOW)
+BLOCKED = (LEG_OFF, LEG_OFF, LEG_OFF)
 Factory = Callable[..., PmAcDrive]
 
 
@@ -37,7 +40,7 @@ def run(
     speed: float = 120.0,
     link: float = 120.0,
     ratios: np.ndarray = RATIOS,
-    modes: tuple[int, int, int] = (PWM, PWM, PWM),
+    modes: tuple[int, int, int] = (LEG_PWM, LEG_PWM, LEG_PWM),
     currents: tuple[float, float] = (-2.0, 3.0),
     period: float = PERIOD,
     periods: int = 3,
@@ -87,13 +90,13 @@ def test_the_phases_are_alike(interior: Factory, modulator: Modulator) -> None:
 
 
 @pytest.mark.kernel
-@pytest.mark.parametrize("modes", [(HIGH, LOW, LOW), (HIGH, OFF, LOW), (OFF, OFF, OFF)])
+@pytest.mark.parametrize("modes", [ALIGNED, ONE_OPEN, BLOCKED])
 def test_magnet_currents_and_rails_reversed_reverse_all_currents(
     interior: Factory, modes: tuple[int, int, int]
 ) -> None:
     drive = interior(switch_drop=1.1, diode_drop=0.8)
     first = run(drive, modes=modes, speed=400.0, periods=10)
-    mirrored = tuple({HIGH: LOW, LOW: HIGH, OFF: OFF}[mode] for mode in modes)
+    mirrored = tuple({LEG_HIGH: LEG_LOW, LEG_LOW: LEG_HIGH, LEG_OFF: LEG_OFF}[mode] for mode in modes)
     other = run(drifted(drive, 1.0, -1.0), modes=mirrored, speed=400.0, currents=(2.0, -3.0), periods=10)
     np.testing.assert_allclose(other.phases.currents, -first.phases.currents, rtol=1e-11, atol=1e-13)
     assert other.totals[ledger.IMPULSE] == pytest.approx(first.totals[ledger.IMPULSE], rel=1e-11)
@@ -118,7 +121,7 @@ def test_time_voltage_and_current_scale(interior: Factory) -> None:
 
 
 @pytest.mark.kernel
-@pytest.mark.parametrize("modes", [(HIGH, LOW, LOW), (OFF, OFF, OFF), (HIGH, OFF, LOW)])
+@pytest.mark.parametrize("modes", [ALIGNED, BLOCKED, ONE_OPEN])
 def test_an_advance_cut_in_parts_is_the_same(interior: Factory, modes: tuple[int, int, int]) -> None:
     drive = interior(diode_drop=0.8)
     whole = run(drive, modes=modes, periods=1, period=10.0 * PERIOD)
@@ -130,14 +133,14 @@ def test_an_advance_cut_in_parts_is_the_same(interior: Factory, modes: tuple[int
 
 @pytest.mark.kernel
 def test_without_resistance_a_shorted_machine_at_standstill_keeps_its_currents(interior: Factory) -> None:
-    result = run(interior(resistance=0.0), speed=0.0, modes=(LOW, LOW, LOW), periods=20)
+    result = run(interior(resistance=0.0), speed=0.0, modes=(LEG_LOW, LEG_LOW, LEG_LOW), periods=20)
     np.testing.assert_allclose(result.phases.rotor_currents, (-2.0, 3.0), rtol=1e-14)
 
 
 @pytest.mark.kernel
 def test_a_shorted_machine_at_standstill_decays_exponentially(interior: Factory) -> None:
     drive = interior()
-    result = run(drive, speed=0.0, modes=(HIGH, HIGH, HIGH), periods=20)
+    result = run(drive, speed=0.0, modes=(LEG_HIGH, LEG_HIGH, LEG_HIGH), periods=20)
     time = 20 * PERIOD
     expected = (
         -2.0 * math.exp(-drive.resistance / drive.direct_inductance * time),
@@ -152,13 +155,13 @@ def test_blocked_gates_below_base_speed_carry_no_current_and_drag_the_shaft(inte
     drive = interior(core_loss_conductance=2e-3)
     line_peak = math.sqrt(3.0) * drive.magnet_flux * drive.pole_pairs
     speed = 0.999 * 120.0 / line_peak
-    result = run(drive, speed=speed, modes=(OFF, OFF, OFF), currents=(0.0, 0.0), periods=200)
+    result = run(drive, speed=speed, modes=BLOCKED, currents=(0.0, 0.0), periods=200)
     assert not np.any(result.phases.currents), "no line voltage exceeds that of the link"
     assert result.totals[ledger.PEAK] == 0.0
     power = speed * result.totals[ledger.CORE_DRAG_IMPULSE] / (200 * PERIOD)
     induced = drive.pole_pairs * speed * drive.magnet_flux
     assert power == pytest.approx(1.5 * 2e-3 * induced**2, rel=1e-12), "the shaft supplies the core loss"
-    faster = run(drive, speed=1.01 * speed, modes=(OFF, OFF, OFF), currents=(0.0, 0.0), periods=200)
+    faster = run(drive, speed=1.01 * speed, modes=BLOCKED, currents=(0.0, 0.0), periods=200)
     assert faster.totals[ledger.UPPER] < 0.0, "beyond that it charges the link"
 
 
@@ -180,7 +183,7 @@ def test_core_loss_is_that_of_the_mean_flux_voltage(interior: Factory) -> None:
 
 
 @pytest.mark.kernel
-@pytest.mark.parametrize("modes", [(HIGH, LOW, LOW), (OFF, OFF, OFF)])
+@pytest.mark.parametrize("modes", [ALIGNED, BLOCKED])
 @pytest.mark.parametrize("speed", [60.0, 900.0])
 def test_torque_stays_within_its_extremes_and_reaches_them(
     interior: Factory, modes: tuple[int, int, int], speed: float
@@ -230,7 +233,7 @@ def test_the_linear_limit_is_the_link_over_root_three(interior: Factory) -> None
         ratios = 0.5 + phases - 0.5 * (phases.max() + phases.min())
         assert ratios.min() >= -1e-15, "the least ratio of the greatest linear voltage"
         assert ratios.max() <= 1.0 + 1e-15, "the greatest one"
-        made = _mean_voltages(drive, ratios, (PWM, PWM, PWM))
+        made = _mean_voltages(drive, ratios, (LEG_PWM, LEG_PWM, LEG_PWM))
         assert made == pytest.approx(complex(limit * np.exp(1j * angle)), abs=1e-9)
 
 
@@ -240,7 +243,7 @@ def test_the_fundamental_of_six_steps_is_two_links_over_pi(interior: Factory) ->
     order = [(1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 1, 1), (0, 0, 1), (1, 0, 1)]
     fundamental = 0j
     for k, upper in enumerate(order):
-        voltage = _mean_voltages(drive, RATIOS, tuple(HIGH if on else LOW for on in upper))
+        voltage = _mean_voltages(drive, RATIOS, tuple(LEG_HIGH if on else LEG_LOW for on in upper))
         begin, end = (k - 0.5) * math.pi / 3.0, (k + 0.5) * math.pi / 3.0
         fundamental += voltage * (np.exp(-1j * end) - np.exp(-1j * begin)) / (-1j) / (2.0 * math.pi)
     assert abs(fundamental) == pytest.approx(2.0 * 120.0 / math.pi, rel=1e-12)

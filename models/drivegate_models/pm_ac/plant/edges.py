@@ -1,0 +1,65 @@
+"""The edges of the gates within a control period: where they begin, when the next one matters, and passing it."""
+
+from __future__ import annotations
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.pm_ac.plant.circuit import Circuit, RotorFrame, leg_voltages, phase_current
+from drivegate_models.pm_ac.plant.modulator import Gates
+from drivegate_models.pm_ac.plant.settling import Legs, set_gate
+
+# Current of a held leg, over that of the rotor frame, that can be rounding.
+_NO_CURRENT = 1e-10
+
+
+@inlined
+def begin_schedule(circuit: Circuit, legs: Legs, gates: Gates, frame: RotorFrame, duration: float) -> None:
+    """Set the first gates, and find the legs whose current keeps its sign for the whole advance."""
+    reach = circuit.steepest * duration
+    none = _NO_CURRENT * (abs(frame.direct) + abs(frame.quadrature))
+    for leg in range(3):
+        legs.positions[leg] = 0
+        set_gate(circuit, legs, leg, gates.gates[leg, 0])
+        current = phase_current(frame, leg)
+        if legs.signs[leg] == 0 and abs(current) > none:
+            # Someone has set other currents since the leg was held.
+            legs.signs[leg] = 1 if current > 0.0 else -1
+        legs.sure[leg] = 0
+        if abs(current) > reach:
+            legs.sure[leg] = 1 if current > 0.0 else -1
+
+
+@inlined
+def _changes_nothing(circuit: Circuit, legs: Legs, leg: int, gate: int) -> bool:
+    """Return whether a leg whose current keeps its sign stays on its rail when its gate changes so."""
+    if legs.sure[leg] == 0:
+        return False
+    low, high = leg_voltages(circuit, gate)
+    return bool((low if legs.sure[leg] > 0 else high) == legs.voltages[leg])
+
+
+@inlined
+def next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
+    """Return when the voltage of a leg next changes by its gate (s)."""
+    limit = duration
+    for leg in range(3):
+        following = legs.positions[leg] + 1
+        while following < gates.counts[leg] and _changes_nothing(
+            circuit, legs, leg, gates.gates[leg, following]
+        ):
+            legs.positions[leg] = following
+            set_gate(circuit, legs, leg, gates.gates[leg, following])
+            following += 1
+        if following < gates.counts[leg]:
+            limit = min(limit, gates.times[leg, following])
+    return limit
+
+
+@inlined
+def pass_edges(circuit: Circuit, legs: Legs, gates: Gates, time: float) -> None:
+    """Let all gates change that change up to a time (s)."""
+    for leg in range(3):
+        following = legs.positions[leg] + 1
+        while following < gates.counts[leg] and gates.times[leg, following] <= time:
+            legs.positions[leg] = following
+            set_gate(circuit, legs, leg, gates.gates[leg, following])
+            following += 1
