@@ -92,3 +92,40 @@ def test_an_angle_lost_to_a_pulse_of_the_load_is_found_again(name: str) -> None:
     pulse = ((0.0, 0.0), (0.2, 0.95), (6.0, 0.95), (6.0, 1.0), (7.0, 1.0), (7.0, 0.95))
     scenario = with_load_factor(plain, pulse).replaced(duration_s=16.0)
     assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)
+
+
+@pytest.mark.parametrize(
+    ("name", "drive", "speed", "torque", "factor"),
+    [
+        # Gone for more decisions than a search may take.
+        (
+            "design:golden-section",
+            "fan-3-phase",
+            4650.0,
+            0.205,
+            ((0.0, 0.0), (0.2, 0.65), (1.0, 0.65), (1.0, 0.0), (3.3, 0.0), (3.3, 0.65)),
+        ),
+        (
+            "design:quadratic-interpolation",
+            "fan-3-phase",
+            4650.0,
+            0.205,
+            ((0.0, 0.0), (0.2, 0.65), (1.0, 0.65), (1.0, 0.0), (3.3, 0.0), (3.3, 0.65)),
+        ),
+        # Heavier until the search is on its way back from the edge.
+        (
+            "design:golden-section",
+            "traction-7-phase",
+            2240.0,
+            85.26,
+            ((0.0, 0.0), (0.2, 0.6), (2.0, 0.6), (2.0, 1.0), (3.97, 1.0), (3.97, 0.6)),
+        ),
+    ],
+)
+def test_a_search_has_its_time_from_the_load_on_for_which_it_searches(
+    name: str, drive: str, speed: float, torque: float, factor: tuple[tuple[float, float], ...]
+) -> None:
+    plain = steady_scenario(load_drive(drive), speed, power_share=1.0, constant_power=False)
+    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
+    scenario = with_load_factor(loaded, factor).replaced(duration_s=factor[-1][0] + 10.0)
+    assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)

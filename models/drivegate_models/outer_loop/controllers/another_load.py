@@ -104,6 +104,27 @@ def has_moved_on(state: Any, power: float) -> bool:
 
 
 @inlined
+def is_lighter_load(state: Any, power: float) -> bool:
+    """Return whether the way back from the edge has ended at less current than the angle below took before.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power : float
+        Mean current sum of the decision interval (A).
+
+    Returns
+    -------
+    bool
+        False as long as no good angle is known, and below it.
+    """
+    above = state.offset >= state.good_offset
+    lighter: bool = above and state.good_power < inf and power < (1.0 - LOAD_CHANGED) * state.good_power
+    return lighter
+
+
+@inlined
 def load_has_changed(state: Any, power: float, fall: float, rise: float) -> bool:
     """Return whether the current sum differs from that of the last good angle by more than angles explain.
 

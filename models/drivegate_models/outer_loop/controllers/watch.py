@@ -168,6 +168,24 @@ def is_read_too_soon(state: Any, power: float, change: float) -> bool:
 
 
 @inlined
+def is_unloaded(state: Any) -> bool:
+    """Return whether so little current has flown in the last decision interval that it says nothing of the angle.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    bool
+        About its mean current sum.
+    """
+    unloaded: bool = state.last_power < _SMALLEST_POWER * greatest_current_sum(state)
+    return unloaded
+
+
+@inlined
 def remember(state: Any, power: float) -> None:
     """Keep of a decision interval how calm the speed was, and whether the integral grew for no more current.
 
@@ -264,7 +282,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         walk_back(state, 0.5 * state.first_step, True)
         return WAITING, change
     # A current sum with the speed off its reference says nothing about the angle.
-    if not regulated or power < _SMALLEST_POWER * greatest_current_sum(state):
+    if not regulated or is_unloaded(state):
         begin_settling(state)
         return WAITING, change
     settled = abs(change) <= _SETTLED * power

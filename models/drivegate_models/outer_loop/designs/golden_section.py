@@ -10,6 +10,8 @@ from drivegate_models.outer_loop.designs.state import LOWEST_ANGLE
 
 _RATIO: Final = 0.6180339887498949
 _TOLERANCE = radians(1.5)
+# The way back leads up by the last step, and that may have been twice the first.
+_LAST_STEPS = 2.0
 
 
 @inlined
@@ -28,6 +30,7 @@ def begin_golden_section(state: Any) -> float:
     """
     state.low = LOWEST_ANGLE - state.line
     state.high = state.home
+    state.falls = 1
     return divide(state)
 
 
@@ -71,11 +74,16 @@ def continue_golden_section(state: Any, power: float) -> float:
     """
     if power == inf:
         state.low = max(state.low, state.controller.forbidden)
+        if state.falls == 1:
+            # Each step down to here saved current, so the optimum is no farther above than the last ones.
+            state.high = min(state.high, state.controller.offset + _LAST_STEPS * state.controller.first_step)
+            state.falls = 0
         if state.stage == 1 and state.controller.last_power < state.right_power:
             # On the way to the left point it became cheaper than at the right one, until the torque was lost.
-            state.high = state.right
+            state.high = min(state.high, state.right)
         state.finished = 1 if state.high - state.low < _TOLERANCE else 0
         return divide(state)
+    state.falls = 1
     if state.stage == 0:
         state.right_power = power
         state.stage = 1

@@ -6,14 +6,20 @@ from math import inf
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.outer_loop.controllers.another_load import LOAD_CHANGED, differs, greatest_current_sum
-from drivegate_models.outer_loop.controllers.protection import HOLDING, MARGIN, forget_other_load
+from drivegate_models.outer_loop.controllers.another_load import (
+    LOAD_CHANGED,
+    differs,
+    greatest_current_sum,
+    is_lighter_load,
+)
+from drivegate_models.outer_loop.controllers.protection import HOLDING, MARGIN, forget_other_load, rearm
 from drivegate_models.outer_loop.controllers.unrest import is_uneasy
 from drivegate_models.outer_loop.controllers.watch import (
     BEGINNING,
     CONTINUING,
     WAITING,
     begin_holding,
+    is_unloaded,
     watch_search,
 )
 from drivegate_models.outer_loop.designs.confirmation import (
@@ -259,6 +265,44 @@ def accept_way_back(state: Any) -> None:
 
 
 @inlined
+def wait(state: Any) -> None:
+    """Let a decision interval pass that tells the search nothing.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+    """
+    if state.controller.mode == HOLDING:
+        keep_off_edge(state)
+    elif is_unloaded(state.controller):
+        # Nothing can be found meanwhile: the time that a search may take begins with the load.
+        state.decisions = 0
+
+
+@inlined
+def go_on_way(state: Any, begins: bool, change: float) -> None:
+    """Take the next step on the way to a probe, and keep what the last one has told.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+    begins : bool
+        Whether the current sum has settled since the torque was lost.
+    change : float
+        Change of the mean current sum since the last decision (A).
+    """
+    if not begins:
+        state.falls = state.falls if change < 0.0 else 0
+    elif state.finished == 1:
+        accept_way_back(state)
+    else:
+        note_cheapest(state)
+    settle_for(state, state.target)
+
+
+@inlined
 def decide_design(state: Any) -> None:
     """Make one decision of a design.
 
@@ -273,8 +317,10 @@ def decide_design(state: Any) -> None:
     rise = LOAD_CHANGED if state.tabled == 1 else _RISE
     work, change = watch_search(controller, _FALL, rise, inf)
     if work == WAITING:
-        if controller.mode == HOLDING:
-            keep_off_edge(state)
+        wait(state)
+        return
+    if work == BEGINNING and is_lighter_load(controller, controller.last_power):
+        rearm(controller)
         return
     forget_other_load(controller, controller.last_power)
     if controller.good_power == inf:
@@ -284,11 +330,7 @@ def decide_design(state: Any) -> None:
         state.finished = 1
         settle_for(state, state.best_offset)
     elif not is_reached(state):
-        if state.finished == 1 and work == BEGINNING:
-            accept_way_back(state)
-        elif work == BEGINNING:
-            note_cheapest(state)
-        settle_for(state, state.target)
+        go_on_way(state, work == BEGINNING, change)
     elif work == CONTINUING and not is_read(state, change):
         return
     elif state.finished == 1:

@@ -64,6 +64,8 @@ DESIGN_STATE: Final = np.dtype(
         ("swing_from", np.float64),
         ("swing_rises", np.int64),
         ("swings", np.int64),
+        # Whether the current sum has fallen with every step since the last probe was read.
+        ("falls", np.int64),
         ("stage", np.int64),
         ("probes", np.int64),
         ("low", np.float64),
