@@ -24,7 +24,6 @@ from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
-from drivegate_cases.drive.drive_file import TABLES
 from drivegate_cases.scenario.sensors import PLAIN
 
 DOCS: Final = Path(__file__).parent
@@ -181,13 +180,15 @@ def _range(row: Varied) -> str:
     return lowest if lowest == highest else f"{lowest} to {highest}"
 
 
-def drive_keys(_: str) -> str:
-    """Every key of a drive, by its table."""
+def drive_keys(kind: str) -> str:
+    """Every key of a drive, by its table; with a kind, of one that has tables of its own."""
+    document = DriveDocument.of_kind({"kind": kind}) if kind else DriveDocument
+    tables = document.tables
     rows = [
         (f"`{prefix}{key}`", _plain(field.description or ""), _left_out(field.is_required(), field.default))
-        for prefix, model in (("", DriveDocument), *((f"{name}.", table) for name, table in TABLES.items()))
+        for prefix, model in (("", document), *((f"{name}.", table) for name, table in tables.items()))
         for key, field in model.model_fields.items()
-        if key not in TABLES and field.alias is None
+        if key not in DriveDocument.tables and field.alias is None
     ]
     return _table(("key", "is", "left out"), rows)
 
@@ -195,7 +196,9 @@ def drive_keys(_: str) -> str:
 def _left_out(required: bool, default: object) -> str:
     if required:
         return "refused"
-    return f"{default:g}" if isinstance(default, float) else "none"
+    if isinstance(default, str):
+        return default
+    return f"{default:g}" if isinstance(default, int | float) else "none"
 
 
 def sensor_keys(kind: str) -> str:
