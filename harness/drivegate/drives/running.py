@@ -47,6 +47,9 @@ def recorded(
 ) -> RunRecord:
     """Run a candidate through a scenario for the checks, observed as its declaration requires."""
     declaration = loaded.candidate.declaration
+    record = kind_of(scenario.drive).record
+    if record is not None:
+        return record(declaration, scenario, controller, kept)
     run = run_scenario(
         scenario,
         controller,

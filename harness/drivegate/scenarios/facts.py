@@ -9,7 +9,7 @@ from typing import Any, Final
 from drivegate.scenarios.building import TORQUE_DIGITS, steady_scenario
 from drivegate.scenarios.drive_scale import scale_of_mapping
 from drivegate_cases.documents.wording import figure
-from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
@@ -66,6 +66,9 @@ def _coming_on(scenario: Mapping[str, Any]) -> list[list[float]]:
 def _load(scenario: Mapping[str, Any]) -> Iterator[str]:
     load = scenario["load"]
     kind = load["kind"].replace("_", " ")
+    if kind == "dynamometer":
+        yield f"torque reference {_course(load['torque_reference_nm'], 'N·m')}"
+        return
     coming_on = _coming_on(scenario)
     factor = load.get("factor", coming_on)
     if kind == "vehicle":
@@ -83,6 +86,12 @@ def _load(scenario: Mapping[str, Any]) -> Iterator[str]:
     if _listed(factor) != coming_on:
         switched = factor[_listed(factor)[:1] == coming_on[:1] :]
         yield f"{_course(switched, '% of the load', 100.0)}"
+
+
+def _control_period(scenario: Mapping[str, Any]) -> Iterator[str]:
+    """Tell of a control period that is not the drive's own."""
+    if scenario["drive"]["kind"] != PM_AC:
+        yield from _other("control_period_s", scenario["control_period_s"])
 
 
 def _sensors(scenario: Mapping[str, Any]) -> Iterator[str]:
@@ -171,6 +180,7 @@ def _listed(profile: Sequence[Sequence[float]]) -> list[list[float]]:
 
 _WORDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Iterator[str]]]] = {
     "duration_s": _duration,
+    "control_period_s": _control_period,
     "speed_rpm": _speed,
     "load": _load,
     "supply_v": _supply,

@@ -50,6 +50,8 @@ class DriveDocument(Document):
         "requirements": Requirements,
     }
     """The tables of values, by name."""
+    contract: ClassVar[str] = "current"
+    """Contract of the controllers: what they answer with."""
 
     name: str = Field(min_length=1, max_length=200, description="name of the drive")
     kind: Literal["half-bridge", "star", "pm-ac"] = Field(

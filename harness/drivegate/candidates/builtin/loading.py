@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.candidates.builtin.candidates import DUTY_CANDIDATES
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
@@ -56,6 +57,10 @@ def load_controller(candidate: Candidate) -> Controller:
         return load_near_design(candidate.entry.removeprefix(NEAR_PREFIX))
     if candidate.entry.startswith(DESIGN_PREFIX):
         return _design_controller(candidate.entry.removeprefix(DESIGN_PREFIX))
+    if candidate.entry in DUTY_CANDIDATES:
+        from drivegate.candidates.builtin.duty_loading import load_duty_controller
+
+        return load_duty_controller(candidate.entry)
     return BuiltinController(SEARCHES[candidate.entry])
 
 

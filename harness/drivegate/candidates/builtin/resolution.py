@@ -6,7 +6,11 @@ import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DESIGN_CANDIDATES
+from drivegate.candidates.builtin.candidates import (
+    BUILTIN_CANDIDATES,
+    DESIGN_CANDIDATES,
+    DUTY_CANDIDATES,
+)
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
@@ -25,10 +29,11 @@ def from_text(specification: str) -> Candidate:
 
 def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:  # noqa: ARG001  (as all kinds)
     """Find the controller that a manifest names; it has a declaration of its own."""
-    if manifest.entry not in BUILTIN_CANDIDATES:
+    known = (*BUILTIN_CANDIDATES, *DUTY_CANDIDATES)
+    if manifest.entry not in known:
         raise InputError(
             f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', but must be "
-            f"one of the built-in candidates {', '.join(BUILTIN_CANDIDATES)}"
+            f"one of the built-in candidates {', '.join(known)}"
         )
     return _candidate(manifest.name, specification, manifest.entry, manifest.declaration())
 
@@ -43,7 +48,7 @@ def _declaration_of(name: str) -> Declaration:
         return _near_declaration(name)
     if name.startswith(DESIGN_PREFIX):
         return _design_declaration(name)
-    return BUILTIN_CANDIDATES[name]
+    return (BUILTIN_CANDIDATES | DUTY_CANDIDATES)[name]
 
 
 def _design_declaration(name: str) -> Declaration:
@@ -70,4 +75,7 @@ def _unknown(name: str, known: list[str]) -> InputError:
 
 def _candidate(name: str, specification: str, entry: str, declaration: Declaration) -> Candidate:
     digest = hashlib.sha256(f"drivegate {__version__} {entry}".encode()).hexdigest()
-    return Candidate(name, "builtin", specification, entry, Path.cwd(), (), digest, declaration)
+    contract = "duty" if entry in DUTY_CANDIDATES else "current"
+    return Candidate(
+        name, "builtin", specification, entry, Path.cwd(), (), digest, declaration, contract=contract
+    )

@@ -35,6 +35,8 @@ class PmAcDocument(DriveDocument):
         "requirements": PmAcRequirements,
     }
 
+    contract: ClassVar[str] = "duty"
+
     kind: Literal["pm-ac"] = Field(
         description='kind of drive: "pm-ac", a d-q machine on a two-level bridge that is given duty ratios'
     )

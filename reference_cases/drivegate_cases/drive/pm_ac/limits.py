@@ -12,8 +12,6 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 SETTLING_PERIODS: Final = 8000
 """Control periods in which a steady state has to be reached, where no time is stated."""
-RISE_PERIODS: Final = 7
-"""Control periods that a torque step may take beside what the voltage takes, where no time is stated."""
 _PERCENT: Final = 0.01
 _KEPT: Final = 100
 
@@ -34,8 +32,8 @@ class DutyLimits:
         Greatest error of the mean torque (N·m).
     overshoot : float
         Greatest overshoot of the torque over the reference's step (1).
-    rise_time_s : float or None
-        Longest time of a torque step to 90 % (s); None where it follows from the step.
+    rise_time_s : float
+        Longest time of a torque step to 90 %, beside what the voltage takes to move the current (s).
     peak_current_a : float
         Greatest phase current at any time (A).
     current_excess : float
@@ -55,7 +53,7 @@ class DutyLimits:
     rated_torque_nm: float
     torque_error_nm: float
     overshoot: float
-    rise_time_s: float | None
+    rise_time_s: float
     peak_current_a: float
     current_excess: float
     loss_excess: float
@@ -87,7 +85,7 @@ def duty_limits_of(drive: PmAcDocument) -> DutyLimits:
         rated_torque_nm=torque,
         torque_error_nm=_PERCENT * stated.torque_tolerance_percent * torque,
         overshoot=_PERCENT * stated.overshoot_percent,
-        rise_time_s=stated.rise_time_s,
+        rise_time_s=stated.rise_periods * drive.inverter.control_period_s,
         peak_current_a=_PERCENT * stated.peak_current_percent * rating.current_limit_a,
         current_excess=_PERCENT * stated.least_current_percent,
         loss_excess=_PERCENT * stated.least_loss_percent,

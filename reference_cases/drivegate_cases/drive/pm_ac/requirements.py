@@ -32,12 +32,10 @@ class PmAcRequirements(Section):
     overshoot_percent: _Percent = Field(
         default=10.0, description="greatest overshoot of the torque, in percent of the reference's step"
     )
-    rise_time_s: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=10.0,
-        description="longest time of a torque step to 90 %, by default 7 control periods more than the link's voltage "
-        "takes to move the current",
+    rise_periods: Annotated[float, Field(ge=1.0, le=1e6)] = Field(
+        default=7.0,
+        description="longest time of a torque step to 90 %, in control periods beside what the link's voltage takes to "
+        "move the current",
     )
     peak_current_percent: Annotated[float, Field(ge=100.0, le=1000.0)] = Field(
         default=120.0, description="greatest phase current at any time, in percent of the current limit"

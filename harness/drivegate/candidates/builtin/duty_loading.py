@@ -1,0 +1,45 @@
+"""Loading the controllers of duty ratios that come with drivegate."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.fault import Fault
+from drivegate_models.contract.duty.records import duty_nameplate_record
+from drivegate_models.duty.controllers.foc import reset_function, step_function
+from drivegate_models.duty.controllers.state import FOC_STATE
+
+
+class DutyController:
+    """One instance of a controller of duty ratios: its state, and the compiled functions that it shares.
+
+    Attributes
+    ----------
+    step_address : int
+        Address of the compiled step.
+    state_address : int
+        Address of the state; valid as long as this object lives.
+    state_size : int
+        Size of the state (bytes).
+    fault : None
+        Always None: these controllers report no fault of their own.
+    """
+
+    def __init__(self) -> None:
+        self._step = step_function()
+        self._state: NDArray[Any] = np.zeros(1, FOC_STATE)
+        self.step_address: int = self._step.address
+        self.state_address: int = self._state.ctypes.data
+        self.state_size: int = self._state.nbytes
+        self.fault: Fault | None = None
+
+    def reset(self, nameplate: Any) -> None:
+        """Write the constants and forget everything else."""
+        reset_function()(self._state, duty_nameplate_record(nameplate))
+
+
+def load_duty_controller(name: str) -> DutyController:
+    """Make a new instance of a controller by its name."""
+    assert name == "foc", "there is one of them"
+    return DutyController()
