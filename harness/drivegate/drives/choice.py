@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.drives.kinds import DEFAULT_DRIVES
+from drivegate.drives.kinds import DEFAULT_DRIVES, kind_of
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
@@ -37,6 +37,12 @@ def require_contract(candidate: Candidate, drive: DriveDocument) -> None:
         f"'{one_line(drive.name)}' of the kind '{drive.kind}' takes {_ANSWERS[drive.contract]}; name a drive such as "
         f"{DEFAULT_DRIVES[candidate.contract]} with --drive"
     )
+
+
+def require_angles(drive: DriveDocument) -> DriveDocument:
+    """Refuse a drive whose controllers answer with no advance angle, where all is about angles."""
+    kind_of(drive).oracle()
+    return drive
 
 
 def common_drive(candidates: Iterable[Candidate], named: DriveDocument | None = None) -> DriveDocument:

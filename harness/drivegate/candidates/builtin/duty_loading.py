@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.fault import Fault
 from drivegate_models.contract.duty.records import duty_nameplate_record
+from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.duty.controllers.foc import reset_function, step_function
 from drivegate_models.duty.controllers.state import FOC_STATE
+from drivegate_models.errors import InputError
 
 
 class DutyController:
@@ -35,7 +37,12 @@ class DutyController:
         self.fault: Fault | None = None
 
     def reset(self, nameplate: Any) -> None:
-        """Write the constants and forget everything else."""
+        """Write the constants and forget everything else; a nameplate of another contract is refused."""
+        if not isinstance(nameplate, DutyNameplate):
+            raise InputError(
+                "the controller answers with duty ratios, but the drive takes a current reference and an advance angle; "
+                "name a drive of the kind 'pm-ac'"
+            )
         reset_function()(self._state, duty_nameplate_record(nameplate))
 
 

@@ -13,7 +13,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.catalogue import check_of as check_named
 from drivegate.checks.check import Check
 from drivegate.checks.drive_numbers import on_drive
 from drivegate.checks.flowchart.judging import judge_script
@@ -157,7 +157,8 @@ def _script_again(loaded: JudgedCandidate, script: Script) -> Replay:
 
 def check_of(stored: Counterexample) -> Check:
     """Find the check that a counterexample is about."""
-    return next(check for check in CHECKS if check.id == stored.check)
+    scenario = stored.scenario
+    return check_named("current" if isinstance(scenario, Script) else scenario.drive.contract, stored.check)
 
 
 def signals_shown(stored: Counterexample, ended: Replay | Fault) -> RunSignals | None:
