@@ -13,13 +13,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import told_on
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.checks.coverage import JUDGED, NOT_VARIED, SENSED, Varied, drawn_by_family, varied_keys
 from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
 from drivegate.drives.drawn_bounds import BOUNDS
-from drivegate.drives.kinds import DEFAULT_DRIVE
+from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.scenarios.fixed import fixed_scenarios
@@ -39,21 +40,27 @@ SUBJECTS: Final = {
 }
 
 
-def check_table(_: str) -> str:
-    """Every check, each with a link to its page."""
+def _drive_of(contract: str) -> DriveDocument:
+    """Give the drive whose numbers stand in the texts of a contract's checks."""
+    return load_drive(DEFAULT_DRIVES[contract or "current"])
+
+
+def check_table(contract: str) -> str:
+    """Every check of a contract, each with a link to its page."""
     rows = (
         (
             f"[`{row['id']}`](checks/{row['id']}.md)",
             *map(_plain, (row["requirement"], row["limit"], row["level"], row["source"])),
         )
-        for row in traced_checks(load_drive(DEFAULT_DRIVE))
+        for row in traced_checks(_drive_of(contract))
     )
     return _table(("check", "requirement", "limit", "level", "source"), rows)
 
 
-def check(name: str) -> str:
-    """One check: requirement, limit, margin, source and what exercises it."""
-    row = next(row for row in traced_checks(load_drive(DEFAULT_DRIVE)) if row["id"] == name)
+def check(named: str) -> str:
+    """One check: requirement, limit, margin, source and what exercises it; of another contract, ``duty:PWR-1``."""
+    contract, _, name = named.rpartition(":")
+    row = next(row for row in traced_checks(_drive_of(contract)) if row["id"] == name)
     sources = "; ".join(f"{fact['id']}, {fact['title']} ({fact['where']})" for fact in row["facts"])
     told = {
         "Requirement": row["requirement"],
@@ -69,8 +76,15 @@ def check(name: str) -> str:
     return _table((name, "is"), ((f"**{head}**", _plain(text)) for head, text in told.items()))
 
 
-def known_faults(name: str) -> str:
-    """The faulty controllers that the self-test has for one check."""
+def known_faults(named: str) -> str:
+    """The faulty controllers that there are for one check; of another contract, ``duty:FWK-2``."""
+    contract, _, name = named.rpartition(":")
+    if contract:
+        return "\n".join(
+            f"- `faulty:{fault}`: {_plain(found.sentence)}"
+            for fault, found in DUTY_FAULTS.items()
+            if found.check == name
+        )
     drive = load_drive(DEFAULT_DRIVE)
     return "\n".join(
         f"- `faulty:{fault.name}`: {_plain(told_on(fault, fault.sentence, drive))}"

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
-from numpy.typing import NDArray
-
 from drivegate.drives.drive_kind import DriveKind
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
+    from numpy.typing import NDArray
 
     from drivegate.candidates.declaration import Declaration
     from drivegate.checks.check import Check

@@ -19,6 +19,8 @@ PLAIN_RUN: Final = "the plain run"
 """What is said of a scenario without any fact."""
 
 _TOLD_ELSEWHERE: Final = frozenset({"schema", "name", "description", "drive", "seed", "initial_speed_rpm"})
+COURSES: Final = ("factor", "grade_percent", "torque_reference_nm")
+"""Keys of a load that are courses over time."""
 _SYMBOLS: Final = {"resistance": "R", "inductance": "L", "emf_constant": "ke"}
 _UNITS: Final = {"torque_nm": "N·m", "power_w": "W"}
 
@@ -154,7 +156,7 @@ def _last_time(scenario: Mapping[str, Any]) -> float:
     load = scenario["load"]
     profiles = [
         scenario["speed_rpm"],
-        load.get("factor", load.get("grade_percent", ())),
+        next((load[key] for key in COURSES if key in load), ()),
         scenario.get("supply_v") or (),
         scenario.get("imbalance") or (),
         *(scenario.get("drift") or {}).values(),

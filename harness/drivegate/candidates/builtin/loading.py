@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.builtin.candidates import DUTY_CANDIDATES
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
@@ -47,6 +46,10 @@ SEARCHING: Final = ControllerCode(CONTROLLER_STATE, step_function, reset_functio
 
 def load_controller(candidate: Candidate) -> Controller:
     """Make a new instance of a built-in controller."""
+    if candidate.contract == "duty":
+        from drivegate.candidates.builtin.duty_loading import load_duty_controller
+
+        return load_duty_controller(candidate.entry)
     if candidate.entry.startswith(FAULTY_PREFIX):
         from drivegate.candidates.builtin.faulty_controller import load_faulty_controller
 
@@ -57,10 +60,6 @@ def load_controller(candidate: Candidate) -> Controller:
         return load_near_design(candidate.entry.removeprefix(NEAR_PREFIX))
     if candidate.entry.startswith(DESIGN_PREFIX):
         return _design_controller(candidate.entry.removeprefix(DESIGN_PREFIX))
-    if candidate.entry in DUTY_CANDIDATES:
-        from drivegate.candidates.builtin.duty_loading import load_duty_controller
-
-        return load_duty_controller(candidate.entry)
     return BuiltinController(SEARCHES[candidate.entry])
 
 

@@ -39,6 +39,8 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
 
 
 def _declaration_of(name: str) -> Declaration:
+    if _answers_with_duty_ratios(name):
+        return DUTY_CANDIDATES.get(name, Declaration())
     if name.startswith(FAULTY_PREFIX):
         # Their registry is only read where one of them is named.
         from drivegate.candidates.builtin.faults.catalogue import find_mutation
@@ -48,7 +50,16 @@ def _declaration_of(name: str) -> Declaration:
         return _near_declaration(name)
     if name.startswith(DESIGN_PREFIX):
         return _design_declaration(name)
-    return (BUILTIN_CANDIDATES | DUTY_CANDIDATES)[name]
+    return BUILTIN_CANDIDATES[name]
+
+
+def _answers_with_duty_ratios(name: str) -> bool:
+    if not name.startswith(FAULTY_PREFIX):
+        return name in DUTY_CANDIDATES
+    # Their registry is only read where a faulty controller is named.
+    from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
+
+    return name.removeprefix(FAULTY_PREFIX) in DUTY_FAULTS
 
 
 def _design_declaration(name: str) -> Declaration:
@@ -75,7 +86,7 @@ def _unknown(name: str, known: list[str]) -> InputError:
 
 def _candidate(name: str, specification: str, entry: str, declaration: Declaration) -> Candidate:
     digest = hashlib.sha256(f"drivegate {__version__} {entry}".encode()).hexdigest()
-    contract = "duty" if entry in DUTY_CANDIDATES else "current"
+    contract = "duty" if _answers_with_duty_ratios(entry) else "current"
     return Candidate(
         name, "builtin", specification, entry, Path.cwd(), (), digest, declaration, contract=contract
     )

@@ -117,8 +117,8 @@ def _name_drive(contents: dict[str, bytes], drive: str) -> None:
     name = named.name
     if named.contract != "current":
         raise InputError(
-            f"the drive '{one_line(name)}' of the kind '{named.kind}' takes duty ratios, but the templates answer with a "
-            "current reference and an advance angle; name another drive"
+            f"the drive '{one_line(name)}' of the kind '{named.kind}' takes duty ratios, but the templates answer with "
+            "a current reference and an advance angle; name another drive"
         )
     if drive not in drive_names():
         place = f"drive{Path(drive).suffix.lower()}"
