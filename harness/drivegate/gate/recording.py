@@ -15,11 +15,11 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.results.result import CheckOutcome, Recording
-from drivegate.runs.duty.record import DutyRecord
-from drivegate.runs.record import RunRecord
+from drivegate.runs.duty.run import DutyClosedLoopRun
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.documents.rounding import significant
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.units import RADIANS_PER_RPM
 
 MOST_POINTS: Final = 300
@@ -38,6 +38,8 @@ DUTY_COLUMNS: Final[Mapping[str, tuple[str, float]]] = {
     "link_voltage_v": ("link", 1.0),
 }
 """Columns that are kept of a run of duty ratios: each with its source and what that is multiplied by."""
+VOLTAGE: Final = "voltage_v"
+"""A further one: the peak voltage of a phase that the duty ratios ask for."""
 COLUMNS: Final = (
     "time_s",
     "speed_reference_rpm",
@@ -121,14 +123,20 @@ def run_recorded(loaded: JudgedCandidate, plan: RecordPlan) -> Recorded:
     for check in kind_of(scenario.drive).checks():
         if check.id in plan.checks:
             windows[check.id] = judged_window(check, record, check.evaluate(record))
-    return Recorded(_columns(record), windows)
+    return Recorded(thinned_run(record.run), windows)
 
 
-def _columns(record: RunRecord) -> dict[str, list[float]]:
-    if not isinstance(record, DutyRecord):
-        return thinned(record.run.trace)
-    columns = {name: factor * record.run.column(source) for name, (source, factor) in DUTY_COLUMNS.items()}
-    return thinned_columns({**columns, "voltage_v": record.voltages})
+def thinned_run(run: ClosedLoopRun | DutyClosedLoopRun) -> dict[str, list[float]]:
+    """Take the means of a run's signals over equal stretches."""
+    if not isinstance(run, DutyClosedLoopRun):
+        return thinned(run.trace)
+    return thinned_columns(duty_columns(run))
+
+
+def duty_columns(run: DutyClosedLoopRun) -> dict[str, NDArray[Any]]:
+    """Give the columns of a run with duty ratios in people's units, a row for each control period."""
+    columns = {name: factor * run.column(source) for name, (source, factor) in DUTY_COLUMNS.items()}
+    return {**columns, VOLTAGE: run.voltages}
 
 
 def thinned(trace: NDArray[Any]) -> dict[str, list[float]]:

@@ -61,7 +61,7 @@ DUTY_FAULTS: Final = {
         "Turns its voltages by the angle of the sample, not by that at which they act.",
         _scaled(0.0, "lead"),
     ),
-    "wrong-pole-pairs": DutyFault("STA-1", "Counts one pole pair too many.", _another_pole_pair),
+    "wrong-pole-pairs": DutyFault("ACC-1", "Counts one pole pair too many.", _another_pole_pair),
     "generous-current-limit": DutyFault(
         "OVC-1", "Takes a current limit that is 40 % too high.", _scaled(1.4, "current_limit")
     ),

@@ -56,11 +56,16 @@ def needless_direct_current(record: RunRecord) -> Margin | None:
     if not judged.is_nominal:
         return None
     windows = (window for window in judged.steady if window.voltage < FREE_SHARE * undistorted(window.link))
-    return worst(_direct_error(judged, window) for window in windows)
+    margins = [_direct_error(judged, window) for window in windows]
+    return worst(margin for margin in margins if margin is not None)
 
 
-def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin:
-    best = least_free(plant_of(record), window.speed, window.torque).direct
+def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
+    # Weakening may keep this much voltage in hand, and only what goes further is needless.
+    voltage = FREE_SHARE * undistorted(window.link)
+    best = least_free(plant_of(record), window.speed, window.torque, voltage).direct
+    if not isfinite(best):
+        return None
     error = abs(window.direct - best)
     told = f"d current {window.direct:.4g} A, {best:.4g} A is best for {window.torque:.4g} N·m {at(window)}"
     return Margin("FWK-2", at_most(error, record.limits.direct_error_a), told)
@@ -105,7 +110,7 @@ FWK_1 = Check(
 )
 FWK_2 = Check(
     id="FWK-2",
-    requirement="Where the voltage is free the d current is that of most torque per ampere.",
+    requirement="Where 10 % of the voltage is free the d current is no other than the least current takes.",
     source="the contract",
     subject="candidate",
     level="required",

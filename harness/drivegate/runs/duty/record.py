@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.runs.duty.run import DUTY_RATIOS, DutyClosedLoopRun
+from drivegate.runs.duty.run import DutyClosedLoopRun
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.duty.windows import DutyDwell, duty_windows
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -96,15 +96,6 @@ class DutyRecord(RunRecord):
         return self.scenario.scales == NOMINAL and self.scenario.drift is None
 
     @cached_property
-    def voltages(self) -> NDArray[np.float64]:
-        """Peak voltage of a phase that each period's duty ratios ask for, shape (n,) (V)."""
-        ratios = [np.clip(self.run.commands[name], 0.0, 1.0) for name in DUTY_RATIOS]
-        middle = (ratios[0] + ratios[1] + ratios[2]) / 3.0
-        squares = sum((ratio - middle) * (ratio - middle) for ratio in ratios)
-        voltages: NDArray[np.float64] = np.sqrt(2.0 / 3.0 * squares) * self.run.column("link")
-        return voltages
-
-    @cached_property
     def steady(self) -> tuple[DutyWindow, ...]:
         """The stretches in which a steady state is judged."""
         period = self.scenario.control_period_s
@@ -112,7 +103,7 @@ class DutyRecord(RunRecord):
         for dwell, start, end in duty_windows(self.scenario):
             rows = slice(round(start / period), round(end / period))
             mean = {name: _mean(self.run.column(name)[rows]) for name in _MEANS}
-            voltage = _mean(self.voltages[rows])
+            voltage = _mean(self.run.voltages[rows])
             found.append(DutyWindow(dwell, start, end, voltage=voltage, **mean))
         return tuple(found)
 

@@ -6,6 +6,7 @@ import hashlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -65,6 +66,15 @@ class DutyClosedLoopRun:
         """Give one column of the trace, shape (n,)."""
         values: NDArray[np.float64] = self.trace[:, self.columns.index(name)]
         return values
+
+    @cached_property
+    def voltages(self) -> NDArray[np.float64]:
+        """Peak voltage of a phase that each period's duty ratios ask for, shape (n,) (V)."""
+        ratios = [np.clip(self.commands[name], 0.0, 1.0) for name in DUTY_RATIOS]
+        middle = (ratios[0] + ratios[1] + ratios[2]) / 3.0
+        squares = sum((ratio - middle) * (ratio - middle) for ratio in ratios)
+        voltages: NDArray[np.float64] = np.sqrt(2.0 / 3.0 * squares) * self.column("link")
+        return voltages
 
 
 def duty_nameplate(scenario: Scenario) -> DutyNameplate:
