@@ -33,6 +33,8 @@ def least_within(drive: PmAcDrive, speed: float, link: float, torque: float, pur
 
 
 @lru_cache(maxsize=_KEPT)
-def least_free(drive: PmAcDrive, speed: float, torque: float, voltage: float = _UNLIMITED_V) -> SteadyState:
-    """Find the steady state of least current that gives a torque, whatever voltage it takes or within one (V)."""
-    return least_at(drive, Limits(2.0 * drive.current_limit, voltage), speed, torque, CURRENT)
+def least_free(
+    drive: PmAcDrive, speed: float, torque: float, voltage: float = _UNLIMITED_V, purpose: int = CURRENT
+) -> SteadyState:
+    """Find the steady state of least current, or loss, for a torque, whatever voltage it takes or within one (V)."""
+    return least_at(drive, Limits(2.0 * drive.current_limit, voltage), speed, torque, purpose)

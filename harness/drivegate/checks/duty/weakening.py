@@ -10,7 +10,7 @@ import numpy as np
 from drivegate.checks.check import Check
 from drivegate.checks.duty.current import FREE_SHARE
 from drivegate.checks.duty.judged import at, duty_record, is_within_reach, plant_of, worst
-from drivegate.checks.duty.optimum import greatest_at, least_free, undistorted
+from drivegate.checks.duty.optimum import CURRENT, LOSS, greatest_at, least_free, undistorted
 from drivegate.checks.duty.steps import TorqueStep, torque_steps
 from drivegate.checks.margin import Margin, at_most, normalised
 from drivegate.runs.duty.record import DutyRecord, DutyWindow
@@ -63,10 +63,13 @@ def needless_direct_current(record: RunRecord) -> Margin | None:
 def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
     # Weakening may keep this much voltage in hand, and only what goes further is needless.
     voltage = FREE_SHARE * undistorted(window.link)
-    best = least_free(plant_of(record), window.speed, window.torque, voltage).direct
-    if not isfinite(best):
+    best, cool = (
+        least_free(plant_of(record), window.speed, window.torque, voltage, purpose).direct
+        for purpose in (CURRENT, LOSS)
+    )
+    if not (isfinite(best) and isfinite(cool)):
         return None
-    error = abs(window.direct - best)
+    error = max(min(best, cool) - window.direct, window.direct - max(best, cool), 0.0)
     told = f"d current {window.direct:.4g} A, {best:.4g} A is best for {window.torque:.4g} N·m {at(window)}"
     return Margin("FWK-2", at_most(error, record.limits.direct_error_a), told)
 
@@ -110,13 +113,13 @@ FWK_1 = Check(
 )
 FWK_2 = Check(
     id="FWK-2",
-    requirement="Where 10 % of the voltage is free the d current is no other than the least current takes.",
+    requirement="Where 10 % of the voltage is free the d current is that of least current, of least loss, or between.",
     source="the contract",
     subject="candidate",
     level="required",
     limit="± {direct_error}",
     scenarios="steady stretches of the nominal drive that use less than 90 % of the undistorted voltage",
-    formula="1 - |d current - the oracle's| / {direct_error}",
+    formula="1 - distance of the d current from the oracle's / {direct_error}",
     why="Weakening that stays on heats the winding, also at standstill.",
     evaluate=needless_direct_current,
 )
