@@ -94,17 +94,23 @@ def speed_scenario(
 
 
 def load_step_scenario(
-    drive: PmAcDocument, speed_rpm: float, torque_nm: float, shares: Sequence[float]
+    drive: PmAcDocument,
+    speed_rpm: float,
+    torque_nm: float,
+    shares: Sequence[float],
+    *,
+    initial_speed_rpm: float | None = None,
 ) -> Scenario:
     """Make a run at one speed reference through steps of the load, each long enough to be judged."""
-    each = dwell_s(drive)
+    begin = speed_rpm if initial_speed_rpm is None else initial_speed_rpm
+    each, end = dwell_s(drive), dwell_s(drive, speed_rpm - begin)
     factor: Profile = ((0.0, shares[0]),)
-    for number, share in enumerate(shares[1:], start=1):
-        at = tidy(number * each)
-        factor = (*factor, (at, factor[-1][1]), (at, share))
-    steady = speed_scenario(drive, (speed_rpm,), torque_nm=torque_nm)
+    for before, after in pairwise(shares):
+        factor = (*factor, (end, before), (end, after))
+        end = tidy(end + each)
+    steady = speed_scenario(drive, (speed_rpm,), torque_nm=torque_nm, initial_speed_rpm=begin)
     load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor)
-    return titled(steady.replaced(duration_s=tidy(len(shares) * each), load=load))
+    return titled(steady.replaced(duration_s=end, load=load))
 
 
 def supply_step_scenario(base: Scenario, drive: PmAcDocument, shares: Sequence[float]) -> Scenario:

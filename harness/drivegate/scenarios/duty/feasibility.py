@@ -7,7 +7,7 @@ from math import isfinite
 from typing import Final
 
 from drivegate.scenarios.duty.windows import DutyDwell, duty_dwells
-from drivegate_cases.drive.scales import Scales
+from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT
@@ -22,6 +22,9 @@ _KEPT: Final = 20_000
 
 def unfair_because(scenario: Scenario) -> str | None:
     """Tell why a candidate may not be judged on a scenario; a torque reference out of reach is judged as such."""
+    differs = scenario.scales != NOMINAL
+    if differs and scenario.initial_speed_rpm > scenario.drive.rating.base_speed_rpm:
+        return "it begins above base speed without any current, on a plant that the controller does not know"
     if isinstance(scenario.load, LockedLoad):
         return None
     if not all(_is_driven(scenario, dwell) for dwell in duty_dwells(scenario)):

@@ -7,6 +7,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from drivegate.checks.catalogue import CHECKS_OF
 from drivegate.checks.traceability import DUTY_DRAWN, SPECIAL, family_name, traced_checks
+from drivegate.scenarios.changes import with_scales
 from drivegate.scenarios.duty.building import load_step_scenario, torque_of, torque_scenario
 from drivegate.scenarios.duty.drawn import FAMILY_GROUPS
 from drivegate.scenarios.duty.feasibility import unfair_because
@@ -68,6 +69,13 @@ def test_a_load_out_of_reach_is_unfair_and_a_torque_reference_out_of_reach_is_no
     much = torque_of(INTERIOR, top, 2.0)
     assert unfair_because(load_step_scenario(INTERIOR, top, much, (0.0, 1.0))) is not None
     assert unfair_because(torque_scenario(INTERIOR, top, (0.0, much))) is None
+
+
+def test_an_unknown_plant_is_not_taken_over_at_full_speed() -> None:
+    top = INTERIOR.rating.highest_speed_rpm
+    run = torque_scenario(INTERIOR, top, (0.0,))
+    assert unfair_because(run) is None
+    assert "begins above base speed" in str(unfair_because(with_scales(run, inductance=0.7)))
 
 
 def test_a_scenario_can_be_made_simpler_down_to_one_torque() -> None:
