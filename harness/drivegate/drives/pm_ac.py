@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 def _not_yet(*_: object) -> NoReturn:
     raise InputError(
-        "a drive of the kind 'pm-ac' is taken by drivegate check and drivegate checks alone so far; name another drive"
+        "a drive of the kind 'pm-ac' is taken by drivegate check, checks, drive, replay and report alone so far; name "
+        "another drive"
     )
 
 

@@ -30,15 +30,23 @@ def refuse_unreachable_duty(drive: PmAcDocument) -> None:
             f"most {LONGEST_RUN_UP_S:g} s are taken; its inertia_kg_m2 is {drive.machine.inertia_kg_m2:g}, its rated "
             f"power {rating.rated_power_w:g} W"
         )
+    if (sentence := unreachable_duty(drive)) is not None:
+        raise InputError(f"no controller can meet what the drive '{drive.name}' requires: {sentence}")
+
+
+def unreachable_duty(drive: PmAcDocument) -> str | None:
+    """Tell where rated power is out of reach, and what is left there; None where it is in reach everywhere."""
+    rating = drive.rating
     speeds = np.linspace(rating.base_speed_rpm, rating.highest_speed_rpm, SPEEDS)
     powers = {float(speed): _greatest_power(drive, float(speed)) for speed in speeds}
     speed = min(powers, key=lambda rpm: powers[rpm])
-    if powers[speed] < rating.rated_power_w:
-        raise InputError(
-            f"no controller can meet what the drive '{drive.name}' requires: {rating.rated_power_w:g} W at "
-            f"{speed:.5g} rpm; {rating.current_limit_a:g} A and a link of {drive.inverter.link_voltage_v:g} V leave "
-            f"{powers[speed]:.4g} W there, {100.0 * (1.0 - IN_HAND):.2g} % kept in hand for regulation"
-        )
+    if powers[speed] >= rating.rated_power_w:
+        return None
+    return (
+        f"{rating.rated_power_w:g} W at {speed:.5g} rpm; {rating.current_limit_a:g} A and a link of "
+        f"{drive.inverter.link_voltage_v:g} V leave {powers[speed]:.4g} W there, {100.0 * (1.0 - IN_HAND):.2g} % kept "
+        "in hand for regulation"
+    )
 
 
 def _greatest_power(drive: PmAcDocument, speed_rpm: float) -> float:
