@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import radians
 from typing import Any, Final
+
+from drivegate_models.contract.duty.signals import DutyNameplate
 
 STUCK_SHARE: Final = 0.3
 """Weakening that stays on, over the current limit (1)."""
@@ -12,7 +15,7 @@ STUCK_SHARE: Final = 0.3
 
 @dataclass(frozen=True)
 class DutyFault:
-    """A fault that is made by changing the state after a reset.
+    """A fault that is made by changing the state after a reset, or what is sensed and answered on the way.
 
     Attributes
     ----------
@@ -20,13 +23,16 @@ class DutyFault:
         Check that must catch it.
     sentence : str
         What the controller does wrong.
-    alter : callable
+    alter : callable or None
         Changes the record of the state, just reset.
+    spoilt : callable or None
+        From a nameplate to the fields of `SPOILT_STATE` that are not as they should be.
     """
 
     check: str
     sentence: str
-    alter: Callable[[Any], None]
+    alter: Callable[[Any], None] | None = None
+    spoilt: Callable[[DutyNameplate], dict[str, float]] | None = None
 
 
 def _stuck(state: Any) -> None:
@@ -85,6 +91,45 @@ DUTY_FAULTS: Final = {
         "STP-1",
         "Regulates its currents with three times the gain.",
         _scaled(3.0, "direct_gain", "quadrature_gain"),
+    ),
+    "angle-offset": DutyFault(
+        "ACC-1",
+        "Has an angle that is 10 electrical degrees off.",
+        spoilt=lambda plate: {"angle_added": radians(10.0) / plate.pole_pairs},
+    ),
+    "current-sensor-offset": DutyFault(
+        "ACC-1",
+        "Reads the first phase current 15 % of the current limit too high.",
+        spoilt=lambda plate: {"current_added": 0.15 * plate.current_limit},
+    ),
+    "current-sensor-gain": DutyFault(
+        "ACC-1", "Reads its currents 10 % too high.", spoilt=lambda _plate: {"current_factor": 1.1}
+    ),
+    "speed-misread": DutyFault(
+        "ACC-1", "Reads the speed 3 % too high.", spoilt=lambda _plate: {"speed_factor": 1.03}
+    ),
+    "supply-overestimated": DutyFault(
+        "FWK-3",
+        "Takes the link for 25 % more than it has, and weakens too late.",
+        spoilt=lambda _plate: {"supply_factor": 1.25},
+    ),
+    "late-samples": DutyFault(
+        "STP-1", "Regulates with the currents of the step before.", spoilt=lambda _plate: {"is_late": 1.0}
+    ),
+    "unclamped-ratios": DutyFault(
+        "DUT-1",
+        "Stretches its duty ratios by a fifth behind its limiter.",
+        spoilt=lambda _plate: {"stretch": 1.2},
+    ),
+    "swapped-phases": DutyFault(
+        "ACC-1",
+        "Drives the third phase with the second one's ratio.",
+        spoilt=lambda _plate: {"swaps_phases": 1.0},
+    ),
+    "long-period": DutyFault(
+        "DUT-1",
+        "Asks for a control period that is half as long again.",
+        spoilt=lambda plate: {"next_period": 1.5 * plate.control_period},
     ),
 }
 """All of them, by the name behind ``faulty:``."""

@@ -13,6 +13,7 @@ from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.duty.controllers.foc import reset_function, step_function
 from drivegate_models.duty.controllers.state import FOC_STATE
+from drivegate_models.duty.faults.spoilt import spoilt_state, spoilt_step_function
 from drivegate_models.errors import InputError
 
 
@@ -52,7 +53,33 @@ class DutyController:
             self._alter(self._state)
 
 
-def load_duty_controller(name: str) -> DutyController:
+class SpoiltController:
+    """A controller whose senses and answers are spoilt on the way; attributes as of any other."""
+
+    def __init__(self, inner: DutyController, spoilt: Callable[[DutyNameplate], dict[str, float]]) -> None:
+        self._inner = inner
+        self._spoilt = spoilt
+        self._step = spoilt_step_function()
+        self._state = spoilt_state(inner.step_address, inner.state_address, {})
+        self.step_address: int = self._step.address
+        self.state_address: int = self._state.ctypes.data
+        self.state_size: int = inner.state_size
+        self.fault: Fault | None = None
+
+    def reset(self, nameplate: Any) -> None:
+        """Reset the controller itself, and forget what it was shown."""
+        self._inner.reset(nameplate)
+        fresh = spoilt_state(self._inner.step_address, self._inner.state_address, self._spoilt(nameplate))
+        for name in fresh.dtype.names or ():
+            # Addresses are those of this state, which stays in its place.
+            if not name.endswith("_address"):
+                self._state[name] = fresh[name]
+
+
+def load_duty_controller(name: str) -> DutyController | SpoiltController:
     """Make a new instance of a controller by its name."""
-    fault = DUTY_FAULTS.get(name.removeprefix(FAULTY_PREFIX)) if name.startswith(FAULTY_PREFIX) else None
-    return DutyController(None if fault is None else fault.alter)
+    if not name.startswith(FAULTY_PREFIX):
+        return DutyController()
+    fault = DUTY_FAULTS[name.removeprefix(FAULTY_PREFIX)]
+    inner = DutyController(fault.alter)
+    return inner if fault.spoilt is None else SpoiltController(inner, fault.spoilt)
