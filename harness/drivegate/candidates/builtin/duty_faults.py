@@ -15,7 +15,7 @@ STUCK_SHARE: Final = 0.3
 
 @dataclass(frozen=True)
 class DutyFault:
-    """A fault that is made by changing the state after a reset, or what is sensed and answered on the way.
+    """A fault that is made by changing what the controller is told or its state, or its senses and answers.
 
     Attributes
     ----------
@@ -23,6 +23,8 @@ class DutyFault:
         Check that must catch it.
     sentence : str
         What the controller does wrong.
+    told : callable or None
+        From a nameplate to the one that the controller is given.
     alter : callable or None
         Changes the record of the state, just reset.
     spoilt : callable or None
@@ -31,6 +33,7 @@ class DutyFault:
 
     check: str
     sentence: str
+    told: Callable[[DutyNameplate], DutyNameplate] | None = None
     alter: Callable[[Any], None] | None = None
     spoilt: Callable[[DutyNameplate], dict[str, float]] | None = None
 
@@ -48,49 +51,51 @@ def _scaled(factor: float, *fields: str) -> Callable[[Any], None]:
     return alter
 
 
-def _without_saliency(state: Any) -> None:
-    state["quadrature_inductance"] = state["direct_inductance"]
-
-
-def _another_pole_pair(state: Any) -> None:
-    state["pole_pairs"] += 1.0
-
-
 DUTY_FAULTS: Final = {
     "stuck-weakening": DutyFault(
         "FWK-2",
         "Weakens by 30 % of the current limit at all times, whatever the voltage, also at standstill without torque.",
-        _stuck,
+        alter=_stuck,
     ),
     "delay-not-compensated": DutyFault(
         "FWK-3",
         "Turns its voltages by the angle of the sample, not by that at which they act.",
-        _scaled(0.0, "lead"),
+        alter=_scaled(0.0, "lead"),
     ),
-    "wrong-pole-pairs": DutyFault("ACC-1", "Counts one pole pair too many.", _another_pole_pair),
+    "wrong-pole-pairs": DutyFault(
+        "ACC-1",
+        "Counts one pole pair too many.",
+        told=lambda plate: plate._replace(pole_pairs=plate.pole_pairs + 1),
+    ),
     "generous-current-limit": DutyFault(
-        "OVC-1", "Takes a current limit that is 40 % too high.", _scaled(1.4, "current_limit")
+        "OVC-1",
+        "Takes a current limit that is 40 % too high.",
+        told=lambda plate: plate._replace(current_limit=1.4 * plate.current_limit),
     ),
     "weak-magnets-assumed": DutyFault(
-        "ACC-1", "Converts torque to current with 80 % of the magnet's flux.", _scaled(0.8, "magnet_flux")
+        "ACC-1",
+        "Converts torque to current with 80 % of the magnet's flux.",
+        told=lambda plate: plate._replace(magnet_flux=0.8 * plate.magnet_flux),
     ),
     "saliency-ignored": DutyFault(
-        "MTP-1", "Takes the inductance of the magnet's axis for both axes.", _without_saliency
+        "MTP-1",
+        "Takes the inductance of the magnet's axis for both axes.",
+        told=lambda plate: plate._replace(quadrature_inductance=plate.direct_inductance),
     ),
     "no-speed-integral": DutyFault(
-        "ACC-1", "Regulates the speed by its error alone.", _scaled(0.0, "speed_integral_step")
+        "ACC-1", "Regulates the speed by its error alone.", alter=_scaled(0.0, "speed_integral_step")
     ),
     "slow-currents": DutyFault(
         "STP-1",
         "Regulates its currents with a sixth of the gain.",
-        _scaled(
+        alter=_scaled(
             1.0 / 6.0, "direct_gain", "quadrature_gain", "direct_integral_step", "quadrature_integral_step"
         ),
     ),
     "nervous-currents": DutyFault(
         "STP-1",
         "Regulates its currents with three times the gain.",
-        _scaled(3.0, "direct_gain", "quadrature_gain"),
+        alter=_scaled(3.0, "direct_gain", "quadrature_gain"),
     ),
     "angle-offset": DutyFault(
         "ACC-1",

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
+from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS, DutyFault
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate_models.contract.duty.records import duty_nameplate_record
@@ -32,8 +32,8 @@ class DutyController:
         Always None: these controllers report no fault of their own.
     """
 
-    def __init__(self, alter: Callable[[Any], None] | None = None) -> None:
-        self._alter = alter
+    def __init__(self, fault: DutyFault | None = None) -> None:
+        self._fault = fault
         self._step = step_function()
         self._state: NDArray[Any] = np.zeros(1, FOC_STATE)
         self.step_address: int = self._step.address
@@ -48,9 +48,11 @@ class DutyController:
                 "the controller answers with duty ratios, but the drive takes a current reference and an advance "
                 "angle; name a drive of the kind 'pm-ac'"
             )
-        reset_function()(self._state, duty_nameplate_record(nameplate))
-        if self._alter is not None:
-            self._alter(self._state)
+        fault = self._fault
+        told = nameplate if fault is None or fault.told is None else fault.told(nameplate)
+        reset_function()(self._state, duty_nameplate_record(told))
+        if fault is not None and fault.alter is not None:
+            fault.alter(self._state)
 
 
 class SpoiltController:
@@ -81,5 +83,5 @@ def load_duty_controller(name: str) -> DutyController | SpoiltController:
     if not name.startswith(FAULTY_PREFIX):
         return DutyController()
     fault = DUTY_FAULTS[name.removeprefix(FAULTY_PREFIX)]
-    inner = DutyController(fault.alter)
+    inner = DutyController(fault)
     return inner if fault.spoilt is None else SpoiltController(inner, fault.spoilt)
