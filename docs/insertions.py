@@ -13,18 +13,18 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import told_on
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.checks.coverage import JUDGED, NOT_VARIED, SENSED, Varied, drawn_by_family, varied_keys
 from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
 from drivegate.drives.drawn_bounds import BOUNDS
-from drivegate.drives.kinds import DEFAULT_DRIVE
+from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
-from drivegate_cases.drive.drive_file import TABLES
 from drivegate_cases.scenario.sensors import PLAIN
 
 DOCS: Final = Path(__file__).parent
@@ -40,21 +40,27 @@ SUBJECTS: Final = {
 }
 
 
-def check_table(_: str) -> str:
-    """Every check, each with a link to its page."""
+def _drive_of(contract: str) -> DriveDocument:
+    """Give the drive whose numbers stand in the texts of a contract's checks."""
+    return load_drive(DEFAULT_DRIVES[contract or "current"])
+
+
+def check_table(contract: str) -> str:
+    """Every check of a contract, each with a link to its page."""
     rows = (
         (
             f"[`{row['id']}`](checks/{row['id']}.md)",
             *map(_plain, (row["requirement"], row["limit"], row["level"], row["source"])),
         )
-        for row in traced_checks(load_drive(DEFAULT_DRIVE))
+        for row in traced_checks(_drive_of(contract))
     )
     return _table(("check", "requirement", "limit", "level", "source"), rows)
 
 
-def check(name: str) -> str:
-    """One check: requirement, limit, margin, source and what exercises it."""
-    row = next(row for row in traced_checks(load_drive(DEFAULT_DRIVE)) if row["id"] == name)
+def check(named: str) -> str:
+    """One check: requirement, limit, margin, source and what exercises it; of another contract, ``duty:PWR-1``."""
+    contract, _, name = named.rpartition(":")
+    row = next(row for row in traced_checks(_drive_of(contract)) if row["id"] == name)
     sources = "; ".join(f"{fact['id']}, {fact['title']} ({fact['where']})" for fact in row["facts"])
     told = {
         "Requirement": row["requirement"],
@@ -70,8 +76,15 @@ def check(name: str) -> str:
     return _table((name, "is"), ((f"**{head}**", _plain(text)) for head, text in told.items()))
 
 
-def known_faults(name: str) -> str:
-    """The faulty controllers that the self-test has for one check."""
+def known_faults(named: str) -> str:
+    """The faulty controllers that there are for one check; of another contract, ``duty:FWK-2``."""
+    contract, _, name = named.rpartition(":")
+    if contract:
+        return "\n".join(
+            f"- `faulty:{fault}`: {_plain(found.sentence)}"
+            for fault, found in DUTY_FAULTS.items()
+            if found.check == name
+        )
     drive = load_drive(DEFAULT_DRIVE)
     return "\n".join(
         f"- `faulty:{fault.name}`: {_plain(told_on(fault, fault.sentence, drive))}"
@@ -181,13 +194,15 @@ def _range(row: Varied) -> str:
     return lowest if lowest == highest else f"{lowest} to {highest}"
 
 
-def drive_keys(_: str) -> str:
-    """Every key of a drive, by its table."""
+def drive_keys(kind: str) -> str:
+    """Every key of a drive, by its table; with a kind, of one that has tables of its own."""
+    document = DriveDocument.of_kind({"kind": kind}) if kind else DriveDocument
+    tables = document.tables
     rows = [
         (f"`{prefix}{key}`", _plain(field.description or ""), _left_out(field.is_required(), field.default))
-        for prefix, model in (("", DriveDocument), *((f"{name}.", table) for name, table in TABLES.items()))
+        for prefix, model in (("", document), *((f"{name}.", table) for name, table in tables.items()))
         for key, field in model.model_fields.items()
-        if key not in TABLES and field.alias is None
+        if key not in DriveDocument.tables and field.alias is None
     ]
     return _table(("key", "is", "left out"), rows)
 
@@ -195,7 +210,9 @@ def drive_keys(_: str) -> str:
 def _left_out(required: bool, default: object) -> str:
     if required:
         return "refused"
-    return f"{default:g}" if isinstance(default, float) else "none"
+    if isinstance(default, str):
+        return default
+    return f"{default:g}" if isinstance(default, int | float) else "none"
 
 
 def sensor_keys(kind: str) -> str:

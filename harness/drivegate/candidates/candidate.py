@@ -98,6 +98,8 @@ class Candidate:
         What only its kind needs.
     drive : DriveDocument or None
         The drive that its manifest names.
+    contract : str
+        What it answers with: ``current``, a current reference and an advance angle, or ``duty``, duty ratios.
     """
 
     name: str
@@ -110,6 +112,7 @@ class Candidate:
     declaration: Declaration
     details: Details | None = None
     drive: DriveDocument | None = None
+    contract: str = "current"
 
 
 def existing_file(path: Path) -> Path:

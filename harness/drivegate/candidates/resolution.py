@@ -8,7 +8,7 @@ from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
 
-from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DUTY_CANDIDATES
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.kinds import KINDS, MANIFEST_SUFFIX
 from drivegate_cases.documents.wording import nearest, one_line
@@ -16,6 +16,7 @@ from drivegate_models.errors import InputError
 
 ENTRY_POINT_GROUP = "drivegate.controllers"
 
+_BUILTIN = (*BUILTIN_CANDIDATES, *DUTY_CANDIDATES)
 _OTHER_TABLES = (".yaml", ".yml", ".json")
 
 _WAYS = (
@@ -52,7 +53,7 @@ def resolve_candidate(text: str) -> Candidate:
 def _is_name(specification: str) -> bool:
     """Tell whether a string names a known controller, even where a folder is called the same."""
     installed = {point.name for point in entry_points(group=ENTRY_POINT_GROUP)}
-    return specification in BUILTIN_CANDIDATES or specification in installed
+    return specification in (*_BUILTIN, *installed)
 
 
 def _instead_of(specification: str) -> str:
@@ -89,7 +90,7 @@ def _readable(folder: str) -> list[str]:
 
 
 def _from_bare_name(name: str) -> Candidate:
-    if name in BUILTIN_CANDIDATES:
+    if name in _BUILTIN:
         return KINDS["builtin"].from_text(name)
     installed = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
     if name in installed:
@@ -97,7 +98,7 @@ def _from_bare_name(name: str) -> Candidate:
 
         point = installed[name]
         return installed_candidate(name, f"{point.module}:{point.attr}")
-    known = [*BUILTIN_CANDIDATES, *sorted(installed)]
+    known = [*_BUILTIN, *sorted(installed)]
     raise InputError(
         f"the candidate '{one_line(name)}' is unknown, the nearest known one is "
         f"'{nearest(name, known)}'; known are {', '.join(known)}, or write {_WAYS}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 from drivegate.checks.check import Check
@@ -10,6 +11,7 @@ from drivegate.checks.constant_power import CPW_1, CPW_2
 from drivegate.checks.convergence import CNV_1, CNV_2, CNV_3
 from drivegate.checks.current import CUR_1
 from drivegate.checks.determinism import DET_1
+from drivegate.checks.duty.catalogue import DUTY_CHECKS
 from drivegate.checks.neutral import NEU_1
 from drivegate.checks.power import PWR_1, PWR_2
 from drivegate.checks.profile import FLO_1
@@ -42,4 +44,20 @@ CHECKS: Final[tuple[Check, ...]] = (
     TIM_1,
     FLO_1,
 )
-"""Every check there is."""
+"""Every check of controllers that answer with a current reference and an advance angle."""
+
+CHECKS_OF: Final[Mapping[str, tuple[Check, ...]]] = {"current": CHECKS, "duty": DUTY_CHECKS}
+"""The checks of each contract."""
+ALL_CHECKS: Final[Mapping[str, Check]] = {
+    check.id: check for checks in (DUTY_CHECKS, CHECKS) for check in checks
+}
+"""A check of each identifier; of one that several contracts have, that of the first."""
+CHECK_NAMES: Final[tuple[str, ...]] = tuple(
+    dict.fromkeys(check.id for checks in CHECKS_OF.values() for check in checks)
+)
+"""Identifiers of all checks, those of the first contract first."""
+
+
+def check_of(contract: str, name: str) -> Check:
+    """Find a contract's check by its identifier, or that of another contract where it has none."""
+    return next((check for check in CHECKS_OF[contract] if check.id == name), None) or ALL_CHECKS[name]

@@ -58,6 +58,7 @@ NOT_VARIED: Final[Mapping[str, str]] = {
         ),
         _PUBLISHED,
     ),
+    "load.torque_reference_nm": "of PM AC drives, whose own runs vary it",
     **dict.fromkeys(("sensors.placement_error_deg", "sensors.hysteresis_deg"), _HALL),
     **dict.fromkeys(
         (

@@ -11,6 +11,8 @@ from drivegate.checks.check import Check
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of, mean_time
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.scenario.sensors import real_sensors
 
 TEXTS: Final = ("requirement", "limit", "scenarios", "formula", "why")
@@ -26,7 +28,7 @@ _SENSORS: Final = {
 @lru_cache(maxsize=_KEPT)
 def on_drive(check: Check, drive: DriveDocument) -> Check:
     """Write a drive's own numbers into the texts of a check."""
-    numbers = drive_numbers(drive)
+    numbers = duty_numbers(drive) if isinstance(drive, PmAcDocument) else drive_numbers(drive)
     return replace(check, **{name: getattr(check, name).format_map(numbers) for name in TEXTS})
 
 
@@ -53,6 +55,25 @@ def drive_numbers(drive: DriveDocument) -> dict[str, str]:
         "points": " or ".join(points),
         "sensors": _SENSORS[real_sensors(drive).kind],
         "friction": f"{scale.friction_claimed_nm:g} N·m",
+    }
+
+
+def duty_numbers(drive: PmAcDocument) -> dict[str, str]:
+    """Write the numbers that checks of duty ratios tell, by the names that stand in their texts."""
+    limits, rating = duty_limits_of(drive), drive.rating
+    return {
+        "base": f"{rating.base_speed_rpm:g} rpm",
+        "current": f"{rating.current_limit_a:g} A",
+        "k1": f"{limits.speed_tolerance_rpm:g} rpm",
+        "torque_error": f"{limits.torque_error_nm:.4g} N·m",
+        "weakening": _percent(limits.weakening_share),
+        "direct_error": f"{limits.direct_error_a:.4g} A",
+        "peak": f"{limits.peak_current_a:.4g} A",
+        "braking": f"{limits.braking_torque_nm:.4g} N·m",
+        "current_excess": _percent(limits.current_excess),
+        "loss_excess": _percent(limits.loss_excess),
+        "overshoot": _percent(limits.overshoot),
+        "rise": f"90 % within {tidy(_KILO * limits.rise_time_s):g} ms and what the voltage takes",
     }
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin
+from drivegate.runs.duty.record import DutyRecord
 from drivegate.runs.record import RunRecord, SteadyWindow
 from drivegate.scenarios.windows import observed_windows
 
@@ -32,6 +33,9 @@ class _PartialRecord(RunRecord):
 def judged_window(check: Check, record: RunRecord, margin: Margin | None) -> tuple[float, float]:
     """Find the steady stretch that alone gives the same margin; the whole run where none decides."""
     whole = (0.0, record.scenario.duration_s)
+    if isinstance(record, DutyRecord):
+        # Its checks judge steps and whole runs as well as steady stretches, and tell the place in words.
+        return whole
     if margin is None or check.evaluate(_part(record, ())) is not None:
         return whole
     begin = {end: start for start, end in observed_windows(record.scenario)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.catalogue import CHECKS_OF
 from drivegate.checks.check import Check
 from drivegate.checks.drive_numbers import on_drive
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -34,6 +34,18 @@ DRAWN: Final[Mapping[str, tuple[str, ...]]] = {
     "vehicle": ("CNV-2", "CNV-3", "RIP-3"),
 }
 """For each family of `scenarios.drawn`, the checks that it is there for, beside those of every run."""
+DUTY_EVERY_RUN: Final = ("PWR-1", "DUT-1", "OVC-1")
+"""Checks that judge every run of a controller of duty ratios."""
+DUTY_DRAWN: Final[Mapping[str, tuple[str, ...]]] = {
+    "torque step": ("ACC-1", "STP-1", "FWK-2", "FWK-3", "MTP-1"),
+    "weakening": ("FWK-1", "FWK-2", "FWK-3"),
+    "speed step": ("ACC-1", "FWK-2", "MTP-1"),
+    "load step": ("ACC-1", "FWK-2", "MTP-1"),
+    "start": ("STA-1", "ACC-1", "FWK-2", "MTP-1"),
+    "parameter": ("ROB-4",),
+    "supply step": ("ACC-1", "FWK-2", "MTP-1"),
+}
+"""For each family of `scenarios.duty.drawn`, the checks that it is there for, beside those of every run."""
 SPECIAL: Final[Mapping[str, tuple[str, ...]]] = {
     "repetition": ("DET-1",),
     "timing": ("TIM-1",),
@@ -47,10 +59,11 @@ def family_name(function_name: str) -> str:
     return function_name.removesuffix("_scenarios").replace("_", " ")
 
 
-def families_of(check: str) -> tuple[str, ...]:
-    """List the kinds of runs that exercise a check."""
+def families_of(check: str, contract: str = "current") -> tuple[str, ...]:
+    """List the kinds of runs that exercise a check of a contract."""
     special = tuple(kind for kind, checks in SPECIAL.items() if check in checks)
-    drawn = tuple(family for family, checks in DRAWN.items() if check in (*EVERY_RUN, *checks))
+    families, every = (DUTY_DRAWN, DUTY_EVERY_RUN) if contract == "duty" else (DRAWN, EVERY_RUN)
+    drawn = tuple(family for family, checks in families.items() if check in (*every, *checks))
     return special or (FIXED, *drawn)
 
 
@@ -66,10 +79,10 @@ def traced_checks(drive: DriveDocument) -> list[dict[str, Any]]:
     return [
         {key: getattr(check, key) for key in keys}
         | {
-            "families": list(families_of(check.id)),
+            "families": list(families_of(check.id, drive.contract)),
             "facts": [{"id": fact.id, "title": fact.title, "where": fact.source} for fact in facts_of(check)],
         }
-        for check in (on_drive(listed, drive) for listed in CHECKS)
+        for check in (on_drive(listed, drive) for listed in CHECKS_OF[drive.contract])
     ]
 
 

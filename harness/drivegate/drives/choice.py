@@ -3,25 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.drives.kinds import DEFAULT_DRIVE
+from drivegate.drives.kinds import DEFAULT_DRIVES, kind_of
+from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate_cases.drive.drive_document import DriveDocument
+
+_ANSWERS: Final = {"current": "a current reference and an advance angle", "duty": "duty ratios"}
 
 
 def drive_for(candidate: Candidate | None, named: DriveDocument | None = None) -> DriveDocument:
     """Choose the drive of a candidate; what a user names wins over its manifest."""
     from drivegate_cases.drive.drive_document import load_drive
 
-    if named is not None:
-        return named
-    if candidate is not None and candidate.drive is not None:
-        return candidate.drive
-    return load_drive(DEFAULT_DRIVE)
+    own = None if candidate is None else candidate.drive
+    contract = "current" if candidate is None else candidate.contract
+    drive = named or own or load_drive(DEFAULT_DRIVES[contract])
+    if candidate is not None:
+        require_contract(candidate, drive)
+    return drive
+
+
+def require_contract(candidate: Candidate, drive: DriveDocument) -> None:
+    """Refuse a candidate of one contract on a drive of another."""
+    if candidate.contract == drive.contract:
+        return
+    raise InputError(
+        f"the candidate '{one_line(candidate.name)}' answers with {_ANSWERS[candidate.contract]}, but the drive "
+        f"'{one_line(drive.name)}' of the kind '{drive.kind}' takes {_ANSWERS[drive.contract]}; name a drive such as "
+        f"{DEFAULT_DRIVES[candidate.contract]} with --drive"
+    )
+
+
+def require_angles(drive: DriveDocument) -> DriveDocument:
+    """Refuse a drive whose controllers answer with no advance angle, where all is about angles."""
+    kind_of(drive).oracle()
+    return drive
 
 
 def common_drive(candidates: Iterable[Candidate], named: DriveDocument | None = None) -> DriveDocument:

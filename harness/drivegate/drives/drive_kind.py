@@ -11,8 +11,12 @@ if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
     from numpy.typing import ArrayLike, NDArray
 
+    from drivegate.candidates.declaration import Declaration
     from drivegate.checks.check import Check
+    from drivegate.containment.messages import AnyController
+    from drivegate.runs.record import RunRecord
     from drivegate.runs.scenario import PrepareLoop
+    from drivegate.scenarios.simplification import Simplification
     from drivegate.scenarios.speed_range import SpeedRange
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
@@ -113,6 +117,13 @@ class DriveKind:
         From the same, a seed, and the number of a part and of all parts, to fair scenarios of joint changes.
     unfair_because : callable
         From a scenario to the reason why no controller could do what it requires; None where one could.
+    simplifications : callable
+        Gives the ways in which a scenario can be made simpler.
+    usual_candidate : str
+        Name of a controller that comes along and runs on such drives.
+    record : callable or None
+        Runs a candidate through a scenario for the checks, where that is not the loop of `prepare_loop`; it takes the
+        declaration, the scenario, the controller and room for the commands, or None.
     """
 
     name: str
@@ -126,6 +137,9 @@ class DriveKind:
     drawn_scenarios: Callable[[DriveDocument, SpeedRange | None, int | None], SearchStrategy[Scenario]]
     joint_scenarios: Callable[[DriveDocument, SpeedRange | None, int, int, int], tuple[Scenario, ...]]
     unfair_because: Callable[[Scenario], str | None]
+    simplifications: Callable[[], tuple[Simplification, ...]]
+    usual_candidate: str
+    record: Callable[[Declaration, Scenario, AnyController, NDArray[Any] | None], RunRecord] | None = None
 
     def is_fair(self, scenario: Scenario) -> bool:
         """Tell whether a candidate may be judged on a scenario."""

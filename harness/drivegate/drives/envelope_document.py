@@ -28,8 +28,10 @@ _KEPT: Final = 100
 
 
 @lru_cache(maxsize=_KEPT)
-def envelope_of(document: DriveDocument) -> dict[str, Any]:
-    """Compute what a drive can do at a few speeds, as the results of its candidates tell it."""
+def envelope_of(document: DriveDocument) -> dict[str, Any] | None:
+    """Compute what a drive can do at a few speeds, as the results of its candidates tell it; None without angles."""
+    if document.contract != "current":
+        return None
     drive = rated_drive(document)
     line = recommended_line(drive)
     points = tuple(envelope(drive, line, few_speeds_of(drive.rating)))

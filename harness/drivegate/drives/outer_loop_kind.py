@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from drivegate.checks.check import Check
     from drivegate.runs.scenario import PrepareLoop
+    from drivegate.scenarios.simplification import Simplification
     from drivegate.scenarios.speed_range import SpeedRange
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
@@ -31,6 +32,8 @@ def outer_loop_kind(name: str, default_drive: str, prepare_loop: Callable[[], Pr
         drawn_scenarios=_drawn_scenarios,
         joint_scenarios=_joint_scenarios,
         unfair_because=_unfair_because,
+        simplifications=_simplifications,
+        usual_candidate="reference",
     )
 
 
@@ -92,3 +95,9 @@ def _unfair_because(scenario: Scenario) -> str | None:
     from drivegate.scenarios.feasibility import unfair_because
 
     return unfair_because(scenario)
+
+
+def _simplifications() -> tuple[Simplification, ...]:
+    from drivegate.scenarios.simplification import SIMPLIFICATIONS
+
+    return SIMPLIFICATIONS

@@ -83,7 +83,8 @@ class RatedDrive:
 
 
 def rated_drive(document: DriveDocument) -> RatedDrive:
-    """Take drive and rating from a document."""
+    """Take drive and rating from a document; one whose controllers answer with no angle is refused."""
+    oracle = kind_of(document).oracle()
     given = document.rating
     base_speed = given.base_speed_rpm * RADIANS_PER_RPM
     rating = Rating(
@@ -98,7 +99,7 @@ def rated_drive(document: DriveDocument) -> RatedDrive:
     has_band = _chops(own, base_speed) <= MOST_CHOPS
     return RatedDrive(
         name=document.name,
-        oracle=kind_of(document).oracle(),
+        oracle=oracle,
         constants=own if has_band else ideal,
         ideal=ideal,
         rating=rating,

@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 from drivegate.drives.bisection import last_met
 from drivegate.drives.drive_kind import FloatArray
 from drivegate.drives.kinds import DEFAULT_DRIVE
+from drivegate.drives.pm_ac_reach import refuse_unreachable_duty
 from drivegate.drives.rating import RatedDrive, rated_drive
 from drivegate.drives.required_ripple import UnreachableRipple, unreachable_ripple
 from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.limits import decimal_exponent, time_unit
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -163,6 +165,9 @@ def unreachable(drive: RatedDrive) -> tuple[Unreachable, ...]:
 def refuse_unreachable(document: DriveDocument) -> None:
     """Refuse a drive whose rating or requirements no controller can meet: no candidate is to be failed for it."""
     if document == load_drive(DEFAULT_DRIVE):
+        return
+    if isinstance(document, PmAcDocument):
+        refuse_unreachable_duty(document)
         return
     if (unit := time_unit(document)) > LONGEST_TIME_UNIT_S:
         raise InputError(

@@ -7,6 +7,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from drivegate.containment.messages import AnyController, JudgedCandidate
+from drivegate.drives.choice import require_contract
 from drivegate.drives.kinds import kind_of
 from drivegate.runs.record import RunRecord
 from drivegate.runs.scenario import Wrap, run_in_closed_loop
@@ -46,7 +47,11 @@ def recorded(
     kept: NDArray[Any] | None = None,
 ) -> RunRecord:
     """Run a candidate through a scenario for the checks, observed as its declaration requires."""
+    require_contract(loaded.candidate, scenario.drive)
     declaration = loaded.candidate.declaration
+    record = kind_of(scenario.drive).record
+    if record is not None:
+        return record(declaration, scenario, controller, kept)
     run = run_scenario(
         scenario,
         controller,

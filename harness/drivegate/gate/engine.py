@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
-from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.catalogue import ALL_CHECKS, CHECKS_OF
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.pace_watch import SlowRun
@@ -44,11 +44,12 @@ from drivegate_models.errors import InputError
 
 _TELLING: Final = frozenset(
     check.id
-    for check in CHECKS
+    for checks in CHECKS_OF.values()
+    for check in checks
     if check.level == "required" and check.subject == "candidate" and not check.volatile
 )
 """Checks whose margins progress tells; one of 0 that is met is a clamped command's."""
-_VOLATILE: Final = frozenset(check.id for check in CHECKS if check.volatile)
+_VOLATILE: Final = frozenset(check.id for check in ALL_CHECKS.values() if check.volatile)
 
 
 @dataclass
@@ -144,7 +145,12 @@ def check_candidate(
         compile_kernels(kinds)
 
     waived = {waiver.check for waiver in waivers if waiver.candidate == candidate.name}
-    counting = frozenset(check.id for check in CHECKS if check.level in counted_levels(fail_on)) - waived
+    counting = (
+        frozenset(
+            check.id for check in CHECKS_OF[judged_on.contract] if check.level in counted_levels(fail_on)
+        )
+        - waived
+    )
     progress = _Progress(None if max_time is None else began + max_time, focus, counting)
     with WorkerPool(candidate, workers=count, on_slow=on_slow) as pool:
         yield from _run_all(pool, work, progress)
@@ -152,7 +158,11 @@ def check_candidate(
             _repeat(pool, progress)
         runs = progress.all_runs
         judged = check_outcomes(
-            runs, candidate.declaration, judged_on, complete=progress.complete and not progress.faults
+            runs,
+            candidate.declaration,
+            judged_on,
+            complete=progress.complete and not progress.faults,
+            named=focus.only,
         )
         outcomes = focus.outcomes(judged)
         outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)

@@ -135,8 +135,10 @@ def run_stored_script(loaded: JudgedCandidate, script: Script) -> ShardOutcome:
 
 
 def _scripts(drive: DriveDocument, declaration: Declaration, seed: int, examples: int) -> list[Work]:
+    if declaration.flowchart is None:
+        return []
     speed = usual_speed(drive, declaration.speed_range_rpm)
-    if declaration.flowchart is None or speed is None:
+    if speed is None:
         return []
     count = len(fixed_scripts(drive, declaration.flowchart, speed)) + examples
     job = Job(run_scripts, ScriptRuns(drive, seed, examples))
@@ -145,6 +147,9 @@ def _scripts(drive: DriveDocument, declaration: Declaration, seed: int, examples
 
 def _joint(drive: DriveDocument, seed: int, times: int) -> list[Work]:
     """Plan runs of joint changes, all parts of every pass over the covering array."""
+    if drive.contract != "current":
+        # What the array varies are angles, sensors and disturbances that other contracts do not have.
+        return []
     most = -(-len(covering_rows()) // SHARDS) + 1
     return [
         Work(

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
 
 from drivegate.candidates.fault import CandidateFault
-from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.catalogue import ALL_CHECKS
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome, judged
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
@@ -26,9 +26,11 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 
 _NEVER_SEARCHED: Final = frozenset(
-    check.id for check in CHECKS if check.subject != "candidate" or check.volatile
+    check.id for check in ALL_CHECKS.values() if check.subject != "candidate" or check.volatile
 )
-_SEARCHED: Final = frozenset(check.id for check in CHECKS if check.level == "required") - _NEVER_SEARCHED
+_SEARCHED: Final = (
+    frozenset(check.id for check in ALL_CHECKS.values() if check.level == "required") - _NEVER_SEARCHED
+)
 _GREATEST_SCORE: Final = 1e6
 _SAFE: Final = 0.95
 _TICKETS: Final = 2**48

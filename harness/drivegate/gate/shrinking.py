@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from drivegate.candidates.fault import CandidateFault, FaultKind
-from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.catalogue import check_of
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.gate.shard import content_key
-from drivegate.scenarios.simplification import SIMPLIFICATIONS, Simplification, simplified
+from drivegate.scenarios.simplification import Simplification, simplified
 from drivegate.scenarios.size import size_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.documents.document import parse_document
@@ -69,7 +69,7 @@ def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:
     if plan.scenario.get("kind") == "script":
         return None
     scenario = parse_document(plan.scenario, Scenario, "the scenario")
-    trials = _Trials(loaded, plan)
+    trials = _Trials(loaded, plan, scenario)
     margin = trials.failure(scenario)
     if margin is None:
         return None
@@ -83,10 +83,10 @@ def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:
 class _Trials:
     """Runs of one check, each scenario at most once."""
 
-    def __init__(self, loaded: JudgedCandidate, plan: ShrinkPlan) -> None:
+    def __init__(self, loaded: JudgedCandidate, plan: ShrinkPlan, scenario: Scenario) -> None:
         self._loaded = loaded
         self._controller = loaded.controller()
-        self._check = next(check for check in CHECKS if check.id == plan.check)
+        self._check = check_of(scenario.drive.contract, plan.check)
         self._budget = plan.budget
         self._known: set[str] = set()
         self.runs = 0
@@ -122,7 +122,7 @@ def _simplest(scenario: Scenario, margin: Margin, trials: _Trials) -> tuple[Scen
     improved = True
     while improved and not trials.spent:
         improved = False
-        for simplification in SIMPLIFICATIONS:
+        for simplification in kind_of(scenario.drive).simplifications():
             simpler = _simpler(scenario, simplification, trials)
             while simpler is not None:
                 improved = True

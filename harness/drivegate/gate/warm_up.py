@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from itertools import product
 
-from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
@@ -46,13 +44,14 @@ def compile_kernels(kinds: Collection[str]) -> None:
     The oracle is compiled beside all else. What both need comes early in the one and late in the other, which finds it
     compiled by then: the phase in the oracle, the whole steady state in what is beside it.
     """
-    candidate = resolve_candidate(next(iter(BUILTIN_CANDIDATES)))
-    with WorkerPool(candidate, workers=2) as pool:
+    for kind in kinds:
+        candidate = resolve_candidate(DRIVE_KINDS[kind].usual_candidate)
         rounds = ((_use_oracle, _use_closed_loop, _use_steady_state), (_judge_a_run,))
-        for kind, targets in product(kinds, rounds):
-            for outcome in pool.map([Job(target, kind) for target in targets]):
-                if isinstance(outcome, Fault):
-                    raise HarnessFault(f"the kernels cannot be compiled: {outcome.message}")
+        with WorkerPool(candidate, workers=2) as pool:
+            for targets in rounds:
+                for outcome in pool.map([Job(target, kind) for target in targets]):
+                    if isinstance(outcome, Fault):
+                        raise HarnessFault(f"the kernels cannot be compiled: {outcome.message}")
     folder = choose_cache_folder()
     assert folder is not None, "kernels without a folder are never to be compiled"
     for kind in kinds:
@@ -62,6 +61,9 @@ def compile_kernels(kinds: Collection[str]) -> None:
 def _use_oracle(_loaded: JudgedCandidate, kind: str) -> None:
     drive_kind, scenario = DRIVE_KINDS[kind], _plain_scenario(kind)
     drive_kind.unfair_because(scenario)
+    if drive_kind.record is not None:
+        # Of its oracle, what rules and checks use is all there is.
+        return
     oracle, drive = drive_kind.oracle(), scenario.drive.plant()
     speed = scenario.speed_rpm[0][1] * RADIANS_PER_RPM
     torque = rated_torque(scenario, speed)
@@ -74,6 +76,8 @@ def _use_closed_loop(loaded: JudgedCandidate, kind: str) -> None:
 
 
 def _use_steady_state(_loaded: JudgedCandidate, kind: str) -> None:
+    if DRIVE_KINDS[kind].record is not None:
+        return
     drive = _plain_scenario(kind).drive.plant()
     DRIVE_KINDS[kind].steady_state()(drive, 100.0, 10.0, 0.5)
 

@@ -24,6 +24,12 @@ _PANELS: Final = (
     (("current_sum_a", "Σ|i|"), ("current_reference_a", "current reference"), "current (A)"),
     (("torque_nm", "torque"), ("load_torque_nm", "load"), "torque (N·m)"),
 )
+_DUTY_PANELS: Final = (
+    (("speed_reference_rpm", "reference"), ("speed_rpm", "speed"), "speed (rpm)"),
+    (("direct_current_a", "d"), ("quadrature_current_a", "q"), "current (A)"),
+    (("voltage_v", "voltage used"), ("link_voltage_v", "link"), "voltage (V)"),
+    (("torque_nm", "torque"), ("torque_reference_nm", "reference"), "torque (N·m)"),
+)
 _MOST_POINTS: Final = 20_000
 
 
@@ -86,7 +92,10 @@ def write_plot(
     shaded: tuple[float, float] | None = None,
     edge: tuple[float, float] | None = None,
 ) -> None:
-    """Draw a trace: speed, angle, currents and torque over time, with the feasible edge from a time on (s, deg)."""
+    """Draw a trace: speed, angle, currents and torque over time, with the feasible edge from a time on (s, deg).
+
+    Of a controller of duty ratios the currents of the rotor's frame and the voltage take the place of the angle.
+    """
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -96,8 +105,9 @@ def write_plot(
     with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
         figure = Figure(figsize=(9.0, 9.0), layout="constrained")
         FigureCanvasAgg(figure)
-        all_axes = figure.subplots(len(_PANELS), 1, sharex=True)
-        for axes, (first, second, label) in zip(all_axes, _PANELS, strict=True):
+        panels = _DUTY_PANELS if "direct_current_a" in frame else _PANELS
+        all_axes = figure.subplots(len(panels), 1, sharex=True)
+        for axes, (first, second, label) in zip(all_axes, panels, strict=True):
             for column, name in (line for line in (first, second) if line is not None):
                 axes.plot(thinned["time_s"], thinned[column], label=name, linewidth=1.0)
             if edge is not None and first[0] == "advance_deg":

@@ -8,11 +8,12 @@ from typing import Any, Final
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
-from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.catalogue import ALL_CHECKS, CHECKS_OF
 from drivegate.checks.check import Check
 from drivegate.checks.drive_numbers import on_drive
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
+from drivegate.drives.kinds import DEFAULT_DRIVES
 from drivegate.results.result import (
     MOST_MARGINS,
     STALE_WAIVERS,
@@ -22,7 +23,7 @@ from drivegate.results.result import (
 )
 from drivegate_cases.documents.rounding import significant
 from drivegate_cases.documents.wording import counted
-from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 
 _NAMED: Final = 4
 _DIGITS: Final = 6
@@ -35,16 +36,36 @@ def considered(check: str, runs: Iterable[JudgedRun]) -> list[tuple[Margin, Judg
 
 
 def check_outcomes(
-    runs: Sequence[JudgedRun], declaration: Declaration, drive: DriveDocument, *, complete: bool
+    runs: Sequence[JudgedRun],
+    declaration: Declaration,
+    drive: DriveDocument,
+    *,
+    complete: bool,
+    named: Sequence[str] = (),
 ) -> tuple[CheckOutcome, ...]:
-    """Judge every check over all runs on a drive."""
-    return tuple(_outcome(on_drive(check, drive), runs, declaration, drive, complete) for check in CHECKS)
+    """Judge every check of a drive's contract over all runs; others that are named do not apply."""
+    own = CHECKS_OF[drive.contract]
+    judged = tuple(_outcome(on_drive(check, drive), runs, declaration, drive, complete) for check in own)
+    known = {check.id for check in own}
+    return (*judged, *(_of_another_contract(name, drive) for name in named if name not in known))
+
+
+def _of_another_contract(name: str, drive: DriveDocument) -> CheckOutcome:
+    contract = next(
+        contract for contract, checks in CHECKS_OF.items() if name in [check.id for check in checks]
+    )
+    check = on_drive(ALL_CHECKS[name], load_drive(DEFAULT_DRIVES[contract]))
+    message = (
+        f"judges controllers of the contract '{contract}', but those of a drive of the kind '{drive.kind}' are of the "
+        f"contract '{drive.contract}'"
+    )
+    return _made(check, "not applicable", None, 0, message, None)
 
 
 def machine_dependent(runs: Sequence[JudgedRun]) -> dict[str, dict[str, Any]]:
     """Give the numbers of the checks that depend on the machine."""
     numbers = {}
-    for check in CHECKS:
+    for check in ALL_CHECKS.values():
         items = considered(check.id, runs) if check.volatile else []
         if items:
             margin, _ = min(items, key=lambda item: item[0].value)

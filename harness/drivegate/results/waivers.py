@@ -11,7 +11,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import BeforeValidator, Field
 
-from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.catalogue import ALL_CHECKS
 from drivegate.results.result import CheckOutcome
 from drivegate_cases.documents.document import Document, Section, read_document
 from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
@@ -82,7 +82,7 @@ def read_waivers(path: Path, candidates: Collection[str]) -> tuple[Waiver, ...]:
 
 def _problems(waiver: Waiver, earlier: Iterable[Waiver], candidates: Collection[str]) -> Iterable[str]:
     named = f"is for the check {shown(waiver.check)}"
-    checks = {check.id: check for check in CHECKS}
+    checks = ALL_CHECKS
     if waiver.check not in checks:
         yield f"{named}, but must be for one that there is, the nearest is '{nearest(waiver.check, checks)}'"
     elif checks[waiver.check].subject == "plant":

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.contract.duty.records import DUTY_COMMAND
 from drivegate_models.contract.outer_loop.records import COMMAND
 from drivegate_models.loop.exchange import OUTPUTS
 
@@ -18,7 +19,19 @@ _WORDS: Final = {
     "current_reference": ("current reference", "A"),
     "advance_angle": ("advance angle", "rad"),
     "input_power": ("input power", "W"),
+    "first_duty": ("first duty ratio", ""),
+    "second_duty": ("second duty ratio", ""),
+    "third_duty": ("third duty ratio", ""),
+    "first_leg": ("first leg", ""),
+    "second_leg": ("second leg", ""),
+    "third_leg": ("third leg", ""),
+    "next_period": ("next control period", "s"),
+    "torque": ("torque", "N·m"),
+    "angle": ("angle", "rad"),
+    "speed": ("speed", "rad/s"),
+    "fault": ("fault", ""),
 }
+_LAYOUTS: Final = {"current": COMMAND, "duty": DUTY_COMMAND}
 _FEWEST_DIGITS: Final = 3
 _MOST_DIGITS: Final = 17
 
@@ -34,7 +47,7 @@ class Parting:
     time : float
         Its simulated time (s).
     output : str
-        The first number of the command that differs, of `OUTPUTS`.
+        The first number of the command that differs.
     again, first : float
         That number in the repetition and in the first run, in SI units.
     """
@@ -51,22 +64,23 @@ class Parting:
         return (
             f"differs from step {self.step} on, at {self.time:g} s: "
             f"{name} {' against '.join(_told_apart(self.again, self.first))} {unit}"
-        )
+        ).rstrip()
 
 
 def room_for_commands(scenario: Scenario) -> NDArray[Any]:
     """Make room for the command of every step of a run."""
-    return np.zeros(scenario.control_periods, COMMAND)
+    return np.zeros(scenario.control_periods, _LAYOUTS[scenario.drive.contract])
 
 
 def parting_of(scenario: Scenario, again: NDArray[Any], first: NDArray[Any]) -> Parting | None:
     """Find where the commands of a repetition part from those of the first run, bit for bit."""
-    differs = np.stack([again[name].view(np.int64) != first[name].view(np.int64) for name in OUTPUTS])
+    outputs = OUTPUTS if scenario.drive.contract == "current" else (again.dtype.names or ())[1:]
+    differs = np.stack([again[name].view(np.int64) != first[name].view(np.int64) for name in outputs])
     steps = np.flatnonzero(differs.any(axis=0))
     if steps.size == 0:
         return None
     step = int(steps[0])
-    output = OUTPUTS[int(np.argmax(differs[:, step]))]
+    output = outputs[int(np.argmax(differs[:, step]))]
     return Parting(
         step, step * scenario.control_period_s, output, float(again[output][step]), float(first[output][step])
     )

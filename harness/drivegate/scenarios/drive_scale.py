@@ -12,7 +12,7 @@ from typing import Any, Final
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.limits import limits_of, mechanical_time, nearest_step, time_unit
+from drivegate_cases.drive.limits import mechanical_time, nearest_step, settling_of, time_unit
 from drivegate_models.units import RADIANS_PER_RPM
 
 _KEPT: Final = 100
@@ -203,7 +203,7 @@ def scale_of(drive: DriveDocument) -> DriveScale:
         drag_area_m2=significant(power / 2500.0, 2),
         time_unit_s=unit,
         load_ramp_s=max(0.2 * unit, nearest_step(_load_ramp(drive))),
-        settling_s=limits_of(drive).settling_s,
+        settling_s=settling_of(drive),
         shortest_window_s=3.0 * unit,
         dropout_step_s=min(max(nearest_step(0.011 * mechanical_time(drive)), 0.0005), 0.001),
     )

@@ -9,7 +9,7 @@ from typing import Any, Final
 from drivegate.scenarios.building import TORQUE_DIGITS, steady_scenario
 from drivegate.scenarios.drive_scale import scale_of_mapping
 from drivegate_cases.documents.wording import figure
-from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
@@ -19,6 +19,8 @@ PLAIN_RUN: Final = "the plain run"
 """What is said of a scenario without any fact."""
 
 _TOLD_ELSEWHERE: Final = frozenset({"schema", "name", "description", "drive", "seed", "initial_speed_rpm"})
+COURSES: Final = ("factor", "grade_percent", "torque_reference_nm")
+"""Keys of a load that are courses over time."""
 _SYMBOLS: Final = {"resistance": "R", "inductance": "L", "emf_constant": "ke"}
 _UNITS: Final = {"torque_nm": "N·m", "power_w": "W"}
 
@@ -66,6 +68,9 @@ def _coming_on(scenario: Mapping[str, Any]) -> list[list[float]]:
 def _load(scenario: Mapping[str, Any]) -> Iterator[str]:
     load = scenario["load"]
     kind = load["kind"].replace("_", " ")
+    if kind == "dynamometer":
+        yield f"torque reference {_course(load['torque_reference_nm'], 'N·m')}"
+        return
     coming_on = _coming_on(scenario)
     factor = load.get("factor", coming_on)
     if kind == "vehicle":
@@ -83,6 +88,12 @@ def _load(scenario: Mapping[str, Any]) -> Iterator[str]:
     if _listed(factor) != coming_on:
         switched = factor[_listed(factor)[:1] == coming_on[:1] :]
         yield f"{_course(switched, '% of the load', 100.0)}"
+
+
+def _control_period(scenario: Mapping[str, Any]) -> Iterator[str]:
+    """Tell of a control period that is not the drive's own."""
+    if scenario["drive"]["kind"] != PM_AC:
+        yield from _other("control_period_s", scenario["control_period_s"])
 
 
 def _sensors(scenario: Mapping[str, Any]) -> Iterator[str]:
@@ -145,7 +156,7 @@ def _last_time(scenario: Mapping[str, Any]) -> float:
     load = scenario["load"]
     profiles = [
         scenario["speed_rpm"],
-        load.get("factor", load.get("grade_percent", ())),
+        next((load[key] for key in COURSES if key in load), ()),
         scenario.get("supply_v") or (),
         scenario.get("imbalance") or (),
         *(scenario.get("drift") or {}).values(),
@@ -171,6 +182,7 @@ def _listed(profile: Sequence[Sequence[float]]) -> list[list[float]]:
 
 _WORDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Iterator[str]]]] = {
     "duration_s": _duration,
+    "control_period_s": _control_period,
     "speed_rpm": _speed,
     "load": _load,
     "supply_v": _supply,

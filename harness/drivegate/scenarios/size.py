@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from drivegate.scenarios.facts import facts_of
+from drivegate.scenarios.facts import COURSES, facts_of
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S
 from drivegate_cases.scenario.sensors import IDEAL, PLAIN
@@ -18,7 +18,14 @@ _PLAIN: Final = {
     "clock_start_s": 0.0,
     "initial_angle_deg": 0.0,
 }
-_LOAD_KINDS: Final = {"locked": 0, "constant_torque": 0, "constant_power": 1, "fan": 2, "vehicle": 4}
+_LOAD_KINDS: Final = {
+    "locked": 0,
+    "dynamometer": 0,
+    "constant_torque": 0,
+    "constant_power": 1,
+    "fan": 2,
+    "vehicle": 4,
+}
 
 
 def size_of(scenario: Mapping[str, Any]) -> int:
@@ -30,7 +37,7 @@ def size_of(scenario: Mapping[str, Any]) -> int:
     load = scenario["load"]
     profiles = [
         scenario["speed_rpm"],
-        load.get("factor", load.get("grade_percent", ())),
+        next((load[key] for key in COURSES if key in load), ()),
         scenario.get("supply_v", ()),
         scenario.get("imbalance", ()),
         *(scenario.get("drift") or {}).values(),

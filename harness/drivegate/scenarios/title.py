@@ -10,6 +10,7 @@ from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
     ConstantTorqueLoad,
+    DynamometerLoad,
     FanLoad,
     LockedLoad,
     VehicleLoad,
@@ -89,6 +90,10 @@ def _speed(scenario: Scenario) -> _Trait:
 def _load(scenario: Scenario) -> list[_Trait]:
     load = scenario.load
     match load:
+        case DynamometerLoad():
+            torques = _levels(load.torque_reference_nm)
+            words = f"held by a dynamometer, torque reference {_changing(load.torque_reference_nm, 'N·m')}"
+            return [_Trait(f"torque-{_sequence(torques)}Nm", words)]
         case LockedLoad():
             return [_Trait("locked", "locked to a dynamometer")]
         case VehicleLoad():
@@ -177,7 +182,8 @@ def _current_errors(scenario: Scenario) -> list[_Trait]:
 def _beginning(scenario: Scenario) -> list[_Trait]:
     """Tell how the run begins, how often the controller steps, and when it is restarted."""
     traits = []
-    if (period := scenario.control_period_s) != LONGEST_CONTROL_PERIOD_S:
+    usual = scenario.drive.control_period_s or LONGEST_CONTROL_PERIOD_S
+    if (period := scenario.control_period_s) != usual:
         micros = f"{1e6 * period:.4g}"
         traits.append(_Trait(f"every-{micros}us", f"a step every {micros} µs"))
     if scenario.clock_start_s:

@@ -70,8 +70,25 @@ def steady(value: float) -> Course:
 
 
 @inlined
-def _follow(course: Course, positions: NDArray[np.int64], index: int, time: float) -> float:
-    """Return a course's value at a time no earlier than the last one; at a step the one behind it."""
+def follow(course: Course, positions: NDArray[np.int64], index: int, time: float) -> float:
+    """Return a course's value at a time no earlier than the last one; at a step the one behind it.
+
+    Parameters
+    ----------
+    course : Course
+        What is followed.
+    positions : ndarray of int64
+        Where each course was found last; updated.
+    index : int
+        Place of this course among them.
+    time : float
+        Time (s).
+
+    Returns
+    -------
+    float
+        The value, in the unit of the quantity.
+    """
     times = course.times
     values = course.values
     position = positions[index]
@@ -104,10 +121,10 @@ def conditions_at(schedule: Schedule, positions: NDArray[np.int64], time: float)
         The values; at a step those behind it.
     """
     return Conditions(
-        _follow(schedule.speed, positions, 0, time),
-        _follow(schedule.load, positions, 1, time),
-        _follow(schedule.supply, positions, 2, time),
-        _follow(schedule.imbalance, positions, 3, time),
-        _follow(schedule.resistance, positions, 4, time),
-        _follow(schedule.emf, positions, 5, time),
+        follow(schedule.speed, positions, 0, time),
+        follow(schedule.load, positions, 1, time),
+        follow(schedule.supply, positions, 2, time),
+        follow(schedule.imbalance, positions, 3, time),
+        follow(schedule.resistance, positions, 4, time),
+        follow(schedule.emf, positions, 5, time),
     )

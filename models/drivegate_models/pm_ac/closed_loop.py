@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.contract.duty.records import duty_command_record, duty_sense_record
+from drivegate_models.contract.duty.records import DUTY_COMMAND, duty_command_record, duty_sense_record
 from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.loop_kernel import PLANT_FAULT
-from drivegate_models.loop.schedule import Conditions, Schedule, conditions_at
+from drivegate_models.loop.schedule import Conditions, Course, Schedule, conditions_at, follow, steady
 from drivegate_models.loop.shaft import held_speed, within_a_turn
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load, load_torque
@@ -34,8 +34,14 @@ TRACE: Final = (
     "peak_current",
     "input_power",
     "load",
+    "angle",
+    "link",
+    "torque_reference",
 )
-"""Columns of a run's trace: means over a control period, currents of the rotor frame at its end, greatest current."""
+"""Columns of a run's trace: means over a control period, currents of the rotor frame at its end, greatest current.
+
+Speed, electrical angle, link voltage and references are those of its start.
+"""
 
 
 class DutyExchange(NamedTuple):
@@ -47,6 +53,8 @@ class DutyExchange(NamedTuple):
     """Shape (1,) of DUTY_COMMAND."""
     fresh: NDArray[Any]
     """What a command is before the step, shape (1,) of DUTY_COMMAND."""
+    kept: NDArray[Any]
+    """Receives the command of each step, shape (steps,) of DUTY_COMMAND."""
     sensed_currents: NDArray[np.float64]
     """Shape (3,) (A)."""
     step_address: int
@@ -70,6 +78,8 @@ class DutyTiming(NamedTuple):
     """(rad/s)."""
     initial_angle: float
     """Electrical (rad)."""
+    regulates_torque: bool
+    """Whether the controller is given a torque reference, not that of the speed."""
 
 
 class DutyRoom(NamedTuple):
@@ -96,11 +106,13 @@ class DutyRun(NamedTuple):
     """Exact integrals over the run, shape (ledger.ENTRIES,)."""
     worst_balance: float
     """Greatest energy that a period misses, over its throughput (1)."""
+    commands: NDArray[Any]
+    """The command of each step that was asked for, shape (n,) of DUTY_COMMAND."""
 
 
 @inlined
-def _freshen(command: Any, fresh: Any) -> None:
-    """Make a command one that nothing has been written to."""
+def _copy(command: Any, fresh: Any) -> None:
+    """Write all fields of one command into another."""
     command.struct_size = fresh.struct_size
     command.first_duty = fresh.first_duty
     command.second_duty = fresh.second_duty
@@ -180,6 +192,7 @@ def _write_sense(
     exchange: DutyExchange,
     phases: PmAcPhases,
     conditions: Conditions,
+    reference: float,
     time: float,
     angle: float,
     speed: float,
@@ -187,7 +200,7 @@ def _write_sense(
     """Write what is sensed at the start of a period."""
     sense = exchange.sense
     sense[0].time = time
-    sense[0].reference = conditions.speed_reference
+    sense[0].reference = reference
     sense[0].supply_voltage = 2.0 * conditions.supply
     sense[0].angle = angle
     sense[0].speed = speed
@@ -201,6 +214,7 @@ def _run(
     phases: PmAcPhases,
     load: Load,
     schedule: Schedule,
+    torque: Course,
     exchange: DutyExchange,
     timing: DutyTiming,
     room: DutyRoom,
@@ -223,11 +237,14 @@ def _run(
         if load.kind == LOCKED:
             speed = conditions.speed_reference
             change = 0.0
-        _write_sense(exchange, phases, conditions, k * length, angle / drive.pole_pairs, speed)
-        _freshen(exchange.command[0], exchange.fresh[0])
+        wanted = follow(torque, room.course_positions, 6, k * length)
+        reference = wanted if timing.regulates_torque else conditions.speed_reference
+        _write_sense(exchange, phases, conditions, reference, k * length, angle / drive.pole_pairs, speed)
+        _copy(exchange.command[0], exchange.fresh[0])
         call_step(
             exchange.step_address, exchange.state_address, exchange.sense_address, exchange.command_address
         )
+        _copy(exchange.kept[k], exchange.command[0])
         status = _take_command(exchange.command[0], room, delay)
         if status != COMPLETED:
             return status, k, worst
@@ -266,6 +283,9 @@ def _run(
         row[6] = period[ledger.PEAK]
         row[7] = ledger.source_energy(period) / length
         row[8] = opposing
+        row[9] = angle
+        row[10] = link
+        row[11] = wanted
         angle = within_a_turn(angle + drive.pole_pairs * held * length)
         if load.kind != LOCKED:
             change = _speed_change(drive, inertia, speed, opposing, period, length)
@@ -288,6 +308,7 @@ def run_duty_loop(
     duration: float,
     initial_speed: float = 0.0,
     initial_angle: float = 0.0,
+    torque_reference: Course | None = None,
 ) -> DutyRun:
     """Run a controller that has been reset against the plant.
 
@@ -309,30 +330,43 @@ def run_duty_loop(
         Of the shaft (rad/s).
     initial_angle : float
         Electrical, from the first phase's axis to the magnet's (rad).
+    torque_reference : Course, optional
+        What the controller is given in place of the schedule's speed (N m).
 
     Returns
     -------
     DutyRun
         Its trace and totals. Before the first answer acts, the duty ratios are all 1/2.
     """
+    steps = round(duration / control_period)
     currents = np.zeros(3)
     sense, command, fresh = duty_sense_record(currents), duty_command_record(), duty_command_record()
     exchange = DutyExchange(
         sense,
         command,
         fresh,
+        np.zeros(steps, DUTY_COMMAND),
         currents,
         step_address,
         state_address,
         sense.ctypes.data,
         command.ctypes.data,
     )
-    steps = round(duration / control_period)
     trace = np.zeros((steps, len(TRACE)))
     totals = np.zeros(ledger.ENTRIES)
     room = DutyRoom(
-        np.zeros(6, np.int64), np.zeros(ledger.ENTRIES), np.full((2, 3), 0.5), np.ones((2, 3), np.int64)
+        np.zeros(7, np.int64), np.zeros(ledger.ENTRIES), np.full((2, 3), 0.5), np.ones((2, 3), np.int64)
     )
-    timing = DutyTiming(float(control_period), steps, float(initial_speed), float(initial_angle % (2.0 * pi)))
-    status, done, worst = _run(drive, make_phases(), load, schedule, exchange, timing, room, trace, totals)
-    return DutyRun(int(status), int(done), trace[:done], totals, float(worst))
+    timing = DutyTiming(
+        float(control_period),
+        steps,
+        float(initial_speed),
+        float(initial_angle % (2.0 * pi)),
+        torque_reference is not None,
+    )
+    torque = steady(0.0) if torque_reference is None else torque_reference
+    status, done, worst = _run(
+        drive, make_phases(), load, schedule, torque, exchange, timing, room, trace, totals
+    )
+    asked = exchange.kept[: done + (status != COMPLETED)]
+    return DutyRun(int(status), int(done), trace[:done], totals, float(worst), asked)

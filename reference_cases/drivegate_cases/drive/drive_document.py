@@ -6,8 +6,10 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -28,36 +30,33 @@ if TYPE_CHECKING:
     from drivegate_models.steady.plant import AnyDrive
 
 HIGHEST_CHOPPING_FREQUENCY_HZ = 10e6
-
-_TABLES: Final[Mapping[str, type[Section]]] = {
-    "machine": Machine,
-    "inverter": Inverter,
-    "rating": Rating,
-    "advance": Advance,
-    "requirements": Requirements,
-}
-_KEYS: Final = {name: tuple(table.model_fields) for name, table in _TABLES.items()}
-_TABLE_OF_KEY: Final = {key: table for table, keys in _KEYS.items() for key in keys}
-"""The table of each key; a key stands in one table only, so that it may go without its table's name."""
+PM_AC: Final = "pm-ac"
+"""Kind of drive that has a document of its own, `pm_ac.document.PmAcDocument`."""
 
 _KIND_NUMBERS: Final = {"half-bridge": 1, "star": 2}
 """The contract's number of each kind of drive."""
 
 _FEWEST_OF_STAR: Final = 3
 
-TABLE_KEYS = tuple(_TABLE_OF_KEY)
-"""Keys of all tables, by their bare names."""
-SETTABLE_KEYS = ("name", *TABLE_KEYS, *(f"{table}.{key}" for key, table in _TABLE_OF_KEY.items()))
-"""Keys of a drive that ``--set`` takes."""
-
 
 class DriveDocument(Document):
     """A machine with its supply, inverter, current regulators and rating."""
 
+    tables: ClassVar[Mapping[str, type[Section]]] = {
+        "machine": Machine,
+        "inverter": Inverter,
+        "rating": Rating,
+        "advance": Advance,
+        "requirements": Requirements,
+    }
+    """The tables of values, by name."""
+    contract: ClassVar[str] = "current"
+    """Contract of the controllers: what they answer with."""
+
     name: str = Field(min_length=1, max_length=200, description="name of the drive")
-    kind: Literal["half-bridge", "star"] = Field(
-        description='kind of drive: "half-bridge", decoupled phases on half-bridge legs at a split supply, or "star", '
-        "star-connected phases with an isolated neutral on such legs"
+    kind: Literal["half-bridge", "star", "pm-ac"] = Field(
+        description='kind of drive: "half-bridge", decoupled phases on half-bridge legs at a split supply, "star", '
+        'star-connected phases with an isolated neutral on such legs, or "pm-ac", which has tables of its own'
     )
     machine: Machine = Field(description="table of the windings, their EMF, and the shaft")
     inverter: Inverter = Field(description="table of the supply, the current regulators and the devices")
@@ -79,10 +78,11 @@ class DriveDocument(Document):
     def _keys_stand_in_their_tables(cls, values: Any) -> Any:
         """Tell where a known key belongs; one that is not known is refused with the nearest."""
         if isinstance(values, Mapping):
-            for place in ("", *_KEYS):
+            tables = cls.table_of_key()
+            for place in ("", *cls.tables):
                 keys = values.get(place) if place else values
                 for key in keys if isinstance(keys, Mapping) else ():
-                    table = _TABLE_OF_KEY.get(key, place)
+                    table = tables.get(key, place)
                     if table != place:
                         raise ValueError(
                             f"the key '{place and place + '.'}{key}' belongs in the table [{table}]"
@@ -92,10 +92,31 @@ class DriveDocument(Document):
     @field_validator("provenance")
     @classmethod
     def _provenance_is_of_keys(cls, provenance: Provenance) -> Provenance:
-        return check_provenance(provenance, _KEYS)
+        keys = {name: tuple(table.model_fields) for name, table in cls.tables.items()}
+        return check_provenance(provenance, keys)
+
+    @classmethod
+    def of_kind(cls, values: Mapping[str, Any]) -> type[DriveDocument]:
+        """Choose the document of the kind that is named; a kind that is not known is refused by this one."""
+        if values.get("kind") != PM_AC:
+            return cls
+        # By name, since it is built on this module.
+        module: Any = import_module("drivegate_cases.drive.pm_ac.document")
+        document: type[DriveDocument] = module.PmAcDocument
+        return document
+
+    @classmethod
+    def table_of_key(cls) -> Mapping[str, str]:
+        """Give the table of each key; a key stands in one only, so that it may go without its table's name."""
+        return _table_of_key(cls)
 
     @model_validator(mode="after")
     def _tables_fit_together(self) -> Self:
+        self.check_tables()
+        return self
+
+    def check_tables(self) -> None:
+        """Refuse values that do not fit those of other tables."""
         band, limit = self.inverter.hysteresis_band_a, self.rating.current_limit_a
         if band > limit:
             raise ValueError(
@@ -105,7 +126,6 @@ class DriveDocument(Document):
         self._check_kind()
         check_points(self.requirements, self.rating)
         self._check_chopping()
-        return self
 
     def _check_kind(self) -> None:
         """Refuse what the kind of drive cannot have."""
@@ -153,7 +173,7 @@ class DriveDocument(Document):
     @property
     def values_hash(self) -> str:
         """SHA-256 of all values, in hexadecimal: equal for two drives that differ in name and provenance alone."""
-        values = self.model_dump(mode="json", include={"kind", *_KEYS}, exclude_none=True)
+        values = self.model_dump(mode="json", include={"kind", *self.tables}, exclude_none=True)
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
     def identity(self) -> dict[str, str]:
@@ -165,9 +185,14 @@ class DriveDocument(Document):
         """Whether its phases are between legs and the tap of a split supply, whose halves may differ."""
         return self.kind == "half-bridge"
 
+    @property
+    def control_period_s(self) -> float | None:
+        """Time between two steps of the controller where the drive itself states it (s)."""
+        return None
+
     def value(self, key: str) -> Any:
         """Give the value of a key of any table, by its bare name."""
-        return getattr(getattr(self, _TABLE_OF_KEY[key]), key)
+        return getattr(getattr(self, self.table_of_key()[key]), key)
 
     def replaced(self, **changes: Any) -> Self:
         """Make a drive that differs in a few keys, of any table, checked like any other."""
@@ -175,9 +200,10 @@ class DriveDocument(Document):
 
     def _with_tables(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """Put keys into their tables, beside what these hold now."""
-        top = {key: value for key, value in changes.items() if key not in _TABLE_OF_KEY}
+        tables = self.table_of_key()
+        top = {key: value for key, value in changes.items() if key not in tables}
         for key, value in changes.items():
-            if (table := _TABLE_OF_KEY.get(key)) is not None:
+            if (table := tables.get(key)) is not None:
                 section = getattr(self, table)
                 top.setdefault(table, {} if section is None else section.model_dump())[key] = value
         return top
@@ -186,13 +212,16 @@ class DriveDocument(Document):
         """Set single values from the command line, by ``table.key`` or by the bare key."""
         if not pairs:
             return self
-        given = parse_overrides(pairs, SETTABLE_KEYS)
+        tables = self.table_of_key()
+        given = parse_overrides(
+            pairs, ("name", *tables, *(f"{table}.{key}" for key, table in tables.items()))
+        )
         values = {key.rpartition(".")[2]: value for key, value in given.items()}
         mapping = self.to_mapping() | self._with_tables(values)
         sources = {table: dict(sentences) for table, sentences in self.provenance.items()}
         for key in values:
-            if key in _TABLE_OF_KEY:
-                sources.setdefault(_TABLE_OF_KEY[key], {})[key] = "set on the command line"
+            if key in tables:
+                sources.setdefault(tables[key], {})[key] = "set on the command line"
         return parse_document(
             mapping | {"provenance": sources}, DriveDocument, "--set " + " --set ".join(pairs)
         )
@@ -232,11 +261,21 @@ class DriveDocument(Document):
         )
 
 
+@lru_cache
+def _table_of_key(document: type[DriveDocument]) -> Mapping[str, str]:
+    return {key: name for name, table in document.tables.items() for key in table.model_fields}
+
+
+TABLE_KEYS: Final = tuple(DriveDocument.table_of_key())
+"""Keys of all tables of the kinds that are given a current reference, by their bare names."""
+
+
 def load_drive(name_or_path: str | Path, *, beside: Path | None = None) -> DriveDocument:
     """Load a drive that comes with drivegate, or one from a file."""
     return load_named(name_or_path, DriveDocument, "drives", "drive", beside=beside)
 
 
-def drive_names() -> tuple[str, ...]:
-    """List the drives that come with drivegate."""
-    return packaged_names("drives")
+def drive_names(*, but: str = "") -> tuple[str, ...]:
+    """List the drives that come with drivegate, or those of all kinds but one."""
+    names = packaged_names("drives")
+    return tuple(name for name in names if load_drive(name).kind != but) if but else names

@@ -4,24 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from typing import Any, get_args
+from typing import Any
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
 _WIDTH = 40
-
-
-def _tables() -> Iterator[tuple[str, type[Section]]]:
-    """Find the tables of a drive, also those that may be left out."""
-    for name, field in DriveDocument.model_fields.items():
-        for kind in (field.annotation, *get_args(field.annotation)):
-            if isinstance(kind, type) and issubclass(kind, Section):
-                yield name, kind
-
-
-TABLES = dict(_tables())
-"""The tables of a drive, by name."""
 
 
 def drive_toml(drive: DriveDocument) -> str:
@@ -30,11 +19,11 @@ def drive_toml(drive: DriveDocument) -> str:
     lines = [
         "# A drive for drivegate. Every value is nominal; change what is not yours, and say where yours is from.",
         "schema = 1",
-        *(_line(DriveDocument, key, getattr(drive, key)) for key in head),
+        *(_line(type(drive), key, getattr(drive, key)) for key in head),
     ]
-    for name, model in TABLES.items():
-        table = getattr(drive, name)
-        lines += ["", *_table(name, model, table)]
+    for name, model in drive.tables.items():
+        described = type(drive).model_fields[name].description
+        lines += ["", *_table(name, model, getattr(drive, name), described)]
     lines += ["", "[provenance]  # where each value comes from, in a sentence"]
     for name, sentences in drive.provenance.items():
         lines += [f"{name}.{key} = {toml_value(sentence)}" for key, sentence in sentences.items()]
@@ -42,19 +31,26 @@ def drive_toml(drive: DriveDocument) -> str:
 
 
 def drive_schema() -> dict[str, Any]:
-    """Make the JSON Schema of the document."""
-    schema = DriveDocument.model_json_schema(by_alias=True)
-    schema["properties"]["schema"] = {"const": 1, "description": "number of the document's schema"}
-    schema["required"] = ["schema", *schema["required"]]
+    """Make the JSON Schema of the document, whose tables are others for PM AC drives."""
+    others, pm_ac = _schema_of(DriveDocument), _schema_of(PmAcDocument)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "drivegate drive, schema 1",
-        **{key: value for key, value in schema.items() if key != "title"},
+        "$defs": others.pop("$defs") | pm_ac.pop("$defs"),
+        "if": {"properties": {"kind": {"const": PM_AC}}},
+        "then": pm_ac,
+        "else": others,
     }
 
 
-def _table(name: str, model: type[Section], table: Section | None) -> Iterator[str]:
-    description = DriveDocument.model_fields[name].description
+def _schema_of(document: type[DriveDocument]) -> dict[str, Any]:
+    schema = document.model_json_schema(by_alias=True)
+    schema["properties"]["schema"] = {"const": 1, "description": "number of the document's schema"}
+    schema["required"] = ["schema", *schema["required"]]
+    return {key: value for key, value in schema.items() if key != "title"}
+
+
+def _table(name: str, model: type[Section], table: Section | None, description: str | None) -> Iterator[str]:
     if table is None:
         yield f"# {f'[{name}]':<{_WIDTH}}# {description}; may be left out"
     else:

@@ -85,19 +85,30 @@ def limits_of(drive: DriveDocument) -> Limits:
         All of them.
     """
     stated, rating = drive.requirements, drive.rating
-    tolerance, settling = stated.speed_tolerance_rpm, stated.settling_s
     torque = POINT_POWER_SHARE * rating.rated_power_w / (rating.highest_speed_rpm * RADIANS_PER_RPM)
     at_highest = RequiredPoint(speed_rpm=rating.highest_speed_rpm, torque_n_m=rounded(torque, 3))
     return Limits(
-        speed_tolerance_rpm=SPEED_TOLERANCE_SHARE * rating.base_speed_rpm if tolerance is None else tolerance,
+        speed_tolerance_rpm=speed_tolerance_of(drive),
         power_tolerance=stated.power_tolerance_percent / 100.0,
         angle_tolerance_deg=stated.angle_tolerance_deg,
-        settling_s=SETTLING_UNITS * time_unit(drive) if settling is None else settling,
+        settling_s=settling_of(drive),
         optimum_tolerance=stated.optimum_tolerance_percent / 100.0,
         ripple=_ripple(drive, stated.ripple_percent, RIPPLE),
         closed_loop_ripple=_ripple(drive, stated.closed_loop_ripple_percent, CLOSED_LOOP_RIPPLE),
         points=stated.point or (at_highest,),
     )
+
+
+def speed_tolerance_of(drive: DriveDocument) -> float:
+    """Give the greatest speed error k1 of a drive of any kind (rpm)."""
+    stated = drive.requirements.speed_tolerance_rpm
+    return SPEED_TOLERANCE_SHARE * drive.rating.base_speed_rpm if stated is None else stated
+
+
+def settling_of(drive: DriveDocument) -> float:
+    """Give the time in which the controller of a drive of any kind has to settle (s)."""
+    stated = drive.requirements.settling_s
+    return SETTLING_UNITS * time_unit(drive) if stated is None else stated
 
 
 def _ripple(drive: DriveDocument, stated_percent: float | None, of_decoupled: float) -> float:

@@ -15,6 +15,7 @@ _FactorPoint = Annotated[
     Field(description="[time in seconds, share of the load, from 0 without it to 1 with all of it]"),
 ]
 _GREATEST_FACTOR = 10.0
+_GREATEST_TORQUE_NM = 1e6
 _STEEPEST_PERCENT = 100.0
 GRAVITY = 9.80665
 """Standard gravity (m/s²)."""
@@ -24,6 +25,24 @@ class LockedLoad(Section):
     """A dynamometer that keeps the shaft on the speed reference, whatever torque that takes."""
 
     kind: Literal["locked"] = Field(description="kind of load")
+
+
+class DynamometerLoad(LockedLoad):
+    """A dynamometer that keeps the shaft on the speed reference, while the controller is given a torque reference."""
+
+    kind: Literal["dynamometer"] = Field(description="kind of load")  # type: ignore[assignment]
+    torque_reference_nm: Profile = Field(
+        description="torque that the controller is asked for, a list of [seconds, newton metres]"
+    )
+
+    @field_validator("torque_reference_nm")
+    @classmethod
+    def _torques_in_range(cls, profile: Profile) -> Profile:
+        if any(abs(torque) > _GREATEST_TORQUE_NM for _, torque in profile):
+            raise ValueError(
+                f"must have torques from -{_GREATEST_TORQUE_NM:g} to {_GREATEST_TORQUE_NM:g} N·m"
+            )
+        return check_times(profile)
 
 
 class _SwitchedLoad(Section):
@@ -124,4 +143,4 @@ class VehicleLoad(Section):
 
 
 SwitchedLoad = ConstantTorqueLoad | ConstantPowerLoad | FanLoad
-Load = Annotated[LockedLoad | SwitchedLoad | VehicleLoad, Field(discriminator="kind")]
+Load = Annotated[LockedLoad | DynamometerLoad | SwitchedLoad | VehicleLoad, Field(discriminator="kind")]

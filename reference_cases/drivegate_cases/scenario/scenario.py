@@ -9,10 +9,17 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from drivegate_cases.documents.document import Document
 from drivegate_cases.documents.packaged import load_named, packaged_names
+from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
 from drivegate_cases.drive.drive_reference import DriveReference
 from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
-from drivegate_cases.scenario.load import ConstantPowerLoad, Load, LockedLoad, VehicleLoad
+from drivegate_cases.scenario.load import (
+    ConstantPowerLoad,
+    DynamometerLoad,
+    Load,
+    LockedLoad,
+    VehicleLoad,
+)
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, check_times, value_from, value_until
 from drivegate_cases.scenario.sensors import IDEAL, Sensors, fitted, has_encoder, refusal, unfitted
 from drivegate_models.contract.outer_loop.signals import Nameplate
@@ -106,6 +113,17 @@ class Scenario(Document):
         drive = info.data.get("drive")
         return sensors if drive is None else fitted(sensors, drive)
 
+    @field_validator("control_period_s")
+    @classmethod
+    def _period_is_the_modulators(cls, period: float, info: ValidationInfo) -> float:
+        """Take the control period of a drive that has a modulator, which no scenario changes."""
+        drive: DriveDocument | None = info.data.get("drive")
+        if drive is None or (own := drive.control_period_s) is None or period == own:
+            return period
+        if period != LONGEST_CONTROL_PERIOD_S:
+            raise ValueError(f"must be left out or {own:g}, which the drive's carrier gives")
+        return own
+
     @field_validator("restarts_s")
     @classmethod
     def _restarts_in_order(cls, times: tuple[float, ...]) -> tuple[float, ...]:
@@ -150,6 +168,7 @@ class Scenario(Document):
                 f"the key 'imbalance' is for a split supply, but the drive's kind is \"{self.drive.kind}\", whose link "
                 "has no tap that halves could differ about"
             )
+        self._check_kind()
         if (unfit := refusal(self.sensors, self.drive)) is not None:
             raise ValueError(f"the key 'sensors' does not fit the drive: {unfit}")
         if self.glitches and not has_encoder(self.sensors):
@@ -158,6 +177,20 @@ class Scenario(Document):
                 f"the key 'glitches' needs the sensors 'mcs96', since {described} have no encoder"
             )
         return self
+
+    def _check_kind(self) -> None:
+        """Refuse what the kind of drive cannot have."""
+        if isinstance(self.load, DynamometerLoad) and self.drive.kind != PM_AC:
+            raise ValueError(
+                f"the load 'dynamometer' is for drives of the kind \"{PM_AC}\", whose controllers take a torque "
+                f'reference, but this one\'s kind is "{self.drive.kind}"'
+            )
+        if self.drive.kind == PM_AC:
+            for key in ("restarts_s", "current_errors", "dropouts", "glitches"):
+                if getattr(self, key):
+                    raise ValueError(
+                        f"the key '{key}' is for other kinds of drives; one of the kind \"{PM_AC}\" does not have it"
+                    )
 
     def _check_whole_periods(self) -> None:
         periods = self.duration_s / self.control_period_s
@@ -172,6 +205,7 @@ class Scenario(Document):
             "speed_rpm": self.speed_rpm,
             "supply_v": self.supply_profile,
             "load.grade_percent" if isinstance(self.load, VehicleLoad) else "load.factor": self.load_profile,
+            "load.torque_reference_nm": self.torque_reference_profile,
             "imbalance": self.imbalance_profile,
             "drift.resistance": self.resistance_profile,
             "drift.emf_constant": self.emf_profile,
@@ -239,6 +273,11 @@ class Scenario(Document):
         if isinstance(self.load, LockedLoad):
             return ((0.0, 1.0),)
         return self.load.grade_percent if isinstance(self.load, VehicleLoad) else self.load.factor
+
+    @property
+    def torque_reference_profile(self) -> Profile:
+        """Torque reference over time (s, N·m), 0 throughout where the reference is a speed."""
+        return self.load.torque_reference_nm if isinstance(self.load, DynamometerLoad) else ((0.0, 0.0),)
 
     @property
     def imbalance_profile(self) -> Profile:

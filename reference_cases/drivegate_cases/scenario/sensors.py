@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.converter_ranges import ConverterRanges, converter_ranges
-from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
 
 ClockResolution = Annotated[
     float, Field(gt=0.0, le=1e-3, description="resolution of the edges' times, in seconds")
@@ -175,6 +175,8 @@ def refusal(sensors: Sensors, drive: DriveDocument) -> str | None:
     Three switches tell the angle of any rotor to 60 degrees, which is where the windows of three phases open and close,
     whether they are connected in a star or not; those of any other number of phases lie between the edges.
     """
+    if drive.kind == PM_AC and not isinstance(sensors, IdealSensors):
+        return f"the sensors '{sensors.kind}' are for other kinds of drives; one of the kind \"{PM_AC}\" has ideal ones"
     phases = drive.machine.phases
     if not isinstance(sensors, HallSensors) or phases == _PHASES_OF_HALL:
         return None

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.catalogue import CHECKS_OF
 from drivegate.checks.drive_numbers import on_drive
 from drivegate.checks.traceability import SPECIAL, facts_of, families_of
 from drivegate.drives.kinds import DEFAULT_DRIVE
@@ -18,7 +18,6 @@ from drivegate_reports.paper.catalogue import FIGURES
 
 FEW_RUNS: Final = 3
 """Number of runs below which a check's evidence is called thin."""
-_BY_ID: Final = {check.id: check for check in CHECKS}
 _SPECIAL: Final = frozenset(check for checks in SPECIAL.values() for check in checks)
 
 
@@ -76,11 +75,12 @@ def drive_of(document: Mapping[str, Any]) -> DriveDocument:
 
 def evidence_of(check: str, drive: DriveDocument) -> Evidence | None:
     """Look a check up, with the numbers of a drive."""
-    listed = _BY_ID.get(check)
+    listed = next((one for one in CHECKS_OF[drive.contract] if one.id == check), None)
     if listed is None:
         return None
     known = on_drive(listed, drive)
-    return Evidence(tuple(fact.id for fact in facts_of(known)), known.scenarios, families_of(check))
+    families = families_of(check, drive.contract)
+    return Evidence(tuple(fact.id for fact in facts_of(known)), known.scenarios, families)
 
 
 def fact_rows() -> tuple[FactRow, ...]:
@@ -102,14 +102,16 @@ def fact_rows() -> tuple[FactRow, ...]:
 def coverage_gaps(document: Mapping[str, Any]) -> tuple[str, ...]:
     """List what a result leaves unjudged."""
     judged = {str(check["id"]): check for check in document["checks"]}
-    gaps = [f"{name} is not in this result." for name in _BY_ID if name not in judged]
+    contract = drive_of(document).contract
+    names = [check.id for check in CHECKS_OF[contract]]
+    gaps = [f"{name} is not in this result." for name in names if name not in judged]
     for name, check in judged.items():
         runs = int(check["runs"])
         if runs == 0:
             gaps.append(f"{clean(name)} was judged on no run: {clean(check['message'])}.")
         elif runs < FEW_RUNS and name not in _SPECIAL:
             gaps.append(f"{clean(name)} rests on {runs} {'run' if runs == 1 else 'runs'} only.")
-    for row in fact_rows():
+    for row in fact_rows() if contract == "current" else ():
         if not row.checks:
             held = f"{row.properties} tests of the plant" if row.properties else "nothing"
             gaps.append(f"{row.id}, {row.title}, is held by no check of candidates, but by {held}.")

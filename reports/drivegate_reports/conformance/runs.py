@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from drivegate.output.account import account
+from drivegate.output.duty_signals import DutySignals, duty_account, duty_signals_of
 from drivegate.output.run_signals import RunSignals, signals_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
-from drivegate_reports.conformance.figures import margin_distribution, recorded_run, torque_ripple
+from drivegate_reports.conformance.figures import duty_run, margin_distribution, recorded_run, torque_ripple
 from drivegate_reports.conformance.figures import script as script_figure
 from drivegate_reports.conformance.ripple import ripple_of
 from drivegate_reports.page.figure import PageFigure
@@ -49,6 +50,14 @@ def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
     drawn: dict[tuple[int, tuple[float, float]], PageFigure] = {}
     for check in sorted(document["checks"], key=lambda check: check["counterexample"] is None):
         signals = signals_of(document, check)
+        if signals is None and (of_ratios := duty_signals_of(document, check)) is not None:
+            place = (check["recording"]["trace"], (0.0, of_ratios.scenario.duration_s))
+            known = place in drawn
+            if not known:
+                drawn[place] = _duty_figure(of_ratios, f"run-{len(drawn) + 1}")
+            words = tuple(map(clean, duty_account(of_ratios)))
+            shown[str(check["id"])] = ShownRun(words, drawn[place], known)
+            continue
         if signals is None:
             script = _script_of(check)
             if script is not None:
@@ -75,6 +84,13 @@ def _figure(signals: RunSignals, name: str) -> PageFigure:
         "the operating point of the judged stretch, which is set off."
     )
     return PageFigure(name, title, svg, recorded_run.alternative(signals), caption)
+
+
+def _duty_figure(signals: DutySignals, name: str) -> PageFigure:
+    with house_style():
+        svg = inline_svg(duty_run.draw(signals), name)
+    title = f"Run {clean(signals.scenario.name)}"
+    return PageFigure(name, title, svg, duty_run.alternative(signals), duty_run.CAPTION)
 
 
 def _ripple_figure(check: Mapping[str, Any], signals: RunSignals) -> PageFigure | None:

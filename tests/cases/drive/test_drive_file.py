@@ -10,7 +10,7 @@ import pytest
 
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
-from drivegate_cases.drive.drive_file import TABLES, drive_schema, drive_toml, toml_value
+from drivegate_cases.drive.drive_file import drive_schema, drive_toml, toml_value
 
 PAPER = load_drive("paper-5-phase")
 SCHEMA_FILE = Path(__file__).parents[3] / "docs" / "schemas" / "drive.schema.json"
@@ -37,7 +37,7 @@ def test_what_is_written_is_read_back_as_the_same_drive(changes: dict[str, Any])
 
 def test_every_key_has_its_comment_also_one_that_is_left_out() -> None:
     lines = drive_toml(PAPER).splitlines()
-    for model in TABLES.values():
+    for model in DriveDocument.tables.values():
         for key, field in model.model_fields.items():
             named = [line for line in lines if line.removeprefix("# ").startswith(f"{key} =")]
             assert len(named) == 1, f"{key} is written {len(named)} times"

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
-from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.catalogue import CHECK_NAMES, CHECKS
 from drivegate.checks.check import Check
+from drivegate.checks.duty.catalogue import DUTY_CHECKS
 
 DOCS = Path(__file__).parents[3] / "docs"
 SECTIONS = ["How it is judged", "What a failing candidate does wrong", "How to read its counterexample"]
@@ -17,7 +19,14 @@ SECTIONS = ["How it is judged", "What a failing candidate does wrong", "How to r
 
 def test_pages_and_checks_match() -> None:
     pages = {page.stem for page in (DOCS / "checks").glob("*.md")}
-    assert pages == {check.id for check in CHECKS}
+    assert pages == set(CHECK_NAMES)
+
+
+@pytest.mark.parametrize("check", DUTY_CHECKS, ids=lambda check: check.id)
+def test_a_page_tells_of_a_check_of_duty_ratios(check: Check) -> None:
+    text = (DOCS / "checks" / f"{check.id}.md").read_text(encoding="utf-8")
+    assert f"<!-- inserted: check duty:{check.id} -->\n" in text
+    assert [head for head in re.findall(r"^## (.+)$", text, re.MULTILINE) if head in SECTIONS] == SECTIONS
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.id)
@@ -25,7 +34,8 @@ def test_a_page_inserts_what_the_catalogue_knows_and_tells_the_rest(check: Check
     text = (DOCS / "checks" / f"{check.id}.md").read_text(encoding="utf-8")
     assert text.startswith(f"# {check.id}: ")
     assert f"<!-- inserted: check {check.id} -->\n" in text
-    assert re.findall(r"^## (.+)$", text, re.MULTILINE) == SECTIONS
+    heads = [head for head in re.findall(r"^## (.+)$", text, re.MULTILINE) if head != "With duty ratios"]
+    assert heads == SECTIONS
     assert check.requirement not in re.sub(r"<!-- inserted.*?<!-- end -->", "", text, flags=re.DOTALL), (
         "the requirement must be typed in one place"
     )
@@ -38,4 +48,5 @@ def test_a_page_inserts_what_the_catalogue_knows_and_tells_the_rest(check: Check
 def test_the_faulty_controllers_that_pages_name_exist() -> None:
     for page in DOCS.rglob("*.md"):
         named = set(re.findall(r"faulty:([a-z0-9-]+)", page.read_text(encoding="utf-8")))
-        assert named <= set(MUTATIONS), f"{page.name} names {named - set(MUTATIONS)}, which do not exist"
+        known = {*MUTATIONS, *DUTY_FAULTS}
+        assert named <= known, f"{page.name} names {named - known}, which do not exist"

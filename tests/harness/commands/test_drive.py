@@ -219,3 +219,19 @@ def test_what_a_fit_cannot_tell_is_said(command, tmp_path):
 )
 def test_a_fit_that_cannot_be_is_refused_in_one_sentence(refused, words, reason):
     assert reason in refused("drive", *words)
+
+
+def test_a_pm_ac_drive_is_told_by_its_limits_of_current_and_voltage(command, tmp_path):
+    plot = tmp_path / "drive.svg"
+    document = command("drive", "pm-ac-interior", "--plot", str(plot), "--json").document
+    assert document["unreachable"] == []
+    assert plot.is_file()
+    # What is known of this machine (tests of its oracle): it uses up its voltage at 2168.7 rpm.
+    assert document["voltage_used_up_at_rpm"] == pytest.approx(2168.7, abs=0.1)
+    assert document["magnet_current_a"] > document["rating"]["current_limit_a"]
+    at_base = row_at(document, 2100.0)
+    assert at_base["greatest_power_w"] == pytest.approx(556.1, abs=0.1)
+    assert all(row["least_loss_w"] <= row["loss_w"] * (1.0 + 1e-9) for row in document["points"])
+    assert "2168.7 rpm" in command("drive", "pm-ac-interior").out
+    much = command("drive", "pm-ac-interior", "--set", "rated_power_w=900", "--json").document
+    assert "900 W at 2100 rpm" in much["unreachable"][0]["message"]

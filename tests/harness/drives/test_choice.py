@@ -23,6 +23,14 @@ def test_a_named_drive_wins_over_a_manifest_s_and_that_over_the_default() -> Non
     assert drive_for(PLAIN) == drive_for(None) == PAPER
 
 
+@pytest.mark.parametrize(("name", "drive"), [("reference", "pm-ac-interior"), ("foc", "star-3-phase")])
+def test_a_candidate_of_one_contract_is_refused_on_a_drive_of_the_other(name: str, drive: str) -> None:
+    with pytest.raises(InputError, match=r"name a drive such as .* with --drive") as refused:
+        drive_for(resolve_candidate(name), load_drive(drive))
+    assert "\n" not in str(refused.value)
+    assert drive_for(resolve_candidate("foc")).name == "pm-ac-interior", "each contract has a default drive"
+
+
 def test_candidates_are_compared_on_one_drive() -> None:
     mine, other = replace(PLAIN, drive=MINE), replace(PLAIN, drive=OTHER)
     assert common_drive([mine, mine]) == MINE

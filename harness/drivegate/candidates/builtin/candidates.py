@@ -27,6 +27,9 @@ BUILTIN_CANDIDATES: Final = MappingProxyType(
 )
 """Declarations by bare name."""
 
+DUTY_CANDIDATES: Final = MappingProxyType({"foc": Declaration()})
+"""Declarations of those that answer with duty ratios, by bare name."""
+
 _DESIGNS = ("golden-section", "quadratic-interpolation", "angle-table", "sweep")
 
 DESIGN_CANDIDATES: Final = MappingProxyType(
@@ -42,4 +45,4 @@ _PREFIXED: Final = re.compile(f"({FAULTY_PREFIX}|{DESIGN_PREFIX}|{NEAR_PREFIX})[
 
 def is_builtin_name(text: str) -> bool:
     """Tell whether a text has the form of the name of a candidate that comes with drivegate, and of nothing else."""
-    return text in BUILTIN_CANDIDATES or _PREFIXED.fullmatch(text) is not None
+    return text in BUILTIN_CANDIDATES or text in DUTY_CANDIDATES or _PREFIXED.fullmatch(text) is not None

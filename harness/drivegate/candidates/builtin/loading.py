@@ -46,6 +46,10 @@ SEARCHING: Final = ControllerCode(CONTROLLER_STATE, step_function, reset_functio
 
 def load_controller(candidate: Candidate) -> Controller:
     """Make a new instance of a built-in controller."""
+    if candidate.contract == "duty":
+        from drivegate.candidates.builtin.duty_loading import load_duty_controller
+
+        return load_duty_controller(candidate.entry)
     if candidate.entry.startswith(FAULTY_PREFIX):
         from drivegate.candidates.builtin.faulty_controller import load_faulty_controller
 

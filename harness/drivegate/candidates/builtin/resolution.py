@@ -6,7 +6,11 @@ import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DESIGN_CANDIDATES
+from drivegate.candidates.builtin.candidates import (
+    BUILTIN_CANDIDATES,
+    DESIGN_CANDIDATES,
+    DUTY_CANDIDATES,
+)
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
@@ -25,15 +29,18 @@ def from_text(specification: str) -> Candidate:
 
 def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:  # noqa: ARG001  (as all kinds)
     """Find the controller that a manifest names; it has a declaration of its own."""
-    if manifest.entry not in BUILTIN_CANDIDATES:
+    known = (*BUILTIN_CANDIDATES, *DUTY_CANDIDATES)
+    if manifest.entry not in known:
         raise InputError(
             f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', but must be "
-            f"one of the built-in candidates {', '.join(BUILTIN_CANDIDATES)}"
+            f"one of the built-in candidates {', '.join(known)}"
         )
     return _candidate(manifest.name, specification, manifest.entry, manifest.declaration())
 
 
 def _declaration_of(name: str) -> Declaration:
+    if _answers_with_duty_ratios(name):
+        return DUTY_CANDIDATES.get(name, Declaration())
     if name.startswith(FAULTY_PREFIX):
         # Their registry is only read where one of them is named.
         from drivegate.candidates.builtin.faults.catalogue import find_mutation
@@ -44,6 +51,15 @@ def _declaration_of(name: str) -> Declaration:
     if name.startswith(DESIGN_PREFIX):
         return _design_declaration(name)
     return BUILTIN_CANDIDATES[name]
+
+
+def _answers_with_duty_ratios(name: str) -> bool:
+    if not name.startswith(FAULTY_PREFIX):
+        return name in DUTY_CANDIDATES
+    # Their registry is only read where a faulty controller is named.
+    from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
+
+    return name.removeprefix(FAULTY_PREFIX) in DUTY_FAULTS
 
 
 def _design_declaration(name: str) -> Declaration:
@@ -70,4 +86,7 @@ def _unknown(name: str, known: list[str]) -> InputError:
 
 def _candidate(name: str, specification: str, entry: str, declaration: Declaration) -> Candidate:
     digest = hashlib.sha256(f"drivegate {__version__} {entry}".encode()).hexdigest()
-    return Candidate(name, "builtin", specification, entry, Path.cwd(), (), digest, declaration)
+    contract = "duty" if _answers_with_duty_ratios(entry) else "current"
+    return Candidate(
+        name, "builtin", specification, entry, Path.cwd(), (), digest, declaration, contract=contract
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -43,6 +44,37 @@ _PANELS: Final = (
 )
 
 
+_DUTY_PANELS: Final = (
+    (
+        "torque (N·m)",
+        (
+            ("greatest_torque_nm", "within both limits", "-", "tab:blue"),
+            ("rated_torque_nm", "of rated power", "--", "tab:gray"),
+        ),
+    ),
+    (
+        "power (W)",
+        (
+            ("greatest_power_w", "within both limits", "-", "tab:blue"),
+            ("rated_power_w", "rated", "--", "tab:gray"),
+        ),
+    ),
+    (
+        "current (A)",
+        (
+            ("direct_a", "d, least current", "-", "tab:red"),
+            ("quadrature_a", "q, least current", "-", "tab:orange"),
+            ("least_loss_direct_a", "d, least loss", ":", "tab:red"),
+            ("greatest_direct_a", "d, greatest torque", "--", "tab:blue"),
+        ),
+    ),
+    (
+        "loss (W)",
+        (("loss_w", "at least current", "-", "tab:orange"), ("least_loss_w", "least", "--", "tab:green")),
+    ),
+)
+
+
 def write_figure(document: dict[str, Any], plot: Path) -> None:
     """Draw what a drive can do over speed; base and highest speed are marked."""
     from matplotlib import rc_context
@@ -53,8 +85,9 @@ def write_figure(document: dict[str, Any], plot: Path) -> None:
     with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
         figure = Figure(figsize=(9.0, 9.0), layout="constrained")
         FigureCanvasAgg(figure)
-        all_axes = figure.subplots(len(_PANELS), 1, sharex=True)
-        for axes, (label, curves) in zip(all_axes, _PANELS, strict=True):
+        panels = _DUTY_PANELS if "undistorted_voltage_v" in document else _PANELS
+        all_axes = figure.subplots(len(panels), 1, sharex=True)
+        for axes, (label, curves) in zip(all_axes, panels, strict=True):
             _draw(axes, document, label, curves)
         all_axes[-1].set_xlabel("speed (rpm)")
         figure.suptitle(one_line(f"What {document['drive']} can do"))
@@ -82,7 +115,7 @@ def _curve(document: dict[str, Any], key: str) -> tuple[list[float], list[float]
     speeds = [point["speed_rpm"] for point in points]
     if key == "rated_power_w":
         return speeds, [rating[key] * min(speed / base, 1.0) for speed in speeds]
-    values = [point[key] for point in points]
+    values = [nan if point[key] is None else point[key] for point in points]
     if key == "line_deg":
         # It jumps at base speed, which two speeds of the grid would draw as a slope.
         place = speeds.index(base)

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from drivegate.drives.envelope import envelope, recommended_line, speeds_of
 from drivegate.drives.envelope_document import envelope_document
+from drivegate.drives.pm_ac_envelope import pm_ac_envelope
 from drivegate.drives.rating import rated_drive
 from drivegate.drives.reach import unreachable
 from drivegate.output.progress import progress_on, with_rate
@@ -17,6 +18,7 @@ from drivegate.studies.drive.fit import fit_document
 from drivegate.studies.drive.measured import read_measured
 from drivegate_cases.documents.wording import counted
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
 SCHEMA: Final = 1
 """Version of the document."""
@@ -24,6 +26,8 @@ SCHEMA: Final = 1
 
 def studied_drive(chosen: DriveDocument, *, plot: Path | None = None) -> dict[str, Any]:
     """Compute what a drive can do, and draw it."""
+    if isinstance(chosen, PmAcDocument):
+        return _studied_pm_ac(chosen, plot)
     drive = rated_drive(chosen)
     speeds = speeds_of(drive.rating)
     with progress_on(sys.stderr) as display:
@@ -42,6 +46,13 @@ def studied_drive(chosen: DriveDocument, *, plot: Path | None = None) -> dict[st
         "unreachable": [row.document() for row in out_of_reach],
         **envelope_document(drive, line, points),
     }
+    if plot is not None:
+        write_figure(document, plot)
+    return document | {"files": [] if plot is None else [str(plot)]}
+
+
+def _studied_pm_ac(chosen: PmAcDocument, plot: Path | None) -> dict[str, Any]:
+    document = {"schema": SCHEMA, "kind": "drive", "drive": chosen.name, **pm_ac_envelope(chosen)}
     if plot is not None:
         write_figure(document, plot)
     return document | {"files": [] if plot is None else [str(plot)]}

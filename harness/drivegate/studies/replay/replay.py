@@ -13,7 +13,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.catalogue import check_of as check_named
 from drivegate.checks.check import Check
 from drivegate.checks.drive_numbers import on_drive
 from drivegate.checks.flowchart.judging import judge_script
@@ -27,11 +27,13 @@ from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import Repetition, different_elsewhere, explanation_jobs, repetition_job
 from drivegate.output.account import account
 from drivegate.output.compiled_kernels import with_compiled_kernels
+from drivegate.output.duty_signals import duty_account, duty_signals_of_run
 from drivegate.output.pace import tell_slow
 from drivegate.output.run_signals import RunSignals, signals_of_run
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite
+from drivegate.runs.duty.run import DutyClosedLoopRun
 from drivegate.runs.parting import SEED_IN_RESET, room_for_commands
 from drivegate.studies.simulate.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
@@ -71,7 +73,7 @@ class Replay:
     """
 
     margin: Margin | None
-    run: ClosedLoopRun | None = None
+    run: ClosedLoopRun | DutyClosedLoopRun | None = None
     window: tuple[float, float] | None = None
     rows: tuple[int, int] | None = None
 
@@ -157,14 +159,25 @@ def _script_again(loaded: JudgedCandidate, script: Script) -> Replay:
 
 def check_of(stored: Counterexample) -> Check:
     """Find the check that a counterexample is about."""
-    return next(check for check in CHECKS if check.id == stored.check)
+    scenario = stored.scenario
+    return check_named("current" if isinstance(scenario, Script) else scenario.drive.contract, stored.check)
+
+
+def account_shown(stored: Counterexample, ended: Replay | Fault) -> tuple[str, ...]:
+    """Give an account of what was run; nothing where that was on no plant."""
+    if isinstance(ended, Replay) and isinstance(ended.run, DutyClosedLoopRun):
+        assert isinstance(stored.scenario, Scenario), "a script is run on no plant"
+        of_ratios = duty_signals_of_run(stored.scenario, ended.run)
+        return () if of_ratios is None else duty_account(of_ratios)
+    signals = signals_shown(stored, ended)
+    return () if signals is None else account(signals)
 
 
 def signals_shown(stored: Counterexample, ended: Replay | Fault) -> RunSignals | None:
     """Take the signals that an account is given of; None where nothing was run on a plant."""
     if isinstance(ended, Fault) or ended.run is None or ended.window is None:
         return None
-    if isinstance(stored.scenario, Script):
+    if isinstance(stored.scenario, Script) or isinstance(ended.run, DutyClosedLoopRun):
         return None
     return signals_of_run(stored.scenario, ended.run, ended.window)
 
@@ -201,7 +214,6 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
     verdict = verdict_on(ended, remark)
     margin = None if isinstance(ended, Fault) else ended.margin
     fault = asdict(ended) | {"kind": ended.kind.value} if isinstance(ended, Fault) else None
-    signals = signals_shown(stored, ended)
     failed_code = 3 if check.subject == "plant" and fault is None else 1
     return {
         "schema": SCHEMA,
@@ -218,7 +230,7 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
         "now": None if margin is None else {"margin": margin.value, "measured": margin.measured},
         "window_s": None if isinstance(ended, Fault) or ended.window is None else list(ended.window),
         "rows": None if isinstance(ended, Fault) or ended.rows is None else list(ended.rows),
-        "account": [] if signals is None else list(account(signals)),
+        "account": list(account_shown(stored, ended)),
         "reason": _reason(check, candidate, drive, verdict),
         "remark": remark,
         "fault": fault,

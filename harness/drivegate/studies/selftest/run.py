@@ -14,7 +14,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import ShardOutcome
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
-from drivegate.drives.choice import drive_for
+from drivegate.drives.choice import drive_for, require_angles
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import Event
 from drivegate.gate.plan import Origin, Work, planned_work
@@ -70,8 +70,8 @@ class SelftestEffort:
 
 def try_faults(mutations: Sequence[Mutation], effort: SelftestEffort) -> Iterator[FaultRow]:
     """Put faulty controllers before the checks named for them."""
+    drive = require_angles(drive_for(None, effort.drive))
     compile_missing([effort.drive])
-    drive = drive_for(None, effort.drive)
     idle = {mutation.name: idle_on(mutation, drive) for mutation in mutations}
     jobs = [
         Job(run_trial, planned_trial(mutation, effort))

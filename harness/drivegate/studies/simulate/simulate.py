@@ -11,8 +11,10 @@ from drivegate.candidates.fault import Fault
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.running import run_scenario
+from drivegate.gate.recording import duty_columns
 from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.output.pace import tell_slow
+from drivegate.runs.duty.run import DutyClosedLoopRun
 from drivegate.scenarios.windows import observed_windows
 from drivegate.studies.simulate.clamping import clamped_in_words
 from drivegate_cases.scenario.scenario import Scenario
@@ -41,10 +43,12 @@ def run_once(loaded: JudgedCandidate, scenario: Scenario) -> ClosedLoopRun:
     return run_scenario(scenario, loaded.controller(), trace_every=every)
 
 
-def trace_frame(run: ClosedLoopRun) -> pandas.DataFrame:
+def trace_frame(run: ClosedLoopRun | DutyClosedLoopRun) -> pandas.DataFrame:
     """Give a run's trace as a table."""
     import pandas
 
+    if isinstance(run, DutyClosedLoopRun):
+        return pandas.DataFrame(duty_columns(run))
     return pandas.DataFrame(run.trace)
 
 

@@ -1,0 +1,140 @@
+"""Faulty controllers of duty ratios: field-oriented control with other constants, and the checks that catch them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import radians
+from typing import Any, Final
+
+from drivegate_models.contract.duty.signals import DutyNameplate
+
+STUCK_SHARE: Final = 0.3
+"""Weakening that stays on, over the current limit (1)."""
+
+
+@dataclass(frozen=True)
+class DutyFault:
+    """A fault that is made by changing what the controller is told or its state, or its senses and answers.
+
+    Attributes
+    ----------
+    check : str
+        Check that must catch it.
+    sentence : str
+        What the controller does wrong.
+    told : callable or None
+        From a nameplate to the one that the controller is given.
+    alter : callable or None
+        Changes the record of the state, just reset.
+    spoilt : callable or None
+        From a nameplate to the fields of `SPOILT_STATE` that are not as they should be.
+    """
+
+    check: str
+    sentence: str
+    told: Callable[[DutyNameplate], DutyNameplate] | None = None
+    alter: Callable[[Any], None] | None = None
+    spoilt: Callable[[DutyNameplate], dict[str, float]] | None = None
+
+
+def _stuck(state: Any) -> None:
+    state["weakening"] = -STUCK_SHARE * state["current_limit"]
+    state["weakening_step"] = 0.0
+
+
+def _scaled(factor: float, *fields: str) -> Callable[[Any], None]:
+    def alter(state: Any) -> None:
+        for field in fields:
+            state[field] *= factor
+
+    return alter
+
+
+DUTY_FAULTS: Final = {
+    "stuck-weakening": DutyFault(
+        "FWK-2",
+        "Weakens by 30 % of the current limit at all times, whatever the voltage, also at standstill without torque.",
+        alter=_stuck,
+    ),
+    "delay-not-compensated": DutyFault(
+        "FWK-3",
+        "Turns its voltages by the angle of the sample, not by that at which they act.",
+        alter=_scaled(0.0, "lead"),
+    ),
+    "wrong-pole-pairs": DutyFault(
+        "ACC-1",
+        "Counts one pole pair too many.",
+        told=lambda plate: plate._replace(pole_pairs=plate.pole_pairs + 1),
+    ),
+    "generous-current-limit": DutyFault(
+        "OVC-1",
+        "Takes a current limit that is 40 % too high.",
+        told=lambda plate: plate._replace(current_limit=1.4 * plate.current_limit),
+    ),
+    "weak-magnets-assumed": DutyFault(
+        "ACC-1",
+        "Converts torque to current with 80 % of the magnet's flux.",
+        told=lambda plate: plate._replace(magnet_flux=0.8 * plate.magnet_flux),
+    ),
+    "saliency-ignored": DutyFault(
+        "MTP-1",
+        "Takes the inductance of the magnet's axis for both axes.",
+        told=lambda plate: plate._replace(quadrature_inductance=plate.direct_inductance),
+    ),
+    "no-speed-integral": DutyFault(
+        "ACC-1", "Regulates the speed by its error alone.", alter=_scaled(0.0, "speed_integral_step")
+    ),
+    "slow-currents": DutyFault(
+        "STP-1",
+        "Regulates its currents with a sixth of the gain.",
+        alter=_scaled(
+            1.0 / 6.0, "direct_gain", "quadrature_gain", "direct_integral_step", "quadrature_integral_step"
+        ),
+    ),
+    "nervous-currents": DutyFault(
+        "STP-1",
+        "Regulates its currents with three times the gain.",
+        alter=_scaled(3.0, "direct_gain", "quadrature_gain"),
+    ),
+    "angle-offset": DutyFault(
+        "ACC-1",
+        "Has an angle that is 10 electrical degrees off.",
+        spoilt=lambda plate: {"angle_added": radians(10.0) / plate.pole_pairs},
+    ),
+    "current-sensor-offset": DutyFault(
+        "ACC-1",
+        "Reads the first phase current 15 % of the current limit too high.",
+        spoilt=lambda plate: {"current_added": 0.15 * plate.current_limit},
+    ),
+    "current-sensor-gain": DutyFault(
+        "ACC-1", "Reads its currents 10 % too high.", spoilt=lambda _plate: {"current_factor": 1.1}
+    ),
+    "speed-misread": DutyFault(
+        "ACC-1", "Reads the speed 3 % too high.", spoilt=lambda _plate: {"speed_factor": 1.03}
+    ),
+    "supply-overestimated": DutyFault(
+        "FWK-3",
+        "Takes the link for 25 % more than it has, and weakens too late.",
+        spoilt=lambda _plate: {"supply_factor": 1.25},
+    ),
+    "late-samples": DutyFault(
+        "STP-1", "Regulates with the currents of the step before.", spoilt=lambda _plate: {"is_late": 1.0}
+    ),
+    "unclamped-ratios": DutyFault(
+        "DUT-1",
+        "Stretches its duty ratios by a fifth behind its limiter.",
+        spoilt=lambda _plate: {"stretch": 1.2},
+    ),
+    "swapped-phases": DutyFault(
+        "ACC-1",
+        "Drives the third phase with the second one's ratio.",
+        spoilt=lambda _plate: {"swaps_phases": 1.0},
+    ),
+    "long-period": DutyFault(
+        "DUT-1",
+        "Asks for a control period that is half as long again.",
+        spoilt=lambda plate: {"next_period": 1.5 * plate.control_period},
+    ),
+}
+"""All of them, by the name behind ``faulty:``."""

@@ -1,0 +1,87 @@
+"""Loading the controllers of duty ratios that come with drivegate."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS, DutyFault
+from drivegate.candidates.fault import Fault
+from drivegate.candidates.kinds import FAULTY_PREFIX
+from drivegate_models.contract.duty.records import duty_nameplate_record
+from drivegate_models.contract.duty.signals import DutyNameplate
+from drivegate_models.duty.controllers.foc import reset_function, step_function
+from drivegate_models.duty.controllers.state import FOC_STATE
+from drivegate_models.duty.faults.spoilt import spoilt_state, spoilt_step_function
+from drivegate_models.errors import InputError
+
+
+class DutyController:
+    """One instance of a controller of duty ratios: its state, and the compiled functions that it shares.
+
+    Attributes
+    ----------
+    step_address : int
+        Address of the compiled step.
+    state_address : int
+        Address of the state; valid as long as this object lives.
+    state_size : int
+        Size of the state (bytes).
+    fault : None
+        Always None: these controllers report no fault of their own.
+    """
+
+    def __init__(self, fault: DutyFault | None = None) -> None:
+        self._fault = fault
+        self._step = step_function()
+        self._state: NDArray[Any] = np.zeros(1, FOC_STATE)
+        self.step_address: int = self._step.address
+        self.state_address: int = self._state.ctypes.data
+        self.state_size: int = self._state.nbytes
+        self.fault: Fault | None = None
+
+    def reset(self, nameplate: Any) -> None:
+        """Write the constants and forget everything else; a nameplate of another contract is refused."""
+        if not isinstance(nameplate, DutyNameplate):
+            raise InputError(
+                "the controller answers with duty ratios, but the drive takes a current reference and an advance "
+                "angle; name a drive of the kind 'pm-ac'"
+            )
+        fault = self._fault
+        told = nameplate if fault is None or fault.told is None else fault.told(nameplate)
+        reset_function()(self._state, duty_nameplate_record(told))
+        if fault is not None and fault.alter is not None:
+            fault.alter(self._state)
+
+
+class SpoiltController:
+    """A controller whose senses and answers are spoilt on the way; attributes as of any other."""
+
+    def __init__(self, inner: DutyController, spoilt: Callable[[DutyNameplate], dict[str, float]]) -> None:
+        self._inner = inner
+        self._spoilt = spoilt
+        self._step = spoilt_step_function()
+        self._state = spoilt_state(inner.step_address, inner.state_address, {})
+        self.step_address: int = self._step.address
+        self.state_address: int = self._state.ctypes.data
+        self.state_size: int = inner.state_size
+        self.fault: Fault | None = None
+
+    def reset(self, nameplate: Any) -> None:
+        """Reset the controller itself, and forget what it was shown."""
+        self._inner.reset(nameplate)
+        fresh = spoilt_state(self._inner.step_address, self._inner.state_address, self._spoilt(nameplate))
+        for name in fresh.dtype.names or ():
+            # Addresses are those of this state, which stays in its place.
+            if not name.endswith("_address"):
+                self._state[name] = fresh[name]
+
+
+def load_duty_controller(name: str) -> DutyController | SpoiltController:
+    """Make a new instance of a controller by its name."""
+    if not name.startswith(FAULTY_PREFIX):
+        return DutyController()
+    fault = DUTY_FAULTS[name.removeprefix(FAULTY_PREFIX)]
+    inner = DutyController(fault)
+    return inner if fault.spoilt is None else SpoiltController(inner, fault.spoilt)

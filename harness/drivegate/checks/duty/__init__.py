@@ -1,0 +1,1 @@
+"""Checks of controllers that answer with duty ratios."""

@@ -1,0 +1,35 @@
+"""All checks of controllers that answer with duty ratios, in the order in which they are reported."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from drivegate.checks.check import Check
+from drivegate.checks.determinism import DET_1
+from drivegate.checks.duty.accuracy import ACC_1
+from drivegate.checks.duty.commands import DUT_1
+from drivegate.checks.duty.current import EFF_1, MTP_1, OVC_1
+from drivegate.checks.duty.power import DUTY_PWR_1
+from drivegate.checks.duty.robustness import ROB_4
+from drivegate.checks.duty.starting import STA_1
+from drivegate.checks.duty.steps import STP_1
+from drivegate.checks.duty.weakening import FWK_1, FWK_2, FWK_3
+from drivegate.checks.timing import TIM_1
+
+DUTY_CHECKS: Final[tuple[Check, ...]] = (
+    DUTY_PWR_1,
+    DUT_1,
+    ACC_1,
+    STP_1,
+    FWK_1,
+    FWK_2,
+    FWK_3,
+    MTP_1,
+    EFF_1,
+    OVC_1,
+    STA_1,
+    ROB_4,
+    DET_1,
+    TIM_1,
+)
+"""Every check of this contract; those that are also of the other one have the same identifiers there."""

@@ -1,0 +1,109 @@
+"""The d-q machine on a two-level bridge, whose controllers answer with duty ratios."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, NoReturn
+
+from drivegate.drives.drive_kind import DriveKind
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from hypothesis.strategies import SearchStrategy
+    from numpy.typing import NDArray
+
+    from drivegate.candidates.declaration import Declaration
+    from drivegate.checks.check import Check
+    from drivegate.containment.messages import AnyController
+    from drivegate.runs.record import RunRecord
+    from drivegate.scenarios.simplification import Simplification
+    from drivegate.scenarios.speed_range import SpeedRange
+    from drivegate_cases.drive.drive_document import DriveDocument
+    from drivegate_cases.drive.pm_ac.document import PmAcDocument
+    from drivegate_cases.scenario.scenario import Scenario
+
+
+def _not_yet(*_: object) -> NoReturn:
+    raise InputError(
+        "a drive of the kind 'pm-ac' is taken by drivegate check, checks, drive, replay and report alone so far; name "
+        "another drive"
+    )
+
+
+def _checks() -> tuple[Check, ...]:
+    from drivegate.checks.duty.catalogue import DUTY_CHECKS
+
+    return DUTY_CHECKS
+
+
+def _document(drive: DriveDocument) -> PmAcDocument:
+    from drivegate_cases.drive.pm_ac.document import PmAcDocument
+
+    assert isinstance(drive, PmAcDocument), "a drive of this kind has this document"
+    return drive
+
+
+def _fixed_scenarios(drive: DriveDocument, _speed_range: SpeedRange | None) -> tuple[Scenario, ...]:
+    from drivegate.scenarios.duty.fixed import fixed_scenarios
+
+    return fixed_scenarios(_document(drive))
+
+
+def _drawn_scenarios(
+    drive: DriveDocument, _speed_range: SpeedRange | None, group: int | None
+) -> SearchStrategy[Scenario]:
+    from drivegate.scenarios.duty.drawn import drawn_scenarios
+
+    return drawn_scenarios(_document(drive), group)
+
+
+def _joint_scenarios(*_: object) -> tuple[Scenario, ...]:
+    """Give none: what is varied jointly are the sensors, disturbances and beginnings of the other kinds."""
+    return ()
+
+
+def _unfair_because(scenario: Scenario) -> str | None:
+    from drivegate.scenarios.duty.feasibility import unfair_because
+
+    return unfair_because(scenario)
+
+
+def _simplifications() -> tuple[Simplification, ...]:
+    from drivegate.scenarios.duty.simplification import DUTY_SIMPLIFICATIONS
+
+    return DUTY_SIMPLIFICATIONS
+
+
+def _record(
+    declaration: Declaration, scenario: Scenario, controller: AnyController, kept: NDArray[Any] | None
+) -> RunRecord:
+    from drivegate.containment.contained_controller import ContainedController
+    from drivegate.runs.duty.record import DutyRecord
+    from drivegate.runs.duty.run import run_duty
+    from drivegate_models.pm_ac.closed_loop import TRACE, run_duty_loop
+
+    assert not isinstance(controller, ContainedController), (
+        "only controllers that come along answer so, as yet"
+    )
+    run = run_duty(run_duty_loop, TRACE, scenario, controller)
+    if kept is not None:
+        kept[:] = run.commands
+    return DutyRecord(scenario, run, declaration)
+
+
+PM_AC: Final = DriveKind(
+    name="pm-ac",
+    default_drive="pm-ac-interior",
+    prepare_loop=_not_yet,
+    oracle=_not_yet,
+    steady_state=_not_yet,
+    steady_states=_not_yet,
+    checks=_checks,
+    fixed_scenarios=_fixed_scenarios,
+    drawn_scenarios=_drawn_scenarios,
+    joint_scenarios=_joint_scenarios,
+    unfair_because=_unfair_because,
+    simplifications=_simplifications,
+    usual_candidate="foc",
+    record=_record,
+)
+"""Most brushless drives of the world: three sinusoidal phases behind a two-level bridge."""

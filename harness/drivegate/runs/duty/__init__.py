@@ -1,0 +1,1 @@
+"""One run of a controller that answers with duty ratios, and its record."""

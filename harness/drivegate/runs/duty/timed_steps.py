@@ -1,0 +1,71 @@
+"""How long a step of a controller of duty ratios takes, on the Senses of a recorded run."""
+
+from __future__ import annotations
+
+from statistics import median
+from time import perf_counter
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.containment.contained_controller import ContainedController
+from drivegate.containment.messages import AnyController
+from drivegate.runs.duty.record import DutyRecord
+from drivegate.runs.duty.run import duty_nameplate
+from drivegate.runs.record import RunRecord
+from drivegate.runs.timed_steps import TIMED_STEPS
+from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
+from drivegate_models.loop.given_duty_steps import make_duty_steps
+
+_ROUNDS: Final = 5
+_THIRD_OF_TURN: Final = 2.0 * np.pi / 3.0
+
+
+def duty_step_seconds(controller: AnyController, record: RunRecord) -> float:
+    """Measure the time of a step on what was sensed in a run (s)."""
+    assert isinstance(record, DutyRecord), "such steps are those of a run with duty ratios"
+    assert not isinstance(controller, ContainedController), (
+        "only controllers that come along answer so, as yet"
+    )
+    currents = _currents(record)
+    senses = _senses(record, currents)
+    command = np.zeros(1, DUTY_COMMAND)
+    nameplate: Any = duty_nameplate(record.scenario)
+    times = []
+    # The first round compiles where nothing has.
+    for _ in range(_ROUNDS + 1):
+        controller.reset(nameplate)
+        started = perf_counter()
+        make_duty_steps(
+            controller.step_address,
+            controller.state_address,
+            senses.ctypes.data,
+            DUTY_SENSE.itemsize,
+            len(senses),
+            command.ctypes.data,
+        )
+        times.append((perf_counter() - started) / len(senses))
+    return median(times[1:])
+
+
+def _currents(record: DutyRecord) -> NDArray[np.float64]:
+    """Make the phase currents from those of the rotor frame, shape (n, 3) (A)."""
+    direct, quadrature, angle = (
+        record.run.column(name)[:TIMED_STEPS] for name in ("direct", "quadrature", "angle")
+    )
+    phases = [angle - number * _THIRD_OF_TURN for number in range(3)]
+    return np.column_stack([direct * np.cos(phase) - quadrature * np.sin(phase) for phase in phases])
+
+
+def _senses(record: DutyRecord, currents: NDArray[np.float64]) -> NDArray[Any]:
+    senses = np.zeros(len(currents), DUTY_SENSE)
+    taken = {name: record.run.column(name)[: len(currents)] for name in ("time", "speed", "link", "angle")}
+    wanted = "torque_reference" if record.steady[0].torque_reference is not None else "speed_reference"
+    senses["struct_size"] = DUTY_SENSE.itemsize
+    senses["time"], senses["speed"], senses["supply_voltage"] = taken["time"], taken["speed"], taken["link"]
+    senses["angle"] = taken["angle"] / record.document.machine.pole_pairs
+    senses["reference"] = record.run.column(wanted)[: len(currents)]
+    senses["phase_currents"] = currents.ctypes.data + np.arange(len(currents)) * currents.strides[0]
+    senses["hall"] = senses["encoder_count"] = -1
+    return senses

@@ -1,0 +1,100 @@
+"""The scenarios of a PM AC drive that every check runs first, whatever the seed."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from drivegate.scenarios.changes import with_scales
+from drivegate.scenarios.drive_scale import tidy
+from drivegate.scenarios.duty.building import (
+    load_step_scenario,
+    rated_torque_at,
+    speed_scenario,
+    supply_step_scenario,
+    torque_of,
+    torque_scenario,
+)
+from drivegate_cases.drive.limits import nearest_step
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.scenario import Scenario
+
+START_ANGLES_DEG: Final = tuple(15.0 * number for number in range(24))
+"""Angles of the rotor that a start is tried from (electrical degrees)."""
+START_SPEED_SHARE: Final = 0.2
+"""Speed of a start over base speed (1)."""
+START_TORQUE_SHARE: Final = 0.5
+"""Load of a start over rated torque (1)."""
+BEYOND_SHARE: Final = 3.0
+"""Torque reference that no drive of this kind can follow in weakening, over the one of rated power there (1)."""
+
+
+def fixed_scenarios(drive: PmAcDocument) -> tuple[Scenario, ...]:
+    """List them; speeds are shares of the drive's range, torques shares of the rated one."""
+    every = (*_torques(drive), *_speeds(drive), *_efficiency(drive), *_starts(drive), *_other_plants(drive))
+    return tuple({scenario.name: scenario for scenario in reversed(every)}.values())[::-1]
+
+
+def speed_of(drive: PmAcDocument, share: float) -> float:
+    """Give a speed between base speed (0) and the highest (1), or below (negative: -1 is standstill) (rpm)."""
+    rating = drive.rating
+    base, highest = rating.base_speed_rpm, rating.highest_speed_rpm
+    speed = base + share * (highest - base if share >= 0.0 else base)
+    grain = nearest_step(0.01 * base)
+    return tidy(round(speed / grain) * grain)
+
+
+def _torques(drive: PmAcDocument) -> list[Scenario]:
+    found = []
+    for share in (-0.5, 0.5):
+        speed = speed_of(drive, share)
+        whole, half, small = (torque_of(drive, speed, part) for part in (0.9, 0.5, 0.1))
+        found.append(torque_scenario(drive, speed, (0.0, whole, half, small, 0.0)))
+    for share in (0.05, 0.25, 0.5, 1.0):
+        speed = speed_of(drive, share)
+        found.append(torque_scenario(drive, speed, (0.0, torque_of(drive, speed, BEYOND_SHARE), 0.0)))
+    below = speed_of(drive, -0.7)
+    steps = tuple(torque_of(drive, below, part) for part in (0.0, 0.2, 0.0, 0.5, 0.3, -0.3))
+    return [*found, torque_scenario(drive, below, steps), torque_scenario(drive, 0.0, steps)]
+
+
+def _speeds(drive: PmAcDocument) -> list[Scenario]:
+    slow, fast, top = speed_of(drive, -0.5), speed_of(drive, 0.5), speed_of(drive, 1.0)
+    at_fast = torque_of(drive, fast, 0.8)
+    return [
+        speed_scenario(drive, (slow, top, slow)),
+        speed_scenario(drive, (slow, fast), torque_nm=torque_of(drive, fast, 0.6)),
+        load_step_scenario(drive, slow, torque_of(drive, slow, 0.8), (0.0, 1.0, 0.5)),
+        load_step_scenario(drive, fast, at_fast, (0.0, 1.0, 0.25)),
+        load_step_scenario(drive, top, torque_of(drive, top, 0.8), (0.0, 1.0, 0.0)),
+        supply_step_scenario(load_step_scenario(drive, fast, at_fast, (1.0,)), drive, (1.0, 0.9, 1.1)),
+    ]
+
+
+def _efficiency(drive: PmAcDocument) -> list[Scenario]:
+    rated = rated_torque_at(drive, 0.0)
+    return [
+        torque_scenario(
+            drive, tidy(speed * drive.rating.base_speed_rpm), tuple(tidy(part * rated) for part in parts)
+        )
+        for speed, parts in ((0.0, (0.25, 0.5, 1.0)), (0.5, (0.25, 0.5, 1.0)), (1.0, (0.5, 1.0)))
+    ]
+
+
+def _starts(drive: PmAcDocument) -> list[Scenario]:
+    speed = speed_of(drive, START_SPEED_SHARE - 1.0)
+    torque = torque_of(drive, speed, START_TORQUE_SHARE)
+    return [
+        speed_scenario(drive, (speed,), torque_nm=torque, initial_speed_rpm=0.0, initial_angle_deg=angle)
+        for angle in START_ANGLES_DEG
+    ]
+
+
+def _other_plants(drive: PmAcDocument) -> list[Scenario]:
+    slow, fast = speed_of(drive, -0.5), speed_of(drive, 0.4)
+    runs = [
+        speed_scenario(drive, (slow, fast), torque_nm=torque_of(drive, fast, 0.5)),
+        load_step_scenario(drive, slow, torque_of(drive, slow, 0.6), (0.0, 1.0)),
+    ]
+    changes = ({"resistance": 0.5}, {"resistance": 2.0}, {"inductance": 0.7}, {"inductance": 1.3})
+    fluxes = ({"emf_constant": 0.8}, {"emf_constant": 1.05})
+    return [with_scales(run, **change) for change in (*changes, *fluxes) for run in runs]

@@ -1,0 +1,99 @@
+"""The stretches of a run in which a steady state of a controller of duty ratios is judged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_cases.scenario.load import DynamometerLoad
+from drivegate_cases.scenario.piecewise import breakpoints, value_from, value_until
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.units import RADIANS_PER_RPM
+
+WINDOW_SHARE: Final = 0.25
+"""Length of the judged stretch at the end of a dwell, over the settling time (1)."""
+RUN_UP_SHARE: Final = 2.0
+"""Time for a change of the speed over that which rated torque takes, load and weakening included (1)."""
+_ROUNDING: Final = 1e-9
+
+
+@dataclass(frozen=True)
+class DutyDwell:
+    """A stretch in which nothing outside of the controller changes.
+
+    Attributes
+    ----------
+    start, end : float
+        Time at which it begins and ends (s).
+    speed_rpm : float
+        Speed reference, or the speed that the shaft is held at (rpm).
+    torque_reference_nm : float or None
+        Torque reference (N·m); None where the reference is the speed.
+    load_factor : float
+        Share of the load.
+    supply_v : float
+        Half of the link's voltage (V).
+    resistance_factor, emf_factor : float
+        Drift of the plant's parameters (1).
+    """
+
+    start: float
+    end: float
+    speed_rpm: float
+    torque_reference_nm: float | None
+    load_factor: float
+    supply_v: float
+    resistance_factor: float
+    emf_factor: float
+
+
+def duty_dwells(scenario: Scenario) -> tuple[DutyDwell, ...]:
+    """Find the stretches of a scenario in which references, load, supply and plant are all constant."""
+    profiles = (
+        scenario.speed_rpm,
+        scenario.torque_reference_profile,
+        scenario.load_profile,
+        scenario.supply_profile,
+        scenario.resistance_profile,
+        scenario.emf_profile,
+    )
+    torque_is_reference = isinstance(scenario.load, DynamometerLoad)
+    found: list[tuple[float, float, list[float]]] = []
+    for start, end in pairwise(breakpoints(profiles, scenario.duration_s)):
+        constant = [value_from(points, start) for points in profiles]
+        if constant != [value_until(points, end) for points in profiles]:
+            continue
+        if found and found[-1][1:] == (start, constant):
+            found[-1] = (found[-1][0], end, constant)
+        else:
+            found.append((start, end, constant))
+    return tuple(
+        DutyDwell(start, end, speed, torque if torque_is_reference else None, *others)
+        for start, end, (speed, torque, *others) in found
+    )
+
+
+def run_up_s(drive: PmAcDocument, speed_change_rpm: float) -> float:
+    """Give the time in which a free shaft is to have changed its speed (s)."""
+    torque = drive.rating.rated_power_w / (drive.rating.highest_speed_rpm * RADIANS_PER_RPM)
+    return RUN_UP_SHARE * drive.machine.inertia_kg_m2 * abs(speed_change_rpm) * RADIANS_PER_RPM / torque
+
+
+def duty_windows(scenario: Scenario) -> list[tuple[DutyDwell, float, float]]:
+    """Find the end of every dwell that is long enough to settle in, with its start and end (s)."""
+    drive = scenario.drive
+    assert isinstance(drive, PmAcDocument), "such windows are of runs with duty ratios"
+    settling = duty_limits_of(drive).settling_s
+    length = WINDOW_SHARE * settling
+    windows = []
+    before = scenario.initial_speed_rpm
+    for dwell in duty_dwells(scenario):
+        change = 0.0 if dwell.torque_reference_nm is not None else dwell.speed_rpm - before
+        needed = settling + length + run_up_s(drive, change)
+        before = dwell.speed_rpm
+        if dwell.end - dwell.start >= needed * (1.0 - _ROUNDING):
+            windows.append((dwell, dwell.end - length, dwell.end))
+    return windows

@@ -1,0 +1,128 @@
+"""The PM AC drive as data, and what its plant and a controller of duty ratios know of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from pydantic import Field, field_validator
+
+from drivegate_cases.documents.document import Section
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.pm_ac.inverter import UPDATES, PmAcInverter
+from drivegate_cases.drive.pm_ac.machine import PmAcMachine
+from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS, PmAcRequirements
+from drivegate_cases.drive.rating import Rating
+from drivegate_cases.drive.scales import NOMINAL, Scales
+from drivegate_models.units import RADIANS_PER_RPM
+
+if TYPE_CHECKING:
+    from drivegate_models.contract.duty.signals import DutyNameplate
+    from drivegate_models.pm_ac.plant.drive import PmAcDrive
+
+
+class PmAcDocument(DriveDocument):
+    """A machine of the rotor's frame with its bridge, modulator and rating.
+
+    Its tables are others than those of the kinds that are given a current reference; what all kinds have in common
+    has the same names: pole pairs, resistance, inertia, phases, supply and rating.
+    """
+
+    tables: ClassVar[Mapping[str, type[Section]]] = {
+        "machine": PmAcMachine,
+        "inverter": PmAcInverter,
+        "rating": Rating,
+        "requirements": PmAcRequirements,
+    }
+
+    contract: ClassVar[str] = "duty"
+
+    kind: Literal["pm-ac"] = Field(
+        description='kind of drive: "pm-ac", a d-q machine on a two-level bridge that is given duty ratios'
+    )
+    machine: PmAcMachine = Field(  # type: ignore[assignment]
+        description="table of the windings in the rotor's frame, and the shaft"
+    )
+    inverter: PmAcInverter = Field(  # type: ignore[assignment]
+        description="table of the dc link, the bridge and the modulator"
+    )
+    advance: None = Field(default=None, description="a line of advance angles is for other kinds")
+    requirements: PmAcRequirements = Field(  # type: ignore[assignment]
+        default=NO_PM_AC_REQUIREMENTS, description="table of the limits that controllers are judged by"
+    )
+
+    @field_validator("advance", mode="before")
+    @classmethod
+    def _has_no_advance(cls, advance: object) -> None:
+        if advance is not None:
+            raise ValueError("must be left out, since a drive of duty ratios has no advance angle")
+
+    # Pydantic makes a hash of its own for a frozen model that defines none.
+    __hash__ = DriveDocument.__hash__
+
+    def check_tables(self) -> None:
+        """Refuse values that do not fit those of other tables: all of these do."""
+
+    @property
+    def control_period_s(self) -> float:
+        """Time between two steps of the controller (s)."""
+        return self.inverter.control_period_s
+
+    def plant(self, scales: Scales | None = None) -> PmAcDrive:  # type: ignore[override]
+        """Make the plant's parameters, in SI units."""
+        from drivegate_models.pm_ac.plant.drive import Modulator, make_pm_ac_drive
+
+        differs = scales or NOMINAL
+        machine, inverter = self.machine, self.inverter
+        return make_pm_ac_drive(
+            pole_pairs=machine.pole_pairs,
+            modulator=Modulator(
+                UPDATES[inverter.carrier],
+                inverter.update_delay,
+                inverter.counter_levels,
+                inverter.dead_time_s,
+                inverter.minimum_pulse_s,
+            ),
+            resistance=machine.resistance_ohm * differs.resistance,
+            magnet_flux=machine.magnet_flux_v_s * differs.emf_constant,
+            direct_inductance=machine.direct_inductance_h * differs.inductance,
+            quadrature_inductance=machine.quadrature_inductance_h * differs.inductance,
+            link_voltage=inverter.link_voltage_v,
+            current_limit=self.rating.current_limit_a,
+            core_loss_conductance=machine.core_loss_conductance_s,
+            inertia=machine.inertia_kg_m2,
+            friction=machine.friction_n_m + differs.friction_added_n_m,
+            viscous_friction=machine.viscous_friction_n_m_s_per_rad,
+            switch_drop=inverter.switch_drop_v,
+            diode_drop=inverter.diode_drop_v,
+        )
+
+    def nameplate(self, control_period: float) -> Any:
+        """Make what a controller of duty ratios is given before a run of a speed reference, in SI units."""
+        return self.duty_nameplate(control_period, torque_reference=False)
+
+    def duty_nameplate(self, control_period: float, *, torque_reference: bool) -> DutyNameplate:
+        """Make what a controller is given before a run, in SI units."""
+        from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
+        from drivegate_models.contract.outer_loop.signals import PM_AC
+
+        machine, inverter, rating = self.machine, self.inverter, self.rating
+        return DutyNameplate(
+            kind=PM_AC,
+            reference_kind=TORQUE_REFERENCE if torque_reference else SPEED_REFERENCE,
+            pole_pairs=machine.pole_pairs,
+            updates=UPDATES[inverter.carrier],
+            update_delay=inverter.update_delay,
+            supply_voltage=inverter.link_voltage_v,
+            base_speed=rating.base_speed_rpm * RADIANS_PER_RPM,
+            highest_speed=rating.highest_speed_rpm * RADIANS_PER_RPM,
+            rated_power=rating.rated_power_w,
+            current_limit=rating.current_limit_a,
+            control_period=control_period,
+            dead_time=inverter.dead_time_s,
+            resistance=machine.resistance_ohm,
+            direct_inductance=machine.direct_inductance_h,
+            quadrature_inductance=machine.quadrature_inductance_h,
+            magnet_flux=machine.magnet_flux_v_s,
+            inertia=machine.inertia_kg_m2,
+        )

@@ -1,0 +1,66 @@
+"""The table `[requirements]` of a PM AC drive: the limits that controllers of its duty ratios are judged by."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from drivegate_cases.documents.document import Section
+
+_Percent = Annotated[float, Field(gt=0.0, le=1000.0)]
+
+
+class PmAcRequirements(Section):
+    """Limits of the checks; one that has a unit follows from the drive where it is left out."""
+
+    settling_s: float | None = Field(
+        default=None,
+        ge=0.01,
+        le=60.0,
+        description="time after a change from which on a steady state is judged, by default 8000 control periods",
+    )
+    speed_tolerance_rpm: float | None = Field(
+        default=None,
+        ge=1e-6,
+        le=1e6,
+        description="greatest error k1 of the mean speed, by default 1 % of base speed",
+    )
+    torque_tolerance_percent: _Percent = Field(
+        default=2.0, description="greatest error of the mean torque, in percent of rated torque"
+    )
+    overshoot_percent: _Percent = Field(
+        default=10.0, description="greatest overshoot of the torque, in percent of the reference's step"
+    )
+    rise_periods: Annotated[float, Field(ge=1.0, le=1e6)] = Field(
+        default=7.0,
+        description="longest time of a torque step to 90 %, in control periods beside what the link's voltage takes to "
+        "move the current",
+    )
+    peak_current_percent: Annotated[float, Field(ge=100.0, le=1000.0)] = Field(
+        default=120.0, description="greatest phase current at any time, in percent of the current limit"
+    )
+    least_current_percent: _Percent = Field(
+        default=2.0,
+        description="greatest excess of the current over the least one below weakening, in percent",
+    )
+    least_loss_percent: _Percent = Field(
+        default=5.0, description="greatest excess of the loss over the least one, in percent"
+    )
+    weakening_torque_percent: Annotated[float, Field(gt=0.0, le=100.0)] = Field(
+        default=95.0,
+        description="least torque in weakening, in percent of the greatest that the limits allow",
+    )
+    direct_current_percent: _Percent = Field(
+        default=3.0,
+        description="greatest distance of the d current from that of most torque per ampere while the voltage is free, "
+        "in percent of the current limit",
+    )
+    braking_torque_percent: _Percent = Field(
+        default=10.0,
+        description="greatest braking torque behind a torque reference that goes to zero, in percent of rated torque",
+    )
+
+
+NO_PM_AC_REQUIREMENTS = PmAcRequirements()
+"""Limits that follow from the drive alone."""

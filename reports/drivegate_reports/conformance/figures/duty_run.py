@@ -1,0 +1,89 @@
+"""The signals of one run of a controller of duty ratios: speed, torque, currents and voltage over time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from drivegate.gate.recording import VOLTAGE
+from drivegate.output.duty_signals import DutySignals
+from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label_ends, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+CAPTION: Final = (
+    "Means over equal stretches of the run. Dashed: references, the current limit, and the undistorted voltage of the "
+    "link."
+)
+_DASHED: Final = (0, (4, 3))
+
+
+def alternative(signals: DutySignals) -> str:
+    """Describe the figure in words, for who cannot see it."""
+    last = {name: float(values[-1]) for name, values in signals.columns.items()}
+    return (
+        f"Four panels over {signals.scenario.duration_s:g} s. The speed ends at {last['speed_rpm']:.5g} rpm, "
+        f"the torque at {last['torque_nm']:.4g} N·m. The currents of the rotor's frame end at "
+        f"{last['direct_current_a']:.4g} A and {last['quadrature_current_a']:.4g} A, the voltage at "
+        f"{last[VOLTAGE]:.4g} V of {signals.undistorted_v[-1]:.4g} V."
+    )
+
+
+def draw(signals: DutySignals) -> Figure:
+    """Draw speed, torque, currents and voltage over time."""
+    figure, panels = new_figure(5.6, 4, fitted=False, apart=0.16)
+    _draw_speed(panels[0], signals)
+    _draw_torque(panels[1], signals)
+    _draw_currents(panels[2], signals)
+    _draw_voltage(panels[3], signals)
+    end = signals.scenario.duration_s
+    for panel in panels[:-1]:
+        panel.tick_params(labelbottom=False)
+    for panel in panels:
+        panel.set_xlim(0.0, 1.2 * end)
+        panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 1.001 * end])
+        panel.ticklabel_format(axis="y", useOffset=False)
+        panel.margins(y=0.1)
+    panels[-1].set_xlabel("time (s)")
+    return figure
+
+
+def _draw(panel: Axes, signals: DutySignals, *lines: tuple[str, str, str, bool]) -> None:
+    """Draw columns, each with a label at its end: column, label, colour, and whether it is dashed."""
+    time = signals.columns["time_s"]
+    for column, _, colour, dashed in lines:
+        style = _DASHED if dashed else "-"
+        panel.plot(time, signals.columns[column], color=colour, linestyle=style, linewidth=1.3)
+    ends = [(label, float(signals.columns[column][-1]), colour) for column, label, colour, _ in lines]
+    label_ends(panel, 1.012 * signals.scenario.duration_s, *ends)
+
+
+def _draw_speed(panel: Axes, signals: DutySignals) -> None:
+    name = "held" if signals.gives_torque else "reference"
+    _draw(panel, signals, ("speed_reference_rpm", name, GREY, True), ("speed_rpm", "speed", BLUE, False))
+    panel.set_ylabel("speed (rpm)")
+
+
+def _draw_torque(panel: Axes, signals: DutySignals) -> None:
+    wanted = ("torque_reference_nm", "reference") if signals.gives_torque else ("load_torque_nm", "load")
+    _draw(panel, signals, (*wanted, GREY, True), ("torque_nm", "motor", BLUE, False))
+    panel.set_ylabel("torque (N·m)")
+
+
+def _draw_currents(panel: Axes, signals: DutySignals) -> None:
+    lines = (
+        ("direct_current_a", "d", VERMILION),
+        ("quadrature_current_a", "q", BLUE),
+        ("peak_current_a", "peak", GREEN),
+    )
+    _draw(panel, signals, *((*line, False) for line in lines))
+    limit = signals.scenario.drive.rating.current_limit_a
+    panel.axhline(limit, color=GREY, linewidth=1.0, linestyle=_DASHED)
+    panel.set_ylabel("current (A)")
+
+
+def _draw_voltage(panel: Axes, signals: DutySignals) -> None:
+    _draw(panel, signals, (VOLTAGE, "used", BLUE, False))
+    panel.plot(signals.columns["time_s"], signals.undistorted_v, color=GREY, linewidth=1.2, linestyle=_DASHED)
+    panel.set_ylabel("voltage (V)")

@@ -1,0 +1,155 @@
+"""Each check of duty ratios is met by field-oriented control, and notices a run in which what it judges was another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.harness.checks.duty.conftest import CHECKS, Run, judged, with_column, with_command
+
+from drivegate.checks.drive_numbers import on_drive
+from drivegate.checks.duty.optimum import greatest_at, least_free
+from drivegate.runs.duty.record import DutyRecord
+from drivegate.scenarios.changes import with_scales
+from drivegate.scenarios.duty.building import speed_scenario, torque_of, torque_scenario
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_models.machine import ledger
+
+
+@pytest.fixture(scope="session")
+def steps(run: Run, interior: PmAcDocument) -> DutyRecord:
+    """Give steps of the torque below base speed, where the voltage is free."""
+    speed = 0.6 * interior.rating.base_speed_rpm
+    return run(
+        torque_scenario(interior, speed, [torque_of(interior, speed, part) for part in (0.0, 0.5, 0.25)])
+    )
+
+
+@pytest.fixture(scope="session")
+def weakened(run: Run, interior: PmAcDocument) -> DutyRecord:
+    """Give more torque than there is at twice base speed, and none after it."""
+    speed = 2.0 * interior.rating.base_speed_rpm
+    return run(torque_scenario(interior, speed, (0.0, torque_of(interior, speed, 3.0), 0.0)))
+
+
+@pytest.fixture(scope="session")
+def start(run: Run, interior: PmAcDocument) -> DutyRecord:
+    return run(
+        speed_scenario(interior, (420.0,), torque_nm=1.0, initial_speed_rpm=0.0, initial_angle_deg=120.0)
+    )
+
+
+@pytest.fixture(scope="session")
+def other_plant(run: Run, interior: PmAcDocument) -> DutyRecord:
+    return run(with_scales(speed_scenario(interior, (1000.0, 1500.0), torque_nm=0.8), emf_constant=0.8))
+
+
+RUNS = {
+    "steps": ("PWR-1", "DUT-1", "ACC-1", "STP-1", "FWK-2", "MTP-1", "OVC-1"),
+    "weakened": ("PWR-1", "DUT-1", "ACC-1", "FWK-1", "FWK-3", "OVC-1"),
+    "start": ("PWR-1", "DUT-1", "ACC-1", "FWK-2", "MTP-1", "OVC-1", "STA-1"),
+    "other_plant": ("PWR-1", "DUT-1", "OVC-1", "ROB-4"),
+}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_correct_controller_meets_what_a_run_is_judged_by(
+    name: str, request: pytest.FixtureRequest
+) -> None:
+    record = request.getfixturevalue(name)
+    margins = {check: margin for check in CHECKS if (margin := judged(check, record)) is not None}
+    assert set(margins) == set(RUNS[name])
+    assert {check: margin for check, margin in margins.items() if not margin.met} == {}
+
+
+FAULTS: list[tuple[str, str, str, Callable[[Any], Any]]] = [
+    ("ACC-1", "steps", "torque", lambda torque: 1.2 * torque),
+    ("STP-1", "steps", "torque", lambda torque: np.convolve(torque, np.ones(60) / 60.0)[: len(torque)]),
+    ("FWK-2", "steps", "direct", lambda direct: direct - 0.5),
+    ("MTP-1", "steps", "quadrature", lambda quadrature: 1.1 * quadrature),
+    ("FWK-1", "weakened", "torque", lambda torque: 0.9 * torque),
+    ("FWK-3", "weakened", "torque", lambda torque: torque - 0.5),
+    ("FWK-3", "weakened", "peak_current", lambda peak: 1.5 * peak),
+    ("STA-1", "start", "speed", lambda speed: 0.5 * speed),
+    ("STA-1", "start", "speed", lambda speed: np.where(np.arange(len(speed)) < 500, -20.0, speed)),
+    ("ROB-4", "other_plant", "speed", lambda speed: speed + 5.0),
+    (
+        "ROB-4",
+        "other_plant",
+        "speed",
+        lambda speed: speed + 4.0 * np.exp(np.arange(len(speed)) / 800.0 - 13.0),
+    ),
+]
+
+
+@pytest.mark.parametrize(("check", "name", "column", "change"), FAULTS)
+def test_a_run_that_breaks_a_check_is_noticed(
+    check: str, name: str, column: str, change: Callable[[Any], Any], request: pytest.FixtureRequest
+) -> None:
+    record = request.getfixturevalue(name)
+    margin = judged(check, with_column(record, column, change))
+    assert margin is not None
+    assert not margin.met, f"{check} is met with {margin.measured}"
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "words"),
+    [("second_duty", 1.2, "to 1.2"), ("first_duty", -0.1, "-0.1"), ("next_period", 2e-4, "changed by 100 %")],
+)
+def test_answers_outside_of_their_range_are_noticed(
+    field: str, value: float, words: str, steps: DutyRecord
+) -> None:
+    margin = judged("DUT-1", with_command(steps, field, lambda values: np.full_like(values, value)))
+    assert margin is not None
+    assert not margin.met
+    assert words in margin.measured
+
+
+def test_the_sums_of_the_plant_and_of_the_current_are_judged(steps: DutyRecord) -> None:
+    totals = steps.run.totals.copy()
+    totals[ledger.PEAK] = 1.21 * steps.document.rating.current_limit_a
+    high = judged("OVC-1", replace(steps, run=replace(steps.run, totals=totals)))
+    missing = judged("PWR-1", replace(steps, run=replace(steps.run, worst_balance=2e-9)))
+    assert high is not None
+    assert missing is not None
+    assert not high.met
+    assert not missing.met
+
+
+def test_a_plant_that_differs_is_judged_by_its_own_check_alone(run: Run, interior: PmAcDocument) -> None:
+    speed = 0.5 * interior.rating.base_speed_rpm
+    plain = torque_scenario(interior, speed, (0.0, torque_of(interior, speed, 0.5)))
+    record = run(with_scales(plain, emf_constant=0.8))
+    named = {check for check in CHECKS if judged(check, record) is not None}
+    assert named == {"PWR-1", "DUT-1", "OVC-1"}, "the torque of weaker magnets is no fault of the controller"
+
+
+def test_loss_is_judged_at_the_efficiency_points_alone(run: Run, interior: PmAcDocument) -> None:
+    rated = torque_of(interior, 0.0, 1.0)
+    base = interior.rating.base_speed_rpm
+    at_point = run(torque_scenario(interior, base, (0.5 * rated,)))
+    beside = run(torque_scenario(interior, 0.9 * base, (0.5 * rated,)))
+    margin = judged("EFF-1", at_point)
+    assert margin is not None
+    assert judged("EFF-1", beside) is None
+    worse = judged("EFF-1", with_column(at_point, "direct", lambda direct: direct + 1.5))
+    assert worse is not None
+    assert not worse.met
+
+
+def test_the_oracle_leaves_no_more_torque_than_the_limits(interior: PmAcDocument) -> None:
+    plant = interior.plant()
+    best = greatest_at(plant, 400.0, plant.link_voltage)
+    assert best.voltage <= plant.link_voltage / 3.0**0.5 * (1.0 + 1e-9)
+    assert least_free(plant, 400.0, best.torque).current <= best.current
+
+
+def test_the_texts_tell_the_numbers_of_the_drive(interior: PmAcDocument) -> None:
+    strict = interior.replaced(torque_tolerance_percent=1.0, overshoot_percent=5.0)
+    assert "overshoot 5 %" in on_drive(CHECKS["STP-1"], strict).limit
+    assert on_drive(CHECKS["ACC-1"], strict).limit != on_drive(CHECKS["ACC-1"], interior).limit
+    for check in CHECKS.values():
+        assert "{" not in on_drive(check, interior).limit

@@ -1,0 +1,109 @@
+"""The gate of a controller of duty ratios: faults are caught, made simple, recorded, and told on the page."""
+
+from __future__ import annotations
+
+import pytest
+
+from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.catalogue import CHECKS_OF
+from drivegate.checks.judging import judged
+from drivegate.containment.judge import Judge, own_candidate
+from drivegate.containment.messages import Job
+from drivegate.drives.kinds import kind_of
+from drivegate.drives.reach import refuse_unreachable
+from drivegate.drives.running import recorded
+from drivegate.gate.engine import check_candidate
+from drivegate.gate.events import CheckFinished
+from drivegate.gate.focus import Focus
+from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
+from drivegate.gate.step_timing import TimedSteps, time_steps
+from drivegate.scenarios.duty.building import speed_scenario, torque_of, torque_scenario
+from drivegate.scenarios.facts import facts_of
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.errors import InputError
+from drivegate_reports.conformance.report import page
+
+INTERIOR = load_drive("pm-ac-interior").replaced(settling_s=0.3)
+KIND = kind_of(INTERIOR)
+
+
+def telling_runs() -> tuple[Scenario, ...]:
+    """Give runs that show every fault: torque steps below base speed, weakening and its end, a free shaft."""
+    assert isinstance(INTERIOR, PmAcDocument)
+    below, top = 1200.0, INTERIOR.rating.highest_speed_rpm
+    levels = [torque_of(INTERIOR, below, share) for share in (0.0, 0.5, 0.3)]
+    return (
+        torque_scenario(INTERIOR, below, levels),
+        torque_scenario(INTERIOR, top, (0.0, torque_of(INTERIOR, top, 3.0), 0.0)),
+        speed_scenario(INTERIOR, (1200.0, 2000.0), torque_nm=1.0),
+    )
+
+
+@pytest.mark.parametrize("name", DUTY_FAULTS)
+def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
+    loaded = own_candidate(resolve_candidate(f"faulty:{name}"))
+    controller = loaded.controller()
+    margins = [
+        margin
+        for scenario in telling_runs()
+        for margin in judged(recorded(loaded, scenario, controller), KIND.checks()).margins
+    ]
+    assert DUTY_FAULTS[name].check in {margin.check for margin in margins if not margin.met}
+
+
+def test_a_correct_controller_passes_the_same_runs_and_repeats_itself() -> None:
+    with Judge(resolve_candidate("foc")) as judge:
+        outcome = judge.run(Job(run_fixed, FixedRuns(telling_runs(), repeat=True)))
+    margins = [margin for run in outcome.runs for margin in run.margins]
+    assert [margin for margin in margins if not margin.met] == []
+    assert [margin.measured for margin in margins if margin.check == "DET-1"] == [
+        "2 repetitions are the same"
+    ]
+
+
+def test_drawn_runs_depend_on_their_seed_alone() -> None:
+    loaded = own_candidate(resolve_candidate("foc"))
+    first, again = (run_drawn(loaded, DrawnRuns(INTERIOR, 1, 2, search=False)) for _ in range(2))
+    assert [run.scenario for run in first.runs] == [run.scenario for run in again.runs]
+    assert [run.digest for run in first.runs] == [run.digest for run in again.runs]
+    assert len(first.runs) == 2
+
+
+def test_a_step_is_timed_on_what_was_sensed() -> None:
+    loaded = own_candidate(resolve_candidate("foc"))
+    (run,) = time_steps(loaded, TimedSteps(telling_runs()[0])).runs
+    (margin,) = run.margins
+    assert margin.check == "TIM-1"
+    assert "native" in margin.measured
+
+
+def test_a_fault_is_made_simple_recorded_and_told_on_the_page() -> None:
+    focus = Focus(only=("FWK-2", "RIP-1"), stop_at_first=True)
+    events = check_candidate(
+        resolve_candidate("faulty:stuck-weakening"), drive=INTERIOR, effort="quick", workers=1, focus=focus
+    )
+    finished = next(event for event in events if isinstance(event, CheckFinished))
+    document = finished.result.document()
+    failed, other = document["checks"]
+    assert (failed["id"], failed["verdict"], document["exit_code"]) == ("FWK-2", "fail", 1)
+    assert (other["id"], other["verdict"]) == ("RIP-1", "not applicable")
+    assert "contract 'duty'" in other["message"]
+    assert len(facts_of(failed["counterexample"])) <= 3
+    assert {"direct_current_a", "voltage_v"} <= set(document["traces"][failed["recording"]["trace"]])
+    assert document["envelope"] is None
+    text = page(document)
+    assert "Run " in text
+    assert "along the magnet" in text, "the account of the run is told"
+
+
+def test_a_rating_out_of_reach_is_refused_in_one_sentence() -> None:
+    with pytest.raises(InputError, match="no controller can meet what the drive") as refused:
+        refuse_unreachable(INTERIOR.replaced(rated_power_w=900.0))
+    assert "\n" not in str(refused.value)
+    with pytest.raises(InputError, match="too slow to be checked"):
+        refuse_unreachable(INTERIOR.replaced(inertia_kg_m2=1e3))
+    refuse_unreachable(INTERIOR)
+    assert {check.id for check in CHECKS_OF["duty"]} >= {"FWK-1", "FWK-2", "FWK-3"}

@@ -1,0 +1,92 @@
+"""Scenarios of PM AC drives: fair, named, whole control periods, and exercising what their families are there for."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, seed, settings
+
+from drivegate.checks.catalogue import CHECKS_OF
+from drivegate.checks.traceability import DUTY_DRAWN, SPECIAL, family_name, traced_checks
+from drivegate.scenarios.changes import with_scales
+from drivegate.scenarios.duty.building import load_step_scenario, torque_of, torque_scenario
+from drivegate.scenarios.duty.drawn import FAMILY_GROUPS
+from drivegate.scenarios.duty.feasibility import unfair_because
+from drivegate.scenarios.duty.fixed import fixed_scenarios
+from drivegate.scenarios.duty.simplification import DUTY_SIMPLIFICATIONS
+from drivegate.scenarios.duty.windows import duty_windows
+from drivegate.scenarios.simplification import simplified
+from drivegate_cases.drive.drive_document import drive_names, load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.scenario import Scenario
+
+DRIVES = [drive for name in drive_names() if isinstance(drive := load_drive(name), PmAcDocument)]
+INTERIOR = next(drive for drive in DRIVES if drive.name == "pm-ac-interior")
+FAMILIES = list(dict.fromkeys(family for group in FAMILY_GROUPS for family in group))
+
+
+@pytest.mark.parametrize("drive", DRIVES, ids=lambda drive: drive.name)
+def test_the_fixed_scenarios_are_fair_judged_somewhere_and_told_apart(drive: PmAcDocument) -> None:
+    fixed = fixed_scenarios(drive)
+    assert [scenario.name for scenario in fixed if (reason := unfair_because(scenario)) is not None] == [], (
+        reason
+    )
+    assert [scenario.name for scenario in fixed if not duty_windows(scenario)] == []
+    assert len({scenario.name for scenario in fixed}) == len(fixed) > 40
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family_name(family.__name__))
+def test_what_a_family_draws_is_judged_somewhere(family: object) -> None:
+    drawn: list[Scenario] = []
+
+    @seed(0)
+    @settings(
+        max_examples=10,
+        database=None,
+        deadline=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(family(INTERIOR))  # type: ignore[operator]
+    def draw(scenario: Scenario) -> None:
+        drawn.append(scenario)
+
+    draw()
+    assert all(duty_windows(scenario) for scenario in drawn)
+    assert any(unfair_because(scenario) is None for scenario in drawn)
+
+
+def test_every_family_and_every_check_has_its_row() -> None:
+    assert {family_name(family.__name__) for family in FAMILIES} == set(DUTY_DRAWN)
+    known = {check.id for check in CHECKS_OF["duty"]}
+    assert {check for checks in DUTY_DRAWN.values() for check in checks} <= known
+    assert all(row["families"] for row in traced_checks(INTERIOR))
+    assert {row["id"] for row in traced_checks(INTERIOR)} == known
+    assert {*SPECIAL["repetition"], *SPECIAL["timing"]} <= known
+
+
+def test_a_load_out_of_reach_is_unfair_and_a_torque_reference_out_of_reach_is_not() -> None:
+    top = INTERIOR.rating.highest_speed_rpm
+    much = torque_of(INTERIOR, top, 2.0)
+    assert unfair_because(load_step_scenario(INTERIOR, top, much, (0.0, 1.0))) is not None
+    assert unfair_because(torque_scenario(INTERIOR, top, (0.0, much))) is None
+
+
+def test_an_unknown_plant_is_not_taken_over_at_full_speed() -> None:
+    top = INTERIOR.rating.highest_speed_rpm
+    run = torque_scenario(INTERIOR, top, (0.0,))
+    assert unfair_because(run) is None
+    assert "begins above base speed" in str(unfair_because(with_scales(run, inductance=0.7)))
+
+
+def test_a_scenario_can_be_made_simpler_down_to_one_torque() -> None:
+    scenario = torque_scenario(INTERIOR, 1234.0, (0.0, 1.237, 0.4, 0.0))
+    simpler = [
+        found
+        for simplification in DUTY_SIMPLIFICATIONS
+        for fields in simplification(scenario)
+        if (found := simplified(scenario, fields)) is not None
+    ]
+    lengths = {len(found.torque_reference_profile) for found in simpler}
+    assert 1 in lengths, "a single torque is among the simpler runs"
+    assert any(found.speed_rpm == ((0.0, 0.0),) for found in simpler), "so is a standstill"
+    assert all(duty_windows(found) for found in simpler)
