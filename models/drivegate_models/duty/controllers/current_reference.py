@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import isnan, nan, sqrt
 from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
 
 _HALVINGS = 24
+_NEWTON_STEPS = 16
+_CONVERGED = 1e-9
 _GOLDEN = 0.6180339887498949
 
 
@@ -28,19 +30,31 @@ def most_torque_direct(state: Any, current: float) -> float:
 
 
 @inlined
-def _direct_for_torque(state: Any, torque: float) -> float:
-    """Return the current along the magnet's axis that gives a torque with least current (A)."""
-    low = 0.0
-    high = state.current_limit
-    for _ in range(_HALVINGS):
-        current = 0.5 * (low + high)
-        direct = most_torque_direct(state, current)
-        quadrature = sqrt(max(current * current - direct * direct, 0.0))
-        if torque_per_quadrature(state, direct) * quadrature < torque:
-            low = current
-        else:
-            high = current
-    return most_torque_direct(state, high)
+def least_current_direct(state: Any, torque: float) -> float:
+    """Return the current along the magnet's axis that gives a torque with least current, if it weakens (A).
+
+    Notes
+    -----
+    With ``D = L_d - L_q`` the flux ``psi + y`` that makes the torque is ``psi + D i_d``, and along the line of most
+    torque per ampere ``D**2 i_q**2 = y (psi + y)``; so ``y (psi + y)**3 = (D T / k)**2``, where k is three halves of
+    the pole pairs. The left side is convex, so Newton's method comes down to the root from any place above it.
+    """
+    flux = state.magnet_flux
+    saliency = state.direct_inductance - state.quadrature_inductance
+    reach = saliency * torque / (1.5 * state.pole_pairs)
+    square = reach * reach
+    if square <= 0.0:
+        return 0.0
+    added = sqrt(sqrt(square))
+    if added < flux:
+        added = square / (flux * flux * flux)
+    for _ in range(_NEWTON_STEPS):
+        whole = flux + added
+        step = (added * whole * whole * whole - square) / (whole * whole * (whole + 3.0 * added))
+        added -= step
+        if step <= _CONVERGED * added:
+            break
+    return float(min(added / saliency, 0.0))
 
 
 @inlined
@@ -49,8 +63,8 @@ def _greatest_quadrature(state: Any, electrical: float, voltage: float, direct: 
     square = state.current_limit * state.current_limit - direct * direct
     if square < 0.0:
         return -1.0
-    along = abs(electrical) * (state.direct_inductance * direct + state.magnet_flux)
-    reactance = abs(electrical) * state.quadrature_inductance
+    along = electrical * (state.direct_inductance * direct + state.magnet_flux)
+    reactance = electrical * state.quadrature_inductance
     resistance = state.resistance
     # |v| = V is a quadratic in this current: a q**2 + 2 b q + c = 0.
     a = reactance * reactance + resistance * resistance
@@ -64,6 +78,7 @@ def _greatest_quadrature(state: Any, electrical: float, voltage: float, direct: 
 
 @inlined
 def _greatest_torque_at(state: Any, electrical: float, voltage: float, direct: float) -> float:
+    """Return the greatest torque within both limits at a current along the magnet's axis (N m)."""
     quadrature = _greatest_quadrature(state, electrical, voltage, direct)
     return torque_per_quadrature(state, direct) * quadrature
 
@@ -90,6 +105,38 @@ def _direct_of_greatest_torque(state: Any, electrical: float, voltage: float) ->
 
 
 @inlined
+def _weakened_direct(state: Any, torque: float, electrical: float, voltage: float, direct: float) -> float:
+    """Return the current along the magnet's axis from which on a torque needs no more than a voltage (A).
+
+    With the current across that makes the torque, the square of the voltage is convex in that along, so Newton's
+    method comes down to the first root from the side of too much voltage; NaN where there is none within the limit.
+    """
+    saliency = state.direct_inductance - state.quadrature_inductance
+    slack = _CONVERGED * voltage * voltage
+    for _ in range(_NEWTON_STEPS):
+        per_ampere = torque_per_quadrature(state, direct)
+        quadrature = torque / per_ampere
+        along = state.resistance * direct - electrical * state.quadrature_inductance * quadrature
+        across = state.resistance * quadrature + electrical * (
+            state.direct_inductance * direct + state.magnet_flux
+        )
+        excess = along * along + across * across - voltage * voltage
+        if excess <= slack:
+            square = direct * direct + quadrature * quadrature
+            inside = square <= (1.0 + _CONVERGED) * state.current_limit * state.current_limit
+            return direct if inside else nan
+        change = -1.5 * state.pole_pairs * saliency * quadrature / per_ampere
+        slope = 2.0 * along * (state.resistance - electrical * state.quadrature_inductance * change)
+        slope += 2.0 * across * (state.resistance * change + electrical * state.direct_inductance)
+        if slope <= 0.0:
+            return nan
+        direct -= excess / slope
+        if direct < -state.current_limit:
+            return nan
+    return nan
+
+
+@inlined
 def currents_for(state: Any, torque: float, electrical: float, voltage: float) -> tuple[float, float]:
     """Return the currents for a torque, or for as much of it as the limits allow.
 
@@ -109,19 +156,12 @@ def currents_for(state: Any, torque: float, electrical: float, voltage: float) -
     direct, quadrature : float
         (A).
     """
-    wanted = abs(torque)
-    deepest = _direct_of_greatest_torque(state, electrical, voltage)
-    wanted = min(wanted, max(_greatest_torque_at(state, electrical, voltage, deepest), 0.0))
-    direct = min(_direct_for_torque(state, wanted), 0.0)
-    if _greatest_torque_at(state, electrical, voltage, direct) < wanted and deepest < direct:
-        low = deepest
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + direct)
-            if _greatest_torque_at(state, electrical, voltage, middle) < wanted:
-                direct = middle
-            else:
-                low = middle
-        direct = low
+    wanted = min(abs(torque), state.greatest_torque)
+    turning = abs(electrical)
+    direct = _weakened_direct(state, wanted, turning, voltage, least_current_direct(state, wanted))
+    if isnan(direct):
+        direct = _direct_of_greatest_torque(state, turning, voltage)
+        wanted = min(wanted, max(_greatest_torque_at(state, turning, voltage, direct), 0.0))
     direct = max(direct + state.weakening, -state.current_limit)
     room = sqrt(max(state.current_limit * state.current_limit - direct * direct, 0.0))
     quadrature = min(wanted / torque_per_quadrature(state, direct), room)

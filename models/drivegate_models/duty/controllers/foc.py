@@ -13,7 +13,11 @@ from drivegate_models.compilation.calling import double_at, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.contract.duty.signals import LEG_PWM, SPEED_REFERENCE
-from drivegate_models.duty.controllers.current_reference import currents_for, torque_per_quadrature
+from drivegate_models.duty.controllers.current_reference import (
+    currents_for,
+    most_torque_direct,
+    torque_per_quadrature,
+)
 from drivegate_models.duty.controllers.state import FOC_STATE
 from drivegate_models.machine.sine import cosine_sine
 
@@ -55,6 +59,10 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.quadrature_inductance = nameplate.quadrature_inductance
     state.magnet_flux = nameplate.magnet_flux
     state.current_limit = nameplate.current_limit
+    most = most_torque_direct(state, state.current_limit)
+    state.greatest_torque = torque_per_quadrature(state, most) * sqrt(
+        state.current_limit * state.current_limit - most * most
+    )
     state.lead = (nameplate.update_delay + 0.5) * period
     state.speed_gain = nameplate.inertia * speed_bandwidth
     state.speed_integral_step = state.speed_gain * _SPEED_INTEGRAL * speed_bandwidth * period

@@ -16,6 +16,8 @@ FOC_STATE: Final = np.dtype(
         ("quadrature_inductance", np.float64),
         ("magnet_flux", np.float64),
         ("current_limit", np.float64),
+        # At the current limit, where the voltage is free.
+        ("greatest_torque", np.float64),
         # Time from sampling to the middle of the period in which the answer acts.
         ("lead", np.float64),
         ("speed_gain", np.float64),
