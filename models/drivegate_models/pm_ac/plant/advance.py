@@ -33,6 +33,7 @@ from drivegate_models.pm_ac.plant.events import (
 )
 from drivegate_models.pm_ac.plant.integrals import add_segment
 from drivegate_models.pm_ac.plant.modulator import Gates, make_gates, schedule_gates
+from drivegate_models.pm_ac.plant.quiet import SHORT, pass_quietly, rates_of
 from drivegate_models.pm_ac.plant.series import (
     Series,
     at_end,
@@ -316,6 +317,9 @@ def advance_period(
     schedule_gates(drive.modulator, gates, ratios, legs_mode, alignment, duration)
     begin_schedule(circuit, legs, gates, frame, duration)
     along, across = _stator_flux(circuit, frame)
+    rates = rates_of(circuit)
+    # The extremes of the torque are looked for in its series.
+    quiet_length = SHORT / max(circuit.rate, SHORT / duration) if phases.torque_bounds.size == 0 else 0.0
     idle = 0.0
     status = COMPLETED
     time = 0.0
@@ -333,6 +337,15 @@ def advance_period(
         longest = longest_segment(circuit, held, duration)
         is_whole = length <= longest
         length = min(length, longest)
+        if held == FREE and length <= quiet_length:
+            quietly = pass_quietly(
+                drive.pole_pairs, circuit, rates, legs, frame, length, phases.magnitudes, totals
+            )
+            if quietly.is_quiet:
+                time = limit
+                pass_edges(circuit, legs, gates, time)
+                settled = settle(circuit, legs, quietly.frame, _NO_LEG, 0)
+                continue
         event, passed, after = _segment(drive, circuit, phases, frame, held, angle, time, length, totals)
         is_whole = is_whole and passed == length
         length = passed

@@ -44,6 +44,8 @@ class Circuit(NamedTuple):
     """(V)."""
     rate: float
     """Fastest rate of the equations, |w| + R/min L (1/s)."""
+    pace: float
+    """Bound of how fast slopes of phase currents change, over their bound (1/s)."""
     steepest: float
     """Bound of the slope of any phase current in the advance (A/s)."""
     bend: float
@@ -98,6 +100,7 @@ def circuit_of(
     greatest = max(drive.direct_inductance, drive.quadrature_inductance)
     turning = abs(electrical)
     growth = (drive.resistance + turning * greatest) / least
+    pace = growth + 4.0 * turning
     # The legs lie between -V_D and V + V_D, or, on a link below the switches' drop, between V - V_S and V_S.
     span = link + 2.0 * max(drive.diode_drop, drive.switch_drop)
     voltage = (2.0 / 3.0) * span + turning * abs(drive.magnet_flux)
@@ -118,8 +121,9 @@ def circuit_of(
         drive.switch_drop,
         drive.diode_drop,
         turning + drive.resistance / least,
+        pace,
         steepest,
-        (growth + 4.0 * turning) * steepest,
+        pace * steepest,
         _TIE * voltage,
         _ROUNDING * voltage / least * duration,
     )
