@@ -29,12 +29,27 @@ def begin_schedule(circuit: Circuit, legs: Legs, gates: Gates, frame: RotorFrame
 
 
 @inlined
-def _changes_nothing(circuit: Circuit, legs: Legs, leg: int, gate: int) -> bool:
-    """Return whether a leg whose current keeps its sign stays on its rail when its gate changes so."""
-    if legs.sure[leg] == 0:
+def _changes_nothing(circuit: Circuit, legs: Legs, leg: int, sign: int, gate: int) -> bool:
+    """Return whether a leg stays on its rail when its gate changes so and its current has a sign, 0 for any."""
+    if sign == 0:
         return False
     low, high = leg_voltages(circuit, gate)
-    return bool((low if legs.sure[leg] > 0 else high) == legs.voltages[leg])
+    return bool((low if sign > 0 else high) == legs.voltages[leg])
+
+
+@inlined
+def distant_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
+    """Return when the voltage of a leg next changes by its gate if all currents keep their signs (s)."""
+    limit = duration
+    for leg in range(3):
+        following = legs.positions[leg] + 1
+        while following < gates.counts[leg] and _changes_nothing(
+            circuit, legs, leg, legs.signs[leg], gates.gates[leg, following]
+        ):
+            following += 1
+        if following < gates.counts[leg]:
+            limit = min(limit, gates.times[leg, following])
+    return limit
 
 
 @inlined
@@ -44,7 +59,7 @@ def next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> fl
     for leg in range(3):
         following = legs.positions[leg] + 1
         while following < gates.counts[leg] and _changes_nothing(
-            circuit, legs, leg, gates.gates[leg, following]
+            circuit, legs, leg, legs.sure[leg], gates.gates[leg, following]
         ):
             legs.positions[leg] = following
             set_gate(circuit, legs, leg, gates.gates[leg, following])

@@ -12,12 +12,12 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine import ledger
 from drivegate_models.machine.sine import small_cosine_sine
-from drivegate_models.pm_ac.plant.circuit import HALF_ROOT, Circuit, RotorFrame, drop_of, rotor_voltages
+from drivegate_models.pm_ac.plant.circuit import HALF_ROOT, Circuit, RotorFrame, rotor_voltages
 from drivegate_models.pm_ac.plant.integrals import add_charge, supply_leg
-from drivegate_models.pm_ac.plant.settling import FREE, Legs, is_relay
+from drivegate_models.pm_ac.plant.settling import FREE, Legs
 
 SHORT: Final = 0.05
 """Longest segment over the time of the fastest rate (1).
@@ -96,10 +96,14 @@ def rates_of(circuit: Circuit) -> Rates:
 
 
 @inlined
-def _derivatives(rates: Rates, direct: float, quadrature: float, driven: float, driven_across: float) -> Currents:
+def _derivatives(
+    rates: Rates, direct: float, quadrature: float, driven: float, driven_across: float
+) -> Currents:
     """Return the currents and their derivatives, from the slopes that the voltages alone would give them (A/s)."""
     slope_d = rates.direct * direct + rates.direct_turning * quadrature + driven
-    slope_q = rates.quadrature_turning * direct + rates.quadrature * quadrature + (driven_across - rates.opposed)
+    slope_q = (
+        rates.quadrature_turning * direct + rates.quadrature * quadrature + (driven_across - rates.opposed)
+    )
     bend_d = rates.direct * slope_d + rates.direct_turning * (slope_q + driven_across)
     bend_q = rates.quadrature_turning * (slope_d + driven) + rates.quadrature * slope_q
     # The voltages turn backward in the rotor frame.
@@ -219,7 +223,7 @@ def _keeps_sign(legs: Legs, leg: int, begin: float, end: float, is_monotone: boo
     """Return whether a current keeps its sign, and that which its leg has."""
     if legs.sure[leg] != 0:
         return True
-    sign = legs.signs[leg] if is_relay(legs, leg) else (1 if begin + end >= 0.0 else -1)
+    sign = legs.signs[leg]
     least = min(sign * begin, sign * end)
     return bool(least > deviation or (is_monotone and least >= 0.0))
 
@@ -230,7 +234,7 @@ def _turn(frame: RotorFrame, along: float, across: float) -> tuple[float, float]
     return frame.cosine * along - frame.sine * across, frame.sine * along + frame.cosine * across
 
 
-@unallocating
+@inlined
 def pass_quietly(
     pole_pairs: float,
     circuit: Circuit,
@@ -337,9 +341,7 @@ def pass_quietly(
     first_a, first_b = _turn(
         frame, _part(weights, begin_standing.direct), _part(weights, begin_standing.quadrature)
     )
-    last_a, last_b = _turn(
-        after, _part(behind, end_standing.direct), _part(behind, end_standing.quadrature)
-    )
+    last_a, last_b = _turn(after, _part(behind, end_standing.direct), _part(behind, end_standing.quadrature))
     supply = supply_leg(legs, FREE)
     for leg in range(3):
         charge = _of_phase(leg, first_a + last_a, first_b + last_b)
