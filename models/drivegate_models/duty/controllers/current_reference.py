@@ -86,8 +86,7 @@ def _greatest_torque_at(state: Any, electrical: float, voltage: float, direct: f
 @inlined
 def _direct_of_greatest_torque(state: Any, electrical: float, voltage: float) -> float:
     """Return the current along the magnet's axis at which the limits leave the greatest torque (A)."""
-    # Further than the magnet's whole flux there is less torque for more current.
-    low: float = max(-state.current_limit, -state.magnet_flux / state.direct_inductance)
+    low: float = state.deepest
     high = most_torque_direct(state, state.current_limit)
     if low >= high:
         return high
@@ -137,32 +136,45 @@ def _weakened_direct(state: Any, torque: float, electrical: float, voltage: floa
 
 
 @inlined
-def currents_for(state: Any, torque: float, electrical: float, voltage: float) -> tuple[float, float]:
-    """Return the currents for a torque, or for as much of it as the limits allow.
+def within_voltage(
+    state: Any, torque: float, electrical: float, voltage: float, direct: float
+) -> tuple[float, float]:
+    """Weaken the field as far as a torque needs it.
 
     Parameters
     ----------
     state : record of FOC_STATE
-        Constants of the machine, and the further weakening that the voltage has asked for.
+        Constants of the machine.
     torque : float
-        Wanted (N m).
+        Wanted, at least 0 (N m).
     electrical : float
         Electrical speed (rad/s).
     voltage : float
         Peak voltage of a phase that may be used (V).
+    direct : float
+        Current along the magnet's axis if the voltage were free (A).
 
     Returns
     -------
-    direct, quadrature : float
-        (A).
+    direct, torque : float
+        (A, N m); less torque where the limits leave less.
     """
-    wanted = min(abs(torque), state.greatest_torque)
     turning = abs(electrical)
-    direct = _weakened_direct(state, wanted, turning, voltage, least_current_direct(state, wanted))
-    if isnan(direct):
-        direct = _direct_of_greatest_torque(state, turning, voltage)
-        wanted = min(wanted, max(_greatest_torque_at(state, turning, voltage, direct), 0.0))
-    direct = max(direct + state.weakening, -state.current_limit)
+    weakened = _weakened_direct(state, torque, turning, voltage, direct)
+    if isnan(weakened):
+        # With less weakening than was aimed at, the current may do.
+        weakened = _weakened_direct(state, torque, turning, voltage, least_current_direct(state, torque))
+    if isnan(weakened):
+        weakened = _direct_of_greatest_torque(state, turning, voltage)
+        torque = min(torque, max(_greatest_torque_at(state, turning, voltage, weakened), 0.0))
+    return weakened, torque
+
+
+@inlined
+def with_torque(state: Any, direct: float, torque: float, is_backward: bool) -> tuple[float, float]:
+    """Return the currents of a torque (N m) at one along the magnet's axis (A), within the current limit."""
+    # Further than the magnet's whole flux the voltage rises again, and what asks for more weakening would lock up.
+    direct = max(direct, state.deepest)
     room = sqrt(max(state.current_limit * state.current_limit - direct * direct, 0.0))
-    quadrature = min(wanted / torque_per_quadrature(state, direct), room)
-    return direct, quadrature if torque >= 0.0 else -quadrature
+    quadrature = min(torque / torque_per_quadrature(state, direct), room)
+    return direct, -quadrature if is_backward else quadrature

@@ -14,11 +14,15 @@ from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.contract.duty.signals import LEG_PWM, SPEED_REFERENCE
 from drivegate_models.duty.controllers.current_reference import (
-    currents_for,
+    least_current_direct,
     most_torque_direct,
     torque_per_quadrature,
+    with_torque,
+    within_voltage,
 )
-from drivegate_models.duty.controllers.state import FOC_STATE
+from drivegate_models.duty.controllers.loss_model import least_loss_direct
+from drivegate_models.duty.controllers.loss_search import LOOKING, SETTLING, forget_search, searched_offset
+from drivegate_models.duty.controllers.state import FOC_STATE, MODELLED_LOSS, SEARCHED_LOSS, UNWEAKENED
 from drivegate_models.machine.sine import cosine_sine
 
 VOLTAGE_SHARE: Final = 0.98
@@ -45,7 +49,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     Parameters
     ----------
     state : record of FOC_STATE
-        Overwritten.
+        Overwritten, but for its aim.
     nameplate : record of DUTY_NAMEPLATE
         The drive's nominal data.
     """
@@ -58,7 +62,9 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.direct_inductance = nameplate.direct_inductance
     state.quadrature_inductance = nameplate.quadrature_inductance
     state.magnet_flux = nameplate.magnet_flux
+    state.core_loss_conductance = nameplate.core_loss_conductance
     state.current_limit = nameplate.current_limit
+    state.deepest = -min(nameplate.current_limit, nameplate.magnet_flux / nameplate.direct_inductance)
     most = most_torque_direct(state, state.current_limit)
     state.greatest_torque = torque_per_quadrature(state, most) * sqrt(
         state.current_limit * state.current_limit - most * most
@@ -80,6 +86,26 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.direct_integral = 0.0
     state.quadrature_integral = 0.0
     state.weakening = 0.0
+    state.search_settling = int(SETTLING / period)
+    state.search_looking = max(int(LOOKING / period), 1)
+    forget_search(state, 0.0, 0.0)
+
+
+@inlined
+def _currents_for(
+    state: Any, torque: float, electrical: float, voltage: float, power: float
+) -> tuple[float, float]:
+    """Return the currents for a torque, or for as much of it as the limits allow, by the controller's aim."""
+    wanted = min(abs(torque), state.greatest_torque)
+    direct = least_current_direct(state, wanted)
+    if state.aim == MODELLED_LOSS:
+        direct = least_loss_direct(state, wanted, electrical, direct)
+    if state.aim != UNWEAKENED:
+        direct, wanted = within_voltage(state, wanted, electrical, voltage, direct)
+        direct += state.weakening
+    if state.aim == SEARCHED_LOSS:
+        direct += searched_offset(state, torque, electrical / state.pole_pairs, power)
+    return with_torque(state, direct, wanted, torque < 0.0)
 
 
 @inlined
@@ -147,7 +173,9 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
 
     limit = max(sense.supply_voltage, 0.0) / _ROOT_THREE
     wanted = _wanted_torque(state, sense.reference, sense.speed)
-    direct_reference, quadrature_reference = currents_for(state, wanted, electrical, VOLTAGE_SHARE * limit)
+    direct_reference, quadrature_reference = _currents_for(
+        state, wanted, electrical, VOLTAGE_SHARE * limit, sense.supply_voltage * sense.supply_current
+    )
     given = torque_per_quadrature(state, direct_reference) * quadrature_reference
     _unwind_speed(state, sense.reference, sense.speed, wanted, given)
 
