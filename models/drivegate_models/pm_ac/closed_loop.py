@@ -20,6 +20,14 @@ from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load, load_torque
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases, stored_energy
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING, RISING, PmAcDrive, drifted
+from drivegate_models.pm_ac.sensing import (
+    DutySensors,
+    ideal_duty_sensors,
+    low_side_ratio,
+    show_phase_currents,
+    show_shaft,
+    turn_shaft_sensors,
+)
 
 BAD_LEG: Final = 4
 """Status of a run: a leg's state is none of the contract's; those of `loop.exchange` and `loop_kernel` besides."""
@@ -81,6 +89,8 @@ class DutyRoom(NamedTuple):
     """Duty ratios to act, shape (2, 3): now, and after the delay."""
     legs: NDArray[np.int64]
     """States of the legs likewise."""
+    last: NDArray[np.float64]
+    """Duty ratios of the period just ended, shape (3,)."""
 
 
 class DutyRun(NamedTuple):
@@ -204,6 +214,7 @@ def _run(
     exchange: DutyExchange,
     timing: DutyTiming,
     room: DutyRoom,
+    sensors: DutySensors,
     trace: NDArray[np.float64],
     totals: NDArray[np.float64],
 ) -> tuple[int, int, float]:
@@ -224,6 +235,10 @@ def _run(
             speed = conditions.speed_reference
             change = 0.0
         _write_sense(exchange, phases, conditions, k * length, angle / drive.pole_pairs, speed)
+        if not sensors.ideal:
+            before = _alignment(drive.modulator.updates, k + 1)
+            show_phase_currents(sensors, exchange.sensed_currents, before, room.last, length)
+            show_shaft(sensors, exchange.sense[0], drive.pole_pairs)
         _freshen(exchange.command[0], exchange.fresh[0])
         call_step(
             exchange.step_address, exchange.state_address, exchange.sense_address, exchange.command_address
@@ -267,6 +282,10 @@ def _run(
         row[7] = ledger.source_energy(period) / length
         row[8] = opposing
         angle = within_a_turn(angle + drive.pole_pairs * held * length)
+        if not sensors.ideal:
+            turn_shaft_sensors(sensors, k, k * length, length, held)
+            for leg in range(3):
+                room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
         if load.kind != LOCKED:
             change = _speed_change(drive, inertia, speed, opposing, period, length)
             speed += change
@@ -288,6 +307,7 @@ def run_duty_loop(
     duration: float,
     initial_speed: float = 0.0,
     initial_angle: float = 0.0,
+    sensors: DutySensors | None = None,
 ) -> DutyRun:
     """Run a controller that has been reset against the plant.
 
@@ -309,6 +329,8 @@ def run_duty_loop(
         Of the shaft (rad/s).
     initial_angle : float
         Electrical, from the first phase's axis to the magnet's (rad).
+    sensors : DutySensors, optional
+        What the controller sees through; the plant as it is where they are left out.
 
     Returns
     -------
@@ -331,8 +353,15 @@ def run_duty_loop(
     trace = np.zeros((steps, len(TRACE)))
     totals = np.zeros(ledger.ENTRIES)
     room = DutyRoom(
-        np.zeros(6, np.int64), np.zeros(ledger.ENTRIES), np.full((2, 3), 0.5), np.ones((2, 3), np.int64)
+        np.zeros(6, np.int64),
+        np.zeros(ledger.ENTRIES),
+        np.full((2, 3), 0.5),
+        np.ones((2, 3), np.int64),
+        np.full(3, 0.5),
     )
     timing = DutyTiming(float(control_period), steps, float(initial_speed), float(initial_angle % (2.0 * pi)))
-    status, done, worst = _run(drive, make_phases(), load, schedule, exchange, timing, room, trace, totals)
+    shown = ideal_duty_sensors() if sensors is None else sensors
+    status, done, worst = _run(
+        drive, make_phases(), load, schedule, exchange, timing, room, shown, trace, totals
+    )
     return DutyRun(int(status), int(done), trace[:done], totals, float(worst))
