@@ -315,7 +315,7 @@ def advance_period(
     circuit = circuit_of(drive, speed, link, frame.direct, frame.quadrature, duration)
     _begin_observation(phases)
     schedule_gates(drive.modulator, gates, ratios, legs_mode, alignment, duration)
-    begin_schedule(circuit, legs, gates, frame, duration)
+    totals[ledger.SWITCHING] += begin_schedule(circuit, legs, gates, frame, duration)
     along, across = _stator_flux(circuit, frame)
     rates = rates_of(circuit)
     # The extremes of the torque are looked for in its series.
@@ -364,7 +364,7 @@ def advance_period(
         if is_whole:
             # The limit itself, not the sum, so that every edge is passed exactly once.
             time = limit
-            pass_edges(circuit, legs, gates, time)
+            totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
         settled = settle(circuit, legs, after, fixed, excluded)
     end = _stator_flux(circuit, settled.frame)
     _add_core_loss(drive, circuit, _Connected(end[0] - along, end[1] - across, idle), duration, totals)

@@ -44,6 +44,10 @@ class Circuit(NamedTuple):
     """(V)."""
     diode_drop: float
     """(V)."""
+    turn_on_energy: float
+    """Lost by a switch that takes a current over (J)."""
+    turn_off_energy: float
+    """Lost by one that gives it away (J)."""
     rate: float
     """Fastest rate of the equations, |w| + R/min L (1/s)."""
     pace: float
@@ -124,6 +128,8 @@ def circuit_of(
         link,
         drive.switch_drop,
         drive.diode_drop,
+        drive.turn_on_energy,
+        drive.turn_off_energy,
         turning + drive.resistance / least,
         pace,
         steepest,
