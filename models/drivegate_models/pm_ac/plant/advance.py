@@ -32,8 +32,9 @@ from drivegate_models.pm_ac.plant.events import (
     zero_of_current,
 )
 from drivegate_models.pm_ac.plant.integrals import add_segment
+from drivegate_models.pm_ac.plant.jets import rates_of
 from drivegate_models.pm_ac.plant.modulator import Gates, make_gates, schedule_gates
-from drivegate_models.pm_ac.plant.quiet import SHORT, pass_quietly, rates_of
+from drivegate_models.pm_ac.plant.quiet import SHORT, pass_quietly
 from drivegate_models.pm_ac.plant.series import (
     Series,
     at_end,

@@ -17,6 +17,15 @@ from drivegate_models.machine import ledger
 from drivegate_models.machine.sine import small_cosine_sine
 from drivegate_models.pm_ac.plant.circuit import HALF_ROOT, Circuit, RotorFrame, rotor_voltages
 from drivegate_models.pm_ac.plant.integrals import add_charge, supply_leg
+from drivegate_models.pm_ac.plant.jets import (
+    Currents,
+    Jet,
+    Rates,
+    derivatives,
+    square_of,
+    standing,
+    torque_of,
+)
 from drivegate_models.pm_ac.plant.settling import FREE, Legs
 
 SHORT: Final = 0.05
@@ -25,24 +34,9 @@ SHORT: Final = 0.05
 The ninth term of the series is then below 1e-17, and the integral of the square of a current that begins at zero is
 exact to 5e-13 of itself; that of any other far more."""
 
-# The same up to which the seventh term is below 1e-17.
-_SIX_TERMS = 0.0125
-
-
-class Jet(NamedTuple):
-    """A quantity and its derivatives by time at one instant."""
-
-    value: float
-    slope: float
-    bend: float
-    jerk: float
-
-
-class Currents(NamedTuple):
-    """The currents of the rotor frame, or of axes that stand still and lie where its axes are at the instant (A)."""
-
-    direct: Jet
-    quadrature: Jet
+# The same up to which the seventh term is below 1e-17, and the formula without third derivatives leaves less than 3e-12
+# of the square of a current that begins at zero.
+_SHORTEST = 0.008
 
 
 class Weights(NamedTuple):
@@ -54,23 +48,17 @@ class Weights(NamedTuple):
     jerk: float
 
 
-class Rates(NamedTuple):
-    """The equations of the rotor frame, solved for the slopes of the currents."""
+class Sums(NamedTuple):
+    """Integrals over a segment."""
 
-    direct: float
-    """-R/L_d (1/s)."""
-    direct_turning: float
-    """w L_q/L_d (1/s)."""
-    quadrature_turning: float
-    """-w L_d/L_q (1/s)."""
-    quadrature: float
-    """-R/L_q (1/s)."""
-    per_direct: float
-    """1/L_d (1/H)."""
-    per_quadrature: float
-    """1/L_q (1/H)."""
-    opposed: float
-    """w psi/L_q (A/s)."""
+    square: float
+    """Of the squares of the currents of the rotor frame (A2 s)."""
+    torque: float
+    """Of the torque over three halves of the pole pairs (V A s2)."""
+    along: float
+    """Of the current along where the magnet's axis was at the start (A s)."""
+    across: float
+    """Of that across it (A s)."""
 
 
 class Passed(NamedTuple):
@@ -83,46 +71,10 @@ class Passed(NamedTuple):
 
 
 @inlined
-def rates_of(circuit: Circuit) -> Rates:
-    """Return the equations of an advance."""
-    per_direct = 1.0 / circuit.direct
-    per_quadrature = 1.0 / circuit.quadrature
-    return Rates(
-        -circuit.resistance * per_direct,
-        circuit.electrical * circuit.quadrature * per_direct,
-        -circuit.electrical * circuit.direct * per_quadrature,
-        -circuit.resistance * per_quadrature,
-        per_direct,
-        per_quadrature,
-        circuit.electrical * circuit.flux * per_quadrature,
-    )
-
-
-@inlined
-def _derivatives(
-    rates: Rates, direct: float, quadrature: float, driven: float, driven_across: float
-) -> Currents:
-    """Return the currents and their derivatives, from the slopes that the voltages alone would give them (A/s)."""
-    slope_d = rates.direct * direct + rates.direct_turning * quadrature + driven
-    slope_q = (
-        rates.quadrature_turning * direct + rates.quadrature * quadrature + (driven_across - rates.opposed)
-    )
-    bend_d = rates.direct * slope_d + rates.direct_turning * (slope_q + driven_across)
-    bend_q = rates.quadrature_turning * (slope_d + driven) + rates.quadrature * slope_q
-    # The voltages turn backward in the rotor frame.
-    turned_d = rates.direct_turning * driven_across
-    turned_q = rates.quadrature_turning * driven
-    jerk_d = rates.direct * bend_d + rates.direct_turning * (bend_q + turned_q)
-    jerk_q = rates.quadrature_turning * (bend_d + turned_d) + rates.quadrature * bend_q
-    return Currents(Jet(direct, slope_d, bend_d, jerk_d), Jet(quadrature, slope_q, bend_q, jerk_q))
-
-
-@inlined
 def _at_end(
-    rates: Rates, begin: Currents, driven: float, driven_across: float, length: float, reach: float
+    rates: Rates, begin: Currents, driven: float, driven_across: float, length: float, is_shortest: bool
 ) -> tuple[float, float]:
     """Return the currents at the end of a segment (A)."""
-    is_shorter = reach <= _SIX_TERMS
     power = 0.5 * length * length
     direct = length * begin.direct.slope + power * begin.direct.bend
     quadrature = length * begin.quadrature.slope + power * begin.quadrature.bend
@@ -136,7 +88,7 @@ def _at_end(
     driven *= square
     driven_across *= square
     for order in range(4, 9):
-        if is_shorter and order == 7:
+        if is_shortest and order == 7:
             break
         last_d, last_q = (
             rates.direct * last_d + rates.direct_turning * (last_q + driven_across),
@@ -150,60 +102,40 @@ def _at_end(
 
 
 @inlined
-def _product(one: Jet, other: Jet) -> Jet:
-    """Return a product and its derivatives."""
-    return Jet(
-        one.value * other.value,
-        one.slope * other.value + one.value * other.slope,
-        one.bend * other.value + 2.0 * one.slope * other.slope + one.value * other.bend,
-        one.jerk * other.value
-        + 3.0 * (one.bend * other.slope + one.slope * other.bend)
-        + one.value * other.jerk,
-    )
-
-
-@inlined
-def _square(one: Jet) -> Jet:
-    """Return a square and its derivatives."""
-    return Jet(
-        one.value * one.value,
-        2.0 * one.value * one.slope,
-        2.0 * (one.slope * one.slope + one.value * one.bend),
-        2.0 * (3.0 * one.slope * one.bend + one.value * one.jerk),
-    )
-
-
-@inlined
-def _standing(currents: Currents, electrical: float) -> Currents:
-    """Return the currents along axes that stand still where those of the rotor are at the instant."""
-    d, q = currents.direct, currents.quadrature
-    twice = 2.0 * electrical
-    thrice = 3.0 * electrical
-    square = electrical * electrical
-    return Currents(
-        Jet(
-            d.value,
-            d.slope - electrical * q.value,
-            d.bend - twice * q.slope - square * d.value,
-            d.jerk - thrice * (q.bend + electrical * d.slope) + square * electrical * q.value,
-        ),
-        Jet(
-            q.value,
-            q.slope + electrical * d.value,
-            q.bend + twice * d.slope - square * q.value,
-            q.jerk + thrice * (d.bend - electrical * q.slope) - square * electrical * d.value,
-        ),
-    )
-
-
-@inlined
-def _part(weights: Weights, one: Jet) -> float:
+def _part(weights: Weights, one: Jet, is_shortest: bool) -> float:
     """Return what one end gives to an integral."""
-    return (
-        weights.value * one.value
-        + weights.slope * one.slope
-        + weights.bend * one.bend
-        + weights.jerk * one.jerk
+    total = weights.value * one.value + weights.slope * one.slope + weights.bend * one.bend
+    # Not a weight of zero, which would be multiplied by all the same.
+    return total if is_shortest else total + weights.jerk * one.jerk
+
+
+@inlined
+def _sums(
+    circuit: Circuit, begin: Currents, end: Currents, turn: RotorFrame, length: float, is_shortest: bool
+) -> Sums:
+    """Return the integrals over a segment that turns the rotor by an angle of a given cosine and sine."""
+    square = length * length
+    if is_shortest:
+        weights = Weights(0.5 * length, 0.1 * square, (1.0 / 120.0) * square * length, 0.0)
+    else:
+        weights = Weights(
+            0.5 * length,
+            (3.0 / 28.0) * square,
+            (1.0 / 84.0) * square * length,
+            (1.0 / 1680.0) * square * square,
+        )
+    behind = Weights(weights.value, -weights.slope, weights.bend, -weights.jerk)
+    first = standing(begin, circuit.electrical)
+    last = standing(end, circuit.electrical)
+    along, across = _turn(
+        turn, _part(behind, last.direct, is_shortest), _part(behind, last.quadrature, is_shortest)
+    )
+    return Sums(
+        _part(weights, square_of(begin), is_shortest) + _part(behind, square_of(end), is_shortest),
+        _part(weights, torque_of(circuit, begin), is_shortest)
+        + _part(behind, torque_of(circuit, end), is_shortest),
+        along + _part(weights, first.direct, is_shortest),
+        across + _part(weights, first.quadrature, is_shortest),
     )
 
 
@@ -280,16 +212,18 @@ def pass_quietly(
     Notes
     -----
     Between two instants h apart the integral of f is the sum of ``h/2 f``, ``3 h**2/28 f'``, ``h**3/84 f''`` and
-    ``h**4/1680 f'''`` at the first, and of the same with the signs +, -, +, - at the second.
+    ``h**4/1680 f'''`` at the first, and of the same with the signs +, -, +, - at the second; in the shortest segments
+    of ``h/2 f``, ``h**2/10 f'`` and ``h**3/120 f''``.
     """
+    is_shortest = circuit.rate * length <= _SHORTEST
     voltages = legs.voltages
     direct, quadrature = rotor_voltages(frame, voltages[0], voltages[1], voltages[2])
     driven = direct * rates.per_direct
     across = quadrature * rates.per_quadrature
-    begin = _derivatives(rates, frame.direct, frame.quadrature, driven, across)
-    end_d, end_q = _at_end(rates, begin, driven, across, length, circuit.rate * length)
+    begin = derivatives(rates, frame.direct, frame.quadrature, driven, across)
+    end_d, end_q = _at_end(rates, begin, driven, across, length, is_shortest)
     cosine, sine = small_cosine_sine(circuit.electrical * length)
-    end = _derivatives(
+    end = derivatives(
         rates,
         end_d,
         end_q,
@@ -302,8 +236,8 @@ def pass_quietly(
         frame.cosine * cosine - frame.sine * sine,
         frame.sine * cosine + frame.cosine * sine,
     )
-    begin_standing = _standing(begin, circuit.electrical)
-    end_standing = _standing(end, circuit.electrical)
+    begin_standing = standing(begin, circuit.electrical)
+    end_standing = standing(end, circuit.electrical)
     begin_a, begin_b = _turn(frame, begin.direct.value, begin.quadrature.value)
     end_a, end_b = _turn(after, end_d, end_q)
     begin_slope_a, begin_slope_b = _turn(frame, begin_standing.direct.slope, begin_standing.quadrature.slope)
@@ -325,31 +259,17 @@ def pass_quietly(
         peak = max(peak, top)
     totals[ledger.PEAK] = peak
 
-    weights = Weights(
-        0.5 * length,
-        (3.0 / 28.0) * length * length,
-        (1.0 / 84.0) * length * length * length,
-        (1.0 / 1680.0) * length * length * length * length,
-    )
-    behind = Weights(weights.value, -weights.slope, weights.bend, -weights.jerk)
-    totals[ledger.SQUARE] += 1.5 * (
-        _part(weights, _square(begin.direct))
-        + _part(weights, _square(begin.quadrature))
-        + _part(behind, _square(end.direct))
-        + _part(behind, _square(end.quadrature))
-    )
-    product = _part(weights, _product(begin.direct, begin.quadrature)) + _part(
-        behind, _product(end.direct, end.quadrature)
-    )
-    linear = _part(weights, begin.quadrature) + _part(behind, end.quadrature)
-    saliency = circuit.direct - circuit.quadrature
-    totals[ledger.IMPULSE] += 1.5 * pole_pairs * (circuit.flux * linear + saliency * product)
-    first_a, first_b = _turn(
-        frame, _part(weights, begin_standing.direct), _part(weights, begin_standing.quadrature)
-    )
-    last_a, last_b = _turn(after, _part(behind, end_standing.direct), _part(behind, end_standing.quadrature))
+    turn = RotorFrame(0.0, 0.0, cosine, sine)
+    # Twice, so that each is compiled without what the other alone needs.
+    if is_shortest:
+        sums = _sums(circuit, begin, end, turn, length, True)
+    else:
+        sums = _sums(circuit, begin, end, turn, length, False)
+    totals[ledger.SQUARE] += 1.5 * sums.square
+    totals[ledger.IMPULSE] += 1.5 * pole_pairs * sums.torque
+    along, across = _turn(frame, sums.along, sums.across)
     supply = supply_leg(legs, FREE)
     for leg in range(3):
-        charge = _of_phase(leg, first_a + last_a, first_b + last_b)
+        charge = _of_phase(leg, along, across)
         add_charge(circuit, legs, leg, supply, charge, abs(charge), magnitudes, totals)
     return Passed(True, after)
