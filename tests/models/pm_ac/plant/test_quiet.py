@@ -6,11 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.models.pm_ac.conftest import SURFACE
 from tests.models.pm_ac.plant.drawn_periods import DrawnRun, drawn_run
 
+from drivegate_models.contract.duty.signals import LEG_PWM
 from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases
+from drivegate_models.pm_ac.plant.drive import CENTRED, make_pm_ac_drive
 
 AGREEMENT = 1e-11
 """Greatest difference, relative to the scale of each quantity."""
@@ -82,3 +85,28 @@ def test_currents_at_zero_are_left_to_the_series(current: float, speed: float) -
         run = replace(run, speed=speed * base, currents=(0.0, current * run.drive.current_limit))
         apart, _ = difference(run)
         assert apart <= AGREEMENT, f"run {seed} differs by {apart:.1e} of a scale"
+
+
+@pytest.mark.kernel
+def test_a_current_that_is_greatest_within_a_segment_is_left_to_the_series() -> None:
+    """With all legs alike the flux stands still; the first phase has its greatest current as the rotor passes it."""
+    drive = make_pm_ac_drive(**(SURFACE | {"resistance": 0.0}))
+    speed, period, greatest = 30.0, 1e-4, 2.0
+    half = 0.5 * drive.pole_pairs * speed * period
+    flux = drive.magnet_flux - drive.direct_inductance * greatest
+    currents = (flux * np.exp(1j * half) - drive.magnet_flux) / drive.direct_inductance
+    run = DrawnRun(
+        drive,
+        (float(currents.real), float(currents.imag)),
+        -half,
+        speed,
+        drive.link_voltage,
+        period,
+        ((0.0, 0.0, 0.0),),
+        ((LEG_PWM, LEG_PWM, LEG_PWM),),
+        (CENTRED,),
+    )
+    (phases, totals), (_, expected) = advanced(run, False), advanced(run, True)
+    assert np.max(np.abs(phases.currents)) < greatest - 1e-4, "the greatest current lies within"
+    assert expected[ledger.PEAK] == pytest.approx(greatest, rel=1e-12)
+    assert totals[ledger.PEAK] == pytest.approx(greatest, rel=1e-12)
