@@ -2,11 +2,27 @@
 
 from __future__ import annotations
 
-from math import atan2, pi
+from math import pi, sqrt
 
 from drivegate_models.contract.outer_loop.signals import PM_AC, Nameplate
+from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.oracle import CURRENT, Limits, least_at
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
+
+_STEPS = 8
+
+
+def _advance_angle(direct: float, quadrature: float) -> float:
+    """Return the angle b (rad) of currents ``-I sin b`` and ``I cos b``, by operations rounded alike anywhere."""
+    current = sqrt(direct * direct + quadrature * quadrature)
+    if current == 0.0:
+        return 0.0
+    angle = 0.25 * pi
+    for _ in range(_STEPS):
+        cosine, sine = cosine_sine(angle)
+        # The sine of what is missing, which leaves a sixth of its cube.
+        angle -= (direct * cosine + quadrature * sine) / current
+    return angle
 
 
 def outer_nameplate(
@@ -41,7 +57,7 @@ def outer_nameplate(
         all the time.
     """
     start, end = (
-        atan2(-state.direct, state.quadrature)
+        _advance_angle(state.direct, state.quadrature)
         for state in (
             least_at(drive, limits, base_speed, rated_power / base_speed, CURRENT),
             least_at(drive, limits, highest_speed, rated_power / highest_speed, CURRENT),

@@ -98,6 +98,23 @@ def test_the_search_improves_on_the_initial_line() -> None:
     assert ends[1] < 0.9 * ends[0], f"{ends[1]:.3f} A with the search, {ends[0]:.3f} A without"
 
 
+def test_the_nameplate_tells_the_line_of_least_current() -> None:
+    drive = make_pm_ac_drive(**INTERIOR)
+    base, power = rating(drive)
+    told = outer_nameplate(
+        drive,
+        limits_of(drive),
+        rated_power=0.7 * power,
+        base_speed=base,
+        highest_speed=3.0 * base,
+        control_period=5e-4,
+    )
+    for speed in (base, 3.0 * base):
+        least = least_at(drive, limits_of(drive), speed, 0.7 * power / speed, CURRENT)
+        angle = told.advance_start + told.advance_slope * (speed - base)
+        assert angle == pytest.approx(math.atan2(-least.direct, least.quadrature), rel=1e-12)
+
+
 def answering(
     current: float, angle: float, seen: list[tuple[float, ...]], size: int | None = None
 ) -> tuple[object, int]:
