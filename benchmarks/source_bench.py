@@ -1,4 +1,4 @@
-"""``drivegate bench`` with the rows that it takes drivegate's sources for: the yardstick in C, and the examples.
+"""``drivegate bench`` with the rows that it takes drivegate's sources for: yardstick in C, examples, duty ratios.
 
     python benchmarks/source_bench.py --only yardstick --compare before.json
 
@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import click
 
+import duty_rates
 import example_rates
 import yardstick_ratio
 from drivegate.commands import bench
@@ -26,10 +27,13 @@ YARDSTICK_BAR: Final = 1.2
 EXAMPLE_BAR: Final = 1.3
 """Time of a run with a compiled candidate over that with the built-in reference."""
 
+DUTY_BARS: Final = {"ideal": 120.0, "dead-time": 100.0}
+"""Rate that the loop of duty ratios is meant to reach with each bridge."""
+
 
 def source_rows(*, quick: bool) -> tuple[Planned, ...]:
     """List what can be measured in the sources alone."""
-    return (*_yardsticks(quick), *_examples(quick))
+    return (*_yardsticks(quick), *_examples(quick), *_duty_loops(quick))
 
 
 def _yardsticks(quick: bool) -> list[Planned]:
@@ -73,6 +77,23 @@ def _examples(quick: bool) -> list[Planned]:
         example_rates.python_example_rate,
     )
     return [*compiled, python]
+
+
+def _duty_loops(quick: bool) -> list[Planned]:
+    titles = {"ideal": "foc on a PM AC drive, ideal switches", "dead-time": "the same with 2 µs dead time"}
+    simulated = duty_rates.SIMULATED * (0.5 if quick else 1.0)
+    return [
+        Planned(
+            f"duty.foc.{bridge}",
+            title,
+            f"{simulated:g} s at a control period of 0.1 ms",
+            RATE_UNIT,
+            "more",
+            DUTY_BARS[bridge],
+            partial(duty_rates.duty_rate, bridge=bridge),
+        )
+        for bridge, title in titles.items()
+    ]
 
 
 @click.command(params=bench.command.params)

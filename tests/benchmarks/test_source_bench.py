@@ -5,6 +5,7 @@ import sys
 
 import pytest
 
+import duty_rates
 import example_rates
 import source_bench
 import speed_tables
@@ -32,6 +33,8 @@ def test_rows_and_bars_are_those_of_the_design():
         },
         **{f"example.{language}": 1.3 for language in ("c", "numba", "rust")},
         "example.python": 50.0,
+        "duty.foc.ideal": 120.0,
+        "duty.foc.dead-time": 100.0,
     }
     assert not {one.name for one in ROWS} & {one.name for one in planned(quick=False, cold=True)}
     quick = {one.name: one.setting for one in source_bench.source_rows(quick=True)}
@@ -56,6 +59,14 @@ def test_compiled_examples_are_measured_beside_the_reference(workbench, monkeypa
 def test_the_example_in_python_is_measured(workbench, monkeypatch):
     monkeypatch.setattr(example_rates, "SIMULATED", 1.0)
     value = example_rates.python_example_rate(workbench)
+    assert value.correctness.valid, value.correctness.measured
+    assert value.value >= value.median > 0.0
+
+
+@pytest.mark.parametrize("bridge", ["ideal", "dead-time"])
+def test_the_loop_of_duty_ratios_is_measured(workbench, monkeypatch, bridge):
+    monkeypatch.setattr(duty_rates, "SIMULATED", 1.0)
+    value = duty_rates.duty_rate(workbench, bridge)
     assert value.correctness.valid, value.correctness.measured
     assert value.value >= value.median > 0.0
 

@@ -20,6 +20,14 @@ from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load, load_torque
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases, stored_energy
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING, RISING, PmAcDrive, drifted
+from drivegate_models.pm_ac.sensing import (
+    DutySensors,
+    ideal_duty_sensors,
+    low_side_ratio,
+    show_phase_currents,
+    show_shaft,
+    turn_shaft_sensors,
+)
 
 BAD_LEG: Final = 4
 """Status of a run: a leg's state is none of the contract's; those of `loop.exchange` and `loop_kernel` besides."""
@@ -91,6 +99,8 @@ class DutyRoom(NamedTuple):
     """Duty ratios to act, shape (2, 3): now, and after the delay."""
     legs: NDArray[np.int64]
     """States of the legs likewise."""
+    last: NDArray[np.float64]
+    """Duty ratios of the period just ended, shape (3,)."""
 
 
 class DutyRun(NamedTuple):
@@ -218,6 +228,7 @@ def _run(
     exchange: DutyExchange,
     timing: DutyTiming,
     room: DutyRoom,
+    sensors: DutySensors,
     trace: NDArray[np.float64],
     totals: NDArray[np.float64],
 ) -> tuple[int, int, float]:
@@ -240,6 +251,10 @@ def _run(
         wanted = follow(torque, room.course_positions, 6, k * length)
         reference = wanted if timing.regulates_torque else conditions.speed_reference
         _write_sense(exchange, phases, conditions, reference, k * length, angle / drive.pole_pairs, speed)
+        if not sensors.ideal:
+            before = _alignment(drive.modulator.updates, k + 1)
+            show_phase_currents(sensors, exchange.sensed_currents, before, room.last, length)
+            show_shaft(sensors, exchange.sense[0], drive.pole_pairs)
         _copy(exchange.command[0], exchange.fresh[0])
         call_step(
             exchange.step_address, exchange.state_address, exchange.sense_address, exchange.command_address
@@ -287,6 +302,10 @@ def _run(
         row[10] = link
         row[11] = wanted
         angle = within_a_turn(angle + drive.pole_pairs * held * length)
+        if not sensors.ideal:
+            turn_shaft_sensors(sensors, k, k * length, length, held)
+            for leg in range(3):
+                room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
         if load.kind != LOCKED:
             change = _speed_change(drive, inertia, speed, opposing, period, length)
             speed += change
@@ -309,6 +328,7 @@ def run_duty_loop(
     initial_speed: float = 0.0,
     initial_angle: float = 0.0,
     torque_reference: Course | None = None,
+    sensors: DutySensors | None = None,
 ) -> DutyRun:
     """Run a controller that has been reset against the plant.
 
@@ -332,6 +352,8 @@ def run_duty_loop(
         Electrical, from the first phase's axis to the magnet's (rad).
     torque_reference : Course, optional
         What the controller is given in place of the schedule's speed (N m).
+    sensors : DutySensors, optional
+        What the controller sees through; the plant as it is where they are left out.
 
     Returns
     -------
@@ -355,7 +377,11 @@ def run_duty_loop(
     trace = np.zeros((steps, len(TRACE)))
     totals = np.zeros(ledger.ENTRIES)
     room = DutyRoom(
-        np.zeros(7, np.int64), np.zeros(ledger.ENTRIES), np.full((2, 3), 0.5), np.ones((2, 3), np.int64)
+        np.zeros(7, np.int64),
+        np.zeros(ledger.ENTRIES),
+        np.full((2, 3), 0.5),
+        np.ones((2, 3), np.int64),
+        np.full(3, 0.5),
     )
     timing = DutyTiming(
         float(control_period),
@@ -365,8 +391,9 @@ def run_duty_loop(
         torque_reference is not None,
     )
     torque = steady(0.0) if torque_reference is None else torque_reference
+    shown = ideal_duty_sensors() if sensors is None else sensors
     status, done, worst = _run(
-        drive, make_phases(), load, schedule, torque, exchange, timing, room, trace, totals
+        drive, make_phases(), load, schedule, torque, exchange, timing, room, shown, trace, totals
     )
     asked = exchange.kept[: done + (status != COMPLETED)]
     return DutyRun(int(status), int(done), trace[:done], totals, float(worst), asked)

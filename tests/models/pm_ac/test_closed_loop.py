@@ -8,85 +8,20 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from tests.models.duty_runs import COLUMN, PERIOD, controlled, course, limits_of, rating
 
-from drivegate_models.contract.duty.records import DUTY_COMMAND, duty_nameplate_record
-from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
-from drivegate_models.contract.outer_loop.signals import PM_AC
-from drivegate_models.duty.controllers.foc import reset_function, step_function
-from drivegate_models.duty.controllers.state import FOC_STATE
+from drivegate_models.contract.duty.records import DUTY_COMMAND
+from drivegate_models.contract.duty.signals import TORQUE_REFERENCE
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
-from drivegate_models.loop.schedule import Course, Schedule, steady
+from drivegate_models.loop.schedule import Course, steady
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import CONSTANT_POWER, CONSTANT_TORQUE, Load
-from drivegate_models.pm_ac.closed_loop import BAD_LEG, TRACE, DutyRun, run_duty_loop
-from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, base_speed
-from drivegate_models.pm_ac.oracle import CURRENT, Limits, greatest_torque, least_at
+from drivegate_models.pm_ac.closed_loop import BAD_LEG, run_duty_loop
+from drivegate_models.pm_ac.oracle import CURRENT, least_at
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive
 
 Factory = Callable[..., PmAcDrive]
-PERIOD = 1e-4
-COLUMN = {name: k for k, name in enumerate(TRACE)}
 _STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
-
-
-def limits_of(drive: PmAcDrive) -> Limits:
-    return Limits(drive.current_limit, LINEAR_LIMIT * drive.link_voltage)
-
-
-def rating(drive: PmAcDrive) -> tuple[float, float]:
-    """Return base speed and the greatest power there."""
-    speed = base_speed(drive, *limits_of(drive))
-    return speed, speed * greatest_torque(drive, limits_of(drive), speed).torque
-
-
-def course(drive: PmAcDrive, reference: Course, load: Course) -> Schedule:
-    return Schedule(reference, load, steady(0.5 * drive.link_voltage), steady(0.0), steady(1.0), steady(1.0))
-
-
-def controlled(
-    drive: PmAcDrive,
-    load: Load,
-    schedule: Schedule,
-    duration: float,
-    *,
-    reference_kind: int = SPEED_REFERENCE,
-    initial_speed: float = 0.0,
-    initial_angle: float = 0.0,
-    period: float = PERIOD,
-) -> DutyRun:
-    base, power = rating(drive)
-    nameplate = DutyNameplate(
-        PM_AC,
-        reference_kind,
-        drive.pole_pairs,
-        drive.modulator.updates,
-        drive.modulator.update_delay,
-        drive.link_voltage,
-        base,
-        3.0 * base,
-        power,
-        drive.current_limit,
-        period,
-        drive.modulator.dead_time,
-        drive.resistance,
-        drive.direct_inductance,
-        drive.quadrature_inductance,
-        drive.magnet_flux,
-        drive.inertia,
-    )
-    state = np.zeros(1, FOC_STATE)
-    reset_function()(state, duty_nameplate_record(nameplate))
-    return run_duty_loop(
-        drive,
-        load,
-        schedule,
-        step_address=step_function().address,
-        state_address=state.ctypes.data,
-        control_period=period,
-        duration=duration,
-        initial_speed=initial_speed,
-        initial_angle=initial_angle,
-    )
 
 
 @pytest.mark.parametrize("modulator", [Modulator(), Modulator(dead_time=2e-6), Modulator(updates=2)])

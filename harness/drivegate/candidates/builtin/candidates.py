@@ -27,7 +27,9 @@ BUILTIN_CANDIDATES: Final = MappingProxyType(
 )
 """Declarations by bare name."""
 
-DUTY_CANDIDATES: Final = MappingProxyType({"foc": Declaration()})
+DUTY_CANDIDATES: Final = MappingProxyType(
+    {name: Declaration() for name in ("foc", "foc-mtpa", "foc-loss-model", "foc-loss-search")}
+)
 """Declarations of those that answer with duty ratios, by bare name."""
 
 _DESIGNS = ("golden-section", "quadratic-interpolation", "angle-table", "sweep")

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS, DutyFault
@@ -12,7 +11,7 @@ from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.duty.controllers.foc import reset_function, step_function
-from drivegate_models.duty.controllers.state import FOC_STATE
+from drivegate_models.duty.controllers.state import foc_state
 from drivegate_models.duty.faults.spoilt import spoilt_state, spoilt_step_function
 from drivegate_models.errors import InputError
 
@@ -32,10 +31,10 @@ class DutyController:
         Always None: these controllers report no fault of their own.
     """
 
-    def __init__(self, fault: DutyFault | None = None) -> None:
+    def __init__(self, name: str = "foc", fault: DutyFault | None = None) -> None:
         self._fault = fault
         self._step = step_function()
-        self._state: NDArray[Any] = np.zeros(1, FOC_STATE)
+        self._state: NDArray[Any] = foc_state(name)
         self.step_address: int = self._step.address
         self.state_address: int = self._state.ctypes.data
         self.state_size: int = self._state.nbytes
@@ -81,7 +80,7 @@ class SpoiltController:
 def load_duty_controller(name: str) -> DutyController | SpoiltController:
     """Make a new instance of a controller by its name."""
     if not name.startswith(FAULTY_PREFIX):
-        return DutyController()
+        return DutyController(name)
     fault = DUTY_FAULTS[name.removeprefix(FAULTY_PREFIX)]
-    inner = DutyController(fault)
+    inner = DutyController(fault=fault)
     return inner if fault.spoilt is None else SpoiltController(inner, fault.spoilt)

@@ -70,6 +70,7 @@ DUTY_NAMEPLATE: Final = np.dtype(
         ("quadrature_inductance", np.float64),
         ("magnet_flux", np.float64),
         ("inertia", np.float64),
+        ("core_loss_conductance", np.float64),
     ],
     align=True,
 )

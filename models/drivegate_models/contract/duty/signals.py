@@ -121,6 +121,9 @@ class DutyNameplate(NamedTuple):
         Peak flux linkage of a phase (V s).
     inertia : float
         Of rotor and load (kg m2).
+    core_loss_conductance : float
+        Core loss a phase over the mean square of the voltage that the mean flux of a period induces (S); 0 where it is
+        not known.
     """
 
     kind: int
@@ -140,3 +143,4 @@ class DutyNameplate(NamedTuple):
     quadrature_inductance: float
     magnet_flux: float
     inertia: float
+    core_loss_conductance: float = 0.0

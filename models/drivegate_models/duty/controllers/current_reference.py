@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import isnan, nan, sqrt
 from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
 
 _HALVINGS = 24
+_NEWTON_STEPS = 16
+_CONVERGED = 1e-9
 _GOLDEN = 0.6180339887498949
 
 
@@ -28,19 +30,31 @@ def most_torque_direct(state: Any, current: float) -> float:
 
 
 @inlined
-def _direct_for_torque(state: Any, torque: float) -> float:
-    """Return the current along the magnet's axis that gives a torque with least current (A)."""
-    low = 0.0
-    high = state.current_limit
-    for _ in range(_HALVINGS):
-        current = 0.5 * (low + high)
-        direct = most_torque_direct(state, current)
-        quadrature = sqrt(max(current * current - direct * direct, 0.0))
-        if torque_per_quadrature(state, direct) * quadrature < torque:
-            low = current
-        else:
-            high = current
-    return most_torque_direct(state, high)
+def least_current_direct(state: Any, torque: float) -> float:
+    """Return the current along the magnet's axis that gives a torque with least current, if it weakens (A).
+
+    Notes
+    -----
+    With ``D = L_d - L_q`` the flux ``psi + y`` that makes the torque is ``psi + D i_d``, and along the line of most
+    torque per ampere ``D**2 i_q**2 = y (psi + y)``; so ``y (psi + y)**3 = (D T / k)**2``, where k is three halves of
+    the pole pairs. The left side is convex, so Newton's method comes down to the root from any place above it.
+    """
+    flux = state.magnet_flux
+    saliency = state.direct_inductance - state.quadrature_inductance
+    reach = saliency * torque / (1.5 * state.pole_pairs)
+    square = reach * reach
+    if square <= 0.0:
+        return 0.0
+    added = sqrt(sqrt(square))
+    if added < flux:
+        added = square / (flux * flux * flux)
+    for _ in range(_NEWTON_STEPS):
+        whole = flux + added
+        step = (added * whole * whole * whole - square) / (whole * whole * (whole + 3.0 * added))
+        added -= step
+        if step <= _CONVERGED * added:
+            break
+    return float(min(added / saliency, 0.0))
 
 
 @inlined
@@ -49,8 +63,8 @@ def _greatest_quadrature(state: Any, electrical: float, voltage: float, direct: 
     square = state.current_limit * state.current_limit - direct * direct
     if square < 0.0:
         return -1.0
-    along = abs(electrical) * (state.direct_inductance * direct + state.magnet_flux)
-    reactance = abs(electrical) * state.quadrature_inductance
+    along = electrical * (state.direct_inductance * direct + state.magnet_flux)
+    reactance = electrical * state.quadrature_inductance
     resistance = state.resistance
     # |v| = V is a quadratic in this current: a q**2 + 2 b q + c = 0.
     a = reactance * reactance + resistance * resistance
@@ -64,6 +78,7 @@ def _greatest_quadrature(state: Any, electrical: float, voltage: float, direct: 
 
 @inlined
 def _greatest_torque_at(state: Any, electrical: float, voltage: float, direct: float) -> float:
+    """Return the greatest torque within both limits at a current along the magnet's axis (N m)."""
     quadrature = _greatest_quadrature(state, electrical, voltage, direct)
     return torque_per_quadrature(state, direct) * quadrature
 
@@ -71,8 +86,7 @@ def _greatest_torque_at(state: Any, electrical: float, voltage: float, direct: f
 @inlined
 def _direct_of_greatest_torque(state: Any, electrical: float, voltage: float) -> float:
     """Return the current along the magnet's axis at which the limits leave the greatest torque (A)."""
-    # Further than the magnet's whole flux there is less torque for more current.
-    low: float = max(-state.current_limit, -state.magnet_flux / state.direct_inductance)
+    low: float = state.deepest
     high = most_torque_direct(state, state.current_limit)
     if low >= high:
         return high
@@ -90,39 +104,77 @@ def _direct_of_greatest_torque(state: Any, electrical: float, voltage: float) ->
 
 
 @inlined
-def currents_for(state: Any, torque: float, electrical: float, voltage: float) -> tuple[float, float]:
-    """Return the currents for a torque, or for as much of it as the limits allow.
+def _weakened_direct(state: Any, torque: float, electrical: float, voltage: float, direct: float) -> float:
+    """Return the current along the magnet's axis from which on a torque needs no more than a voltage (A).
+
+    With the current across that makes the torque, the square of the voltage is convex in that along, so Newton's
+    method comes down to the first root from the side of too much voltage; NaN where there is none within the limit.
+    """
+    saliency = state.direct_inductance - state.quadrature_inductance
+    slack = _CONVERGED * voltage * voltage
+    for _ in range(_NEWTON_STEPS):
+        per_ampere = torque_per_quadrature(state, direct)
+        quadrature = torque / per_ampere
+        along = state.resistance * direct - electrical * state.quadrature_inductance * quadrature
+        across = state.resistance * quadrature + electrical * (
+            state.direct_inductance * direct + state.magnet_flux
+        )
+        excess = along * along + across * across - voltage * voltage
+        if excess <= slack:
+            square = direct * direct + quadrature * quadrature
+            inside = square <= (1.0 + _CONVERGED) * state.current_limit * state.current_limit
+            return direct if inside else nan
+        change = -1.5 * state.pole_pairs * saliency * quadrature / per_ampere
+        slope = 2.0 * along * (state.resistance - electrical * state.quadrature_inductance * change)
+        slope += 2.0 * across * (state.resistance * change + electrical * state.direct_inductance)
+        if slope <= 0.0:
+            return nan
+        direct -= excess / slope
+        if direct < -state.current_limit:
+            return nan
+    return nan
+
+
+@inlined
+def within_voltage(
+    state: Any, torque: float, electrical: float, voltage: float, direct: float
+) -> tuple[float, float]:
+    """Weaken the field as far as a torque needs it.
 
     Parameters
     ----------
     state : record of FOC_STATE
-        Constants of the machine, and the further weakening that the voltage has asked for.
+        Constants of the machine.
     torque : float
-        Wanted (N m).
+        Wanted, at least 0 (N m).
     electrical : float
         Electrical speed (rad/s).
     voltage : float
         Peak voltage of a phase that may be used (V).
+    direct : float
+        Current along the magnet's axis if the voltage were free (A).
 
     Returns
     -------
-    direct, quadrature : float
-        (A).
+    direct, torque : float
+        (A, N m); less torque where the limits leave less.
     """
-    wanted = abs(torque)
-    deepest = _direct_of_greatest_torque(state, electrical, voltage)
-    wanted = min(wanted, max(_greatest_torque_at(state, electrical, voltage, deepest), 0.0))
-    direct = min(_direct_for_torque(state, wanted), 0.0)
-    if _greatest_torque_at(state, electrical, voltage, direct) < wanted and deepest < direct:
-        low = deepest
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + direct)
-            if _greatest_torque_at(state, electrical, voltage, middle) < wanted:
-                direct = middle
-            else:
-                low = middle
-        direct = low
-    direct = max(direct + state.weakening, -state.current_limit)
+    turning = abs(electrical)
+    weakened = _weakened_direct(state, torque, turning, voltage, direct)
+    if isnan(weakened):
+        # With less weakening than was aimed at, the current may do.
+        weakened = _weakened_direct(state, torque, turning, voltage, least_current_direct(state, torque))
+    if isnan(weakened):
+        weakened = _direct_of_greatest_torque(state, turning, voltage)
+        torque = min(torque, max(_greatest_torque_at(state, turning, voltage, weakened), 0.0))
+    return weakened, torque
+
+
+@inlined
+def with_torque(state: Any, direct: float, torque: float, is_backward: bool) -> tuple[float, float]:
+    """Return the currents of a torque (N m) at one along the magnet's axis (A), within the current limit."""
+    # Further than the magnet's whole flux the voltage rises again, and what asks for more weakening would lock up.
+    direct = max(direct, state.deepest)
     room = sqrt(max(state.current_limit * state.current_limit - direct * direct, 0.0))
-    quadrature = min(wanted / torque_per_quadrature(state, direct), room)
-    return direct, quadrature if torque >= 0.0 else -quadrature
+    quadrature = min(torque / torque_per_quadrature(state, direct), room)
+    return direct, -quadrature if is_backward else quadrature

@@ -1,13 +1,33 @@
-"""State of the field-oriented controller, one record in the buffer that the caller provides."""
+"""State of the field-oriented controllers, one record in the buffer that the caller provides."""
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
+
+LEAST_CURRENT: Final = 0
+"""Least current that gives the torque, weakened as far as the voltage asks for."""
+UNWEAKENED: Final = 1
+"""Least current, whatever the voltage."""
+MODELLED_LOSS: Final = 2
+"""Least loss of a model of copper and core."""
+SEARCHED_LOSS: Final = 3
+"""Least power from the link, found by trying."""
+
+AIMS: Final = {
+    "foc": LEAST_CURRENT,
+    "foc-mtpa": UNWEAKENED,
+    "foc-loss-model": MODELLED_LOSS,
+    "foc-loss-search": SEARCHED_LOSS,
+}
+"""The controllers, and what each chooses its currents for."""
 
 FOC_STATE: Final = np.dtype(
     [
+        # Which currents are chosen; set before reset, which leaves it.
+        ("aim", np.int64),
         # Constants, set by reset.
         ("regulates_speed", np.int64),
         ("pole_pairs", np.float64),
@@ -15,7 +35,12 @@ FOC_STATE: Final = np.dtype(
         ("direct_inductance", np.float64),
         ("quadrature_inductance", np.float64),
         ("magnet_flux", np.float64),
+        ("core_loss_conductance", np.float64),
         ("current_limit", np.float64),
+        # At the current limit, where the voltage is free.
+        ("greatest_torque", np.float64),
+        # Current along the magnet's axis beyond which there is no weakening: the limit, or the magnet's whole flux.
+        ("deepest", np.float64),
         # Time from sampling to the middle of the period in which the answer acts.
         ("lead", np.float64),
         ("speed_gain", np.float64),
@@ -30,7 +55,36 @@ FOC_STATE: Final = np.dtype(
         ("direct_integral", np.float64),
         ("quadrature_integral", np.float64),
         ("weakening", np.float64),
+        # Search for the least power: its periods, what it adds to the current along the magnet's axis and by how much
+        # that changes, how far it is in one place, what it has seen there and before, and where it began.
+        ("search_settling", np.int64),
+        ("search_looking", np.int64),
+        ("search_offset", np.float64),
+        ("search_step", np.float64),
+        ("search_count", np.int64),
+        ("search_sum", np.float64),
+        ("search_power", np.float64),
+        ("search_torque", np.float64),
+        ("search_speed", np.float64),
     ],
     align=True,
 )
 """In SI units; speeds are electrical, but for the speed regulator's gains, which make torque of the shaft's."""
+
+
+def foc_state(name: str) -> NDArray[Any]:
+    """Make the state of a controller, for reset to fill in.
+
+    Parameters
+    ----------
+    name : str
+        One of `AIMS`.
+
+    Returns
+    -------
+    array of FOC_STATE, shape (1,)
+        Its aim alone is set.
+    """
+    state = np.zeros(1, FOC_STATE)
+    state["aim"] = AIMS[name]
+    return state

@@ -184,6 +184,14 @@ def biased_current(
 
 
 @inlined
+def _noisy_current(converters: Converters, current: float) -> float:
+    """Return what a converter shows of a current with its sensor's bias (A)."""
+    noisy = current + converters.current_noise * _noise(converters.random)
+    greatest = converters.current_range
+    return _converted(noisy, converters.current_step, -greatest, greatest)
+
+
+@inlined
 def converted_current(converters: Converters, current: float, magnitude: float) -> tuple[float, float]:
     """Return what is shown of a phase's current and of its mean magnitude.
 
@@ -199,9 +207,27 @@ def converted_current(converters: Converters, current: float, magnitude: float) 
     current, magnitude : float
         (A).
     """
-    step = converters.current_step
-    greatest = converters.current_range
     noisy = magnitude + converters.current_noise * _noise(converters.random)
-    shown_magnitude = _converted(noisy, step, 0.0, greatest)
-    noisy = current + converters.current_noise * _noise(converters.random)
-    return _converted(noisy, step, -greatest, greatest), shown_magnitude
+    shown_magnitude = _converted(noisy, converters.current_step, 0.0, converters.current_range)
+    return _noisy_current(converters, current), shown_magnitude
+
+
+@inlined
+def shown_current(converters: Converters, phase: int, current: float) -> float:
+    """Return what is shown of a phase's current at an instant.
+
+    Parameters
+    ----------
+    converters : Converters
+        With finite steps; their noise goes on.
+    phase : int
+        Index of the phase.
+    current : float
+        True current (A).
+
+    Returns
+    -------
+    float
+        (A).
+    """
+    return _noisy_current(converters, converters.gains[phase] * current + converters.offsets[phase])

@@ -109,6 +109,23 @@ def encoder_speed(encoder: Encoder) -> float:
 
 
 @inlined
+def encoder_count(encoder: Encoder) -> int:
+    """Return the counter's state.
+
+    Parameters
+    ----------
+    encoder : Encoder
+        The encoder.
+
+    Returns
+    -------
+    int
+        Edges since the count was zero, false ones included.
+    """
+    return int(floor(encoder.memory[_POSITION]) + encoder.memory[_FALSE_COUNTS])
+
+
+@inlined
 def turn_encoder(encoder: Encoder, step: int, time: float, period: float, speed: float) -> None:
     """Let the encoder turn for one control period, and measure the speed at its end.
 
@@ -123,7 +140,7 @@ def turn_encoder(encoder: Encoder, step: int, time: float, period: float, speed:
     period : float
         Its length (s).
     speed : float
-        True speed of the shaft (rad/s).
+        True speed of the shaft, of either sign (rad/s).
     """
     memory = encoder.memory
     counts = encoder.counts
@@ -134,9 +151,10 @@ def turn_encoder(encoder: Encoder, step: int, time: float, period: float, speed:
     after = before + speed * period / encoder.edge_angle
     whole = floor(after)
     tick = ticks[(step - 1) % counts.size]
-    if whole > floor(before):
+    if whole != floor(before):
         # Exact, since the speed is constant within the period; the timer rounds it down.
-        edge = time + period - (after - whole) * encoder.edge_angle / speed
+        last = whole if speed > 0.0 else whole + 1.0
+        edge = time + period - (after - last) * encoder.edge_angle / speed
         tick = floor(edge / encoder.clock)
     memory[_POSITION] = after
     glitches = encoder.glitches
@@ -151,6 +169,7 @@ def turn_encoder(encoder: Encoder, step: int, time: float, period: float, speed:
     else:
         # No edge within the window: the speed is below one edge over the time that has passed since the last.
         elapsed = max(time + period - tick * encoder.clock, period)
-        memory[_MEASURED] = min(memory[_MEASURED], encoder.edge_angle / elapsed)
+        slowest = encoder.edge_angle / elapsed
+        memory[_MEASURED] = max(min(memory[_MEASURED], slowest), -slowest)
     counts[slot] = count
     ticks[slot] = tick

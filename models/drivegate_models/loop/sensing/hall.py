@@ -149,6 +149,54 @@ def hall_speed(hall: Hall) -> float:
 
 
 @inlined
+def hall_bits(hall: Hall) -> int:
+    """Return the states of the switches as bits, the first phase's the lowest.
+
+    Parameters
+    ----------
+    hall : Hall
+        The switches.
+
+    Returns
+    -------
+    int
+        1, 3, 2, 6, 4 and 5 in the sectors of a cycle, from `FIRST_EDGE` on.
+    """
+    sector = hall.numbers[_NUMBER] % EDGES
+    bits = 0
+    for phase in range(3):
+        # Each switch is on for half a cycle that begins a third of one after the switch before it.
+        if (sector - 2 * phase + 1) % EDGES < 3:
+            bits += 1 << phase
+    return bits
+
+
+@inlined
+def hall_angle(hall: Hall, now: float) -> float:
+    """Return the electrical angle that the timer goes by.
+
+    Parameters
+    ----------
+    hall : Hall
+        The switches.
+    now : float
+        Time (s).
+
+    Returns
+    -------
+    float
+        (rad).
+    """
+    number = hall.numbers[_NUMBER]
+    begin = FIRST_EDGE + SECTOR * (number % EDGES)
+    electrical = hall.pole_pairs * hall.memory[_MEASURED]
+    if hall.numbers[_TIMED] == 0 or electrical <= 0.0:
+        return float(begin + 0.5 * SECTOR)
+    elapsed = now - hall.ticks[number % _RING] * hall.clock
+    return float(begin + min(max(electrical * elapsed, _INSIDE), SECTOR - _INSIDE))
+
+
+@inlined
 def _mean_angle(speed: float, begin: float, end: float) -> float:
     """Return the mean of the angle that goes on from an edge with a speed (rad), between two times after it (s)."""
     if speed <= 0.0:

@@ -19,7 +19,7 @@ from drivegate_models.pm_ac.plant.circuit import (
     rotor_voltages,
 )
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
-from drivegate_models.pm_ac.plant.edges import begin_schedule, next_edge, pass_edges
+from drivegate_models.pm_ac.plant.edges import begin_schedule, distant_edge, next_edge, pass_edges
 from drivegate_models.pm_ac.plant.events import (
     LAST_ZERO,
     NOTHING,
@@ -32,7 +32,9 @@ from drivegate_models.pm_ac.plant.events import (
     zero_of_current,
 )
 from drivegate_models.pm_ac.plant.integrals import add_segment
+from drivegate_models.pm_ac.plant.jets import rates_of
 from drivegate_models.pm_ac.plant.modulator import Gates, make_gates, schedule_gates
+from drivegate_models.pm_ac.plant.quiet import SHORT, pass_quietly
 from drivegate_models.pm_ac.plant.series import (
     Series,
     at_end,
@@ -264,7 +266,7 @@ def _begin_observation(phases: PmAcPhases) -> None:
         phases.torque_bounds[1] = -np.inf
 
 
-@unallocating
+@inlined
 def advance_period(
     drive: PmAcDrive,
     phases: PmAcPhases,
@@ -314,8 +316,13 @@ def advance_period(
     circuit = circuit_of(drive, speed, link, frame.direct, frame.quadrature, duration)
     _begin_observation(phases)
     schedule_gates(drive.modulator, gates, ratios, legs_mode, alignment, duration)
-    begin_schedule(circuit, legs, gates, frame, duration)
+    totals[ledger.SWITCHING] += begin_schedule(circuit, legs, gates, frame, duration)
     along, across = _stator_flux(circuit, frame)
+    rates = rates_of(circuit)
+    # The extremes of the torque are looked for in its series.
+    quiet_length = 0.0
+    if phases.torque_bounds.size == 0:
+        quiet_length = SHORT / circuit.rate if circuit.rate * duration > SHORT else duration
     idle = 0.0
     status = COMPLETED
     time = 0.0
@@ -328,30 +335,37 @@ def advance_period(
             break
         held = settled.held
         frame = settled.frame
-        limit = next_edge(circuit, legs, gates, duration)
-        length = limit - time
-        longest = longest_segment(circuit, held, duration)
-        is_whole = length <= longest
-        length = min(length, longest)
-        event, passed, after = _segment(drive, circuit, phases, frame, held, angle, time, length, totals)
-        is_whole = is_whole and passed == length
-        length = passed
-        if held == EMPTY:
-            before = _stator_flux(circuit, frame)
-            behind = _stator_flux(circuit, after)
-            along += behind[0] - before[0]
-            across += behind[1] - before[1]
-            idle += length
-            if phases.torque_bounds.size > 0:
-                phases.torque_bounds[0] = min(phases.torque_bounds[0], 0.0)
-                phases.torque_bounds[1] = max(phases.torque_bounds[1], 0.0)
-        if event.kind == NOTHING and is_whole:
+        limit = time
+        after = frame
+        fixed = _NO_LEG
+        excluded = 0
+        is_whole = False
+        if held == FREE and quiet_length > 0.0:
+            limit = min(distant_edge(circuit, legs, gates, duration), time + quiet_length)
+            is_whole, after = pass_quietly(
+                drive.pole_pairs, circuit, rates, legs, frame, limit - time, phases.magnitudes, totals
+            )
+        if not is_whole:
+            limit = next_edge(circuit, legs, gates, duration)
+            longest = longest_segment(circuit, held, duration)
+            length = min(limit - time, longest)
+            event, passed, after = _segment(drive, circuit, phases, frame, held, angle, time, length, totals)
+            is_whole = event.kind == NOTHING and limit - time <= longest and passed == length
+            time += passed
+            if held == EMPTY:
+                before = _stator_flux(circuit, frame)
+                behind = _stator_flux(circuit, after)
+                along += behind[0] - before[0]
+                across += behind[1] - before[1]
+                idle += passed
+                if phases.torque_bounds.size > 0:
+                    phases.torque_bounds[0] = min(phases.torque_bounds[0], 0.0)
+                    phases.torque_bounds[1] = max(phases.torque_bounds[1], 0.0)
+            after, fixed, excluded = _after_event(legs, event, after)
+        if is_whole:
             # The limit itself, not the sum, so that every edge is passed exactly once.
             time = limit
-            pass_edges(circuit, legs, gates, time)
-        else:
-            time += length
-        after, fixed, excluded = _after_event(legs, event, after)
+            totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
         settled = settle(circuit, legs, after, fixed, excluded)
     end = _stator_flux(circuit, settled.frame)
     _add_core_loss(drive, circuit, _Connected(end[0] - along, end[1] - across, idle), duration, totals)

@@ -18,6 +18,8 @@ UNBOUNDED: Final = 1e200
 """Instead of a bound of slopes; finite, so that none is left of it in no time."""
 _COSINES: Final = (1.0, -0.5, -0.5)
 _SINES: Final = (0.0, HALF_ROOT, -HALF_ROOT)
+_THIRD = 1.0 / 3.0
+_PER_ROOT_THREE = 0.5 / HALF_ROOT
 _STANDSTILL = 1e-100
 _TIE = 1e-13
 _ROUNDING = 1e-16
@@ -42,8 +44,14 @@ class Circuit(NamedTuple):
     """(V)."""
     diode_drop: float
     """(V)."""
+    turn_on_energy: float
+    """Lost by a switch that takes a current over (J)."""
+    turn_off_energy: float
+    """Lost by one that gives it away (J)."""
     rate: float
     """Fastest rate of the equations, |w| + R/min L (1/s)."""
+    pace: float
+    """Bound of how fast slopes of phase currents change, over their bound (1/s)."""
     steepest: float
     """Bound of the slope of any phase current in the advance (A/s)."""
     bend: float
@@ -97,17 +105,20 @@ def circuit_of(
     least = min(drive.direct_inductance, drive.quadrature_inductance)
     greatest = max(drive.direct_inductance, drive.quadrature_inductance)
     turning = abs(electrical)
-    growth = (drive.resistance + turning * greatest) / least
+    # Along axes that stand still, speed alone drives currents only where the machine is salient.
+    growth = (drive.resistance + turning * (greatest - least)) / least
+    pace = growth + 4.0 * turning
     # The legs lie between -V_D and V + V_D, or, on a link below the switches' drop, between V - V_S and V_S.
     span = link + 2.0 * max(drive.diode_drop, drive.switch_drop)
     voltage = (2.0 / 3.0) * span + turning * abs(drive.magnet_flux)
     steepest = UNBOUNDED
     if growth * duration <= 0.5:
+        forced = (2.0 / 3.0) * span / least + turning * abs(drive.magnet_flux) / drive.quadrature_inductance
         # e**x is at most 1 + 2 x up to a half.
-        size = (sqrt(direct * direct + quadrature * quadrature) + voltage / least * duration) * (
+        size = (sqrt(direct * direct + quadrature * quadrature) + forced * duration) * (
             1.0 + 2.0 * growth * duration
         )
-        steepest = voltage / least + (growth + turning) * size
+        steepest = forced + growth * size
     return Circuit(
         drive.resistance,
         drive.direct_inductance,
@@ -117,9 +128,12 @@ def circuit_of(
         link,
         drive.switch_drop,
         drive.diode_drop,
+        drive.turn_on_energy,
+        drive.turn_off_energy,
         turning + drive.resistance / least,
+        pace,
         steepest,
-        (growth + 4.0 * turning) * steepest,
+        pace * steepest,
         _TIE * voltage,
         _ROUNDING * voltage / least * duration,
     )
@@ -173,8 +187,8 @@ def phase_current(frame: RotorFrame, leg: int) -> float:
 @inlined
 def rotor_voltages(frame: RotorFrame, first: float, second: float, third: float) -> tuple[float, float]:
     """Return the voltages of the rotor frame that those of three legs make (V)."""
-    along = (2.0 * first - second - third) / 3.0
-    across = (second - third) / (2.0 * HALF_ROOT)
+    along = (2.0 * first - second - third) * _THIRD
+    across = (second - third) * _PER_ROOT_THREE
     return (
         frame.cosine * along + frame.sine * across,
         frame.cosine * across - frame.sine * along,

@@ -64,6 +64,10 @@ class PmAcDrive(NamedTuple):
     """Forward drop of a switch (V)."""
     diode_drop: float = 0.0
     """Forward drop of a freewheeling diode (V)."""
+    turn_on_energy: float = 0.0
+    """Energy lost at each turn-on of a switch that takes a current over (J)."""
+    turn_off_energy: float = 0.0
+    """Energy lost at each turn-off of a switch that carries a current (J)."""
 
 
 def make_pm_ac_drive(*, pole_pairs: int, modulator: Modulator | None = None, **constants: float) -> PmAcDrive:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.pm_ac.plant.circuit import Circuit, RotorFrame, leg_voltages, phase_current
-from drivegate_models.pm_ac.plant.modulator import Gates
+from drivegate_models.pm_ac.plant.modulator import BLANKED, Gates
 from drivegate_models.pm_ac.plant.settling import Legs, set_gate
 
 # Current of a held leg, over that of the rotor frame, that can be rounding.
@@ -12,13 +12,28 @@ _NO_CURRENT = 1e-10
 
 
 @inlined
-def begin_schedule(circuit: Circuit, legs: Legs, gates: Gates, frame: RotorFrame, duration: float) -> None:
-    """Set the first gates, and find the legs whose current keeps its sign for the whole advance."""
+def _change_gate(circuit: Circuit, legs: Legs, leg: int, gate: int) -> float:
+    """Let a gate change; return what its switches lose (J), which only the one does that carries the current."""
+    was_on = legs.gates[leg] != BLANKED and legs.gates[leg] == legs.signs[leg]
+    is_on = gate != BLANKED and gate == legs.signs[leg]
+    set_gate(circuit, legs, leg, gate)
+    if was_on == is_on:
+        return 0.0
+    return circuit.turn_on_energy if is_on else circuit.turn_off_energy
+
+
+@inlined
+def begin_schedule(circuit: Circuit, legs: Legs, gates: Gates, frame: RotorFrame, duration: float) -> float:
+    """Set the first gates, and find the legs whose current keeps its sign for the whole advance.
+
+    What is returned is lost by the switches (J).
+    """
+    lost = 0.0
     reach = circuit.steepest * duration
     none = _NO_CURRENT * (abs(frame.direct) + abs(frame.quadrature))
     for leg in range(3):
         legs.positions[leg] = 0
-        set_gate(circuit, legs, leg, gates.gates[leg, 0])
+        lost += _change_gate(circuit, legs, leg, gates.gates[leg, 0])
         current = phase_current(frame, leg)
         if legs.signs[leg] == 0 and abs(current) > none:
             # Someone has set other currents since the leg was held.
@@ -26,15 +41,31 @@ def begin_schedule(circuit: Circuit, legs: Legs, gates: Gates, frame: RotorFrame
         legs.sure[leg] = 0
         if abs(current) > reach:
             legs.sure[leg] = 1 if current > 0.0 else -1
+    return lost
 
 
 @inlined
-def _changes_nothing(circuit: Circuit, legs: Legs, leg: int, gate: int) -> bool:
-    """Return whether a leg whose current keeps its sign stays on its rail when its gate changes so."""
-    if legs.sure[leg] == 0:
+def _changes_nothing(circuit: Circuit, legs: Legs, leg: int, sign: int, gate: int) -> bool:
+    """Return whether a leg stays on its rail when its gate changes so and its current has a sign, 0 for any."""
+    if sign == 0:
         return False
     low, high = leg_voltages(circuit, gate)
-    return bool((low if legs.sure[leg] > 0 else high) == legs.voltages[leg])
+    return bool((low if sign > 0 else high) == legs.voltages[leg])
+
+
+@inlined
+def distant_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
+    """Return when the voltage of a leg next changes by its gate if all currents keep their signs (s)."""
+    limit = duration
+    for leg in range(3):
+        following = legs.positions[leg] + 1
+        while following < gates.counts[leg] and _changes_nothing(
+            circuit, legs, leg, legs.signs[leg], gates.gates[leg, following]
+        ):
+            following += 1
+        if following < gates.counts[leg]:
+            limit = min(limit, gates.times[leg, following])
+    return limit
 
 
 @inlined
@@ -44,7 +75,7 @@ def next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> fl
     for leg in range(3):
         following = legs.positions[leg] + 1
         while following < gates.counts[leg] and _changes_nothing(
-            circuit, legs, leg, gates.gates[leg, following]
+            circuit, legs, leg, legs.sure[leg], gates.gates[leg, following]
         ):
             legs.positions[leg] = following
             set_gate(circuit, legs, leg, gates.gates[leg, following])
@@ -55,11 +86,13 @@ def next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> fl
 
 
 @inlined
-def pass_edges(circuit: Circuit, legs: Legs, gates: Gates, time: float) -> None:
-    """Let all gates change that change up to a time (s)."""
+def pass_edges(circuit: Circuit, legs: Legs, gates: Gates, time: float) -> float:
+    """Let all gates change that change up to a time (s); return what their switches lose (J)."""
+    lost = 0.0
     for leg in range(3):
         following = legs.positions[leg] + 1
         while following < gates.counts[leg] and gates.times[leg, following] <= time:
             legs.positions[leg] = following
-            set_gate(circuit, legs, leg, gates.gates[leg, following])
+            lost += _change_gate(circuit, legs, leg, gates.gates[leg, following])
             following += 1
+    return lost

@@ -207,7 +207,7 @@ def _widen_torque(drive: PmAcDrive, series: Series, count: int, bounds: NDArray[
 
 
 @inlined
-def _supply_leg(legs: Legs, held: int) -> int:
+def supply_leg(legs: Legs, held: int) -> int:
     """Return the leg whose current is that of the link, -1 where the link gives none."""
     upper = 0
     only_upper = -1
@@ -224,6 +224,32 @@ def _supply_leg(legs: Legs, held: int) -> int:
         return only_upper
     # Two on the upper rail give together what the third one returns.
     return only_lower if upper == 2 and only_lower >= 0 else -1
+
+
+@inlined
+def add_charge(
+    circuit: Circuit,
+    legs: Legs,
+    leg: int,
+    supply: int,
+    charge: float,
+    magnitude: float,
+    magnitudes: NDArray[np.float64],
+    totals: NDArray[np.float64],
+) -> None:
+    """Add what the current of a leg in a segment means for magnitudes, drops and the link."""
+    magnitudes[leg] += magnitude
+    totals[ledger.MAGNITUDE] += magnitude
+    totals[ledger.DEVICE] += drop_of(circuit, legs.gates[leg], legs.signs[leg]) * magnitude
+    if leg == supply:
+        exchanged = circuit.link * magnitude
+        taken = circuit.link * charge
+        if not is_on_upper_rail(legs.gates[leg], legs.signs[leg]):
+            taken = -taken
+        totals[ledger.UPPER] += 0.5 * taken
+        totals[ledger.LOWER] += 0.5 * taken
+        totals[ledger.EXCHANGED] += exchanged
+        totals[ledger.RETURNED] += 0.5 * (exchanged - taken)
 
 
 @unallocating
@@ -271,7 +297,7 @@ def add_segment(
     sums = _sums(circuit, drive, series, frame, count, length, held == FREE)
     totals[ledger.SQUARE] += 1.5 * sums.square
     totals[ledger.IMPULSE] += sums.impulse
-    supply = _supply_leg(legs, held)
+    supply = supply_leg(legs, held)
     peak = totals[ledger.PEAK]
     for leg in range(3):
         if leg == held:
@@ -280,18 +306,7 @@ def add_segment(
         magnitude, peak = _add_leg(
             circuit, series, frame, after, leg, charge, count, length, held == FREE, peak
         )
-        magnitudes[leg] += magnitude
-        totals[ledger.MAGNITUDE] += magnitude
-        totals[ledger.DEVICE] += drop_of(circuit, legs.gates[leg], legs.signs[leg]) * magnitude
-        if leg == supply:
-            exchanged = circuit.link * magnitude
-            taken = circuit.link * charge
-            if not is_on_upper_rail(legs.gates[leg], legs.signs[leg]):
-                taken = -taken
-            totals[ledger.UPPER] += 0.5 * taken
-            totals[ledger.LOWER] += 0.5 * taken
-            totals[ledger.EXCHANGED] += exchanged
-            totals[ledger.RETURNED] += 0.5 * (exchanged - taken)
+        add_charge(circuit, legs, leg, supply, charge, magnitude, magnitudes, totals)
     totals[ledger.PEAK] = peak
     if bounds.size > 0:
         _widen_torque(drive, series, count, bounds)

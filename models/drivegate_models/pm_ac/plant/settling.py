@@ -196,7 +196,7 @@ def _look(circuit: Circuit, legs: Legs, frame: RotorFrame, fixed: int) -> tuple[
     return count, last
 
 
-@unallocating
+@inlined
 def settle(circuit: Circuit, legs: Legs, frame: RotorFrame, fixed: int, excluded: int) -> Settled:
     """Decide which legs conduct and which way, after anything has changed.
 

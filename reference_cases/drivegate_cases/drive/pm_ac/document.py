@@ -125,4 +125,5 @@ class PmAcDocument(DriveDocument):
             quadrature_inductance=machine.quadrature_inductance_h,
             magnet_flux=machine.magnet_flux_v_s,
             inertia=machine.inertia_kg_m2,
+            core_loss_conductance=machine.core_loss_conductance_s,
         )

@@ -64,6 +64,15 @@ def test_a_correct_controller_passes_the_same_runs_and_repeats_itself() -> None:
     ]
 
 
+def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> None:
+    loaded = own_candidate(resolve_candidate("foc-mtpa"))
+    weakened = telling_runs()[1]
+    margins = judged(recorded(loaded, weakened, loaded.controller()), KIND.checks()).margins
+    failed = {margin.check: margin for margin in margins if not margin.met}
+    assert "FWK-1" in failed
+    assert "at 6000 rpm" in failed["FWK-1"].measured
+
+
 def test_drawn_runs_depend_on_their_seed_alone() -> None:
     loaded = own_candidate(resolve_candidate("foc"))
     first, again = (run_drawn(loaded, DrawnRuns(INTERIOR, 1, 2, search=False)) for _ in range(2))

@@ -247,3 +247,40 @@ def test_the_fundamental_of_six_steps_is_two_links_over_pi(interior: Factory) ->
         begin, end = (k - 0.5) * math.pi / 3.0, (k + 0.5) * math.pi / 3.0
         fundamental += voltage * (np.exp(-1j * end) - np.exp(-1j * begin)) / (-1j) / (2.0 * math.pi)
     assert abs(fundamental) == pytest.approx(2.0 * 120.0 / math.pi, rel=1e-12)
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("modulator", MODULATORS)
+@pytest.mark.parametrize("follows_torque", [False, True])
+def test_a_leg_that_carries_a_current_turns_a_switch_on_and_off_in_a_period(
+    interior: Factory, modulator: Modulator, follows_torque: bool
+) -> None:
+    drive = interior(modulator=modulator, turn_on_energy=1e-3, turn_off_energy=1e-5, diode_drop=0.7)
+    phases = make_phases(follows_torque=follows_torque)
+    lost = []
+    # The last leg stands, the others chop; then all are blocked.
+    for modes in ((LEG_PWM, LEG_PWM, LEG_LOW), (LEG_PWM, LEG_PWM, LEG_LOW), (LEG_OFF, LEG_OFF, LEG_OFF)):
+        if not lost:
+            phases.rotor_currents[:] = (-2.0, 3.0)
+        totals = np.zeros(ledger.ENTRIES)
+        status = advance_period(
+            drive,
+            phases,
+            0.4,
+            0.0,
+            120.0,
+            np.array([0.55, 0.5, 0.5]),
+            np.array(modes, np.int64),
+            CENTRED,
+            PERIOD,
+            totals,
+        )
+        assert status == COMPLETED
+        lost.append(float(totals[ledger.SWITCHING]))
+        assert ledger.source_energy(totals) == pytest.approx(
+            totals[ledger.UPPER] + totals[ledger.LOWER] + lost[-1]
+        )
+    assert all(abs(current) > 0.1 for current in phases.currents)
+    assert lost[1] == pytest.approx(2.0 * (1e-3 + 1e-5)), "its diode takes over without a loss"
+    # Carried by the lower switch: the legs whose current is negative.
+    assert lost[2] == pytest.approx(np.count_nonzero(phases.currents < 0.0) * 1e-5)

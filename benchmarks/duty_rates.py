@@ -1,0 +1,89 @@
+"""The closed loop of duty ratios: field-oriented control of a PM AC machine at 10 kHz, one update a period."""
+
+from __future__ import annotations
+
+import time
+from typing import Final
+
+import numpy as np
+
+from drivegate.studies.bench.measurement import Correctness, Value, rate, timed
+from drivegate.studies.bench.workbench import Workbench
+from drivegate_models.contract.duty.records import duty_nameplate_record
+from drivegate_models.contract.duty.signals import SPEED_REFERENCE, DutyNameplate
+from drivegate_models.contract.outer_loop.signals import PM_AC
+from drivegate_models.duty.controllers.foc import reset_function, step_function
+from drivegate_models.duty.controllers.state import FOC_STATE
+from drivegate_models.loop.exchange import COMPLETED
+from drivegate_models.loop.schedule import Schedule, steady
+from drivegate_models.machine.load import CONSTANT_TORQUE, Load
+from drivegate_models.pm_ac.closed_loop import TRACE, DutyRun, run_duty_loop
+from drivegate_models.pm_ac.plant.drive import Modulator, make_pm_ac_drive
+
+SIMULATED: Final = 8.0
+"""Simulated time of each run (s)."""
+PERIOD: Final = 1e-4
+"""Control period (s)."""
+DEAD_TIMES: Final = {"ideal": 0.0, "dead-time": 2e-6}
+"""Dead time of the bridge (s)."""
+
+_SPEED, _TORQUE, _BASE_SPEED = 110.0, 1.2, 230.0
+
+
+def duty_rate(bench: Workbench, bridge: str) -> Value:
+    """Measure the closed loop of the interior machine at half its base speed and half its torque."""
+    simulated = bench.simulated(SIMULATED)
+    run = _run(DEAD_TIMES[bridge], simulated)
+    speed = float(run.trace[-1, TRACE.index("speed")])
+    correctness = Correctness(
+        run.status == COMPLETED and run.worst_balance <= 1e-9 and abs(speed / _SPEED - 1.0) <= 1e-3,
+        f"ended at {speed:.2f} of {_SPEED:g} rad/s, ledger within {run.worst_balance:.0e}",
+    )
+    times = timed(lambda: _run(DEAD_TIMES[bridge], simulated), time.process_time, bench.rounds)
+    return rate(simulated, times, correctness)
+
+
+def _run(dead_time: float, simulated: float) -> DutyRun:
+    drive = make_pm_ac_drive(
+        pole_pairs=2,
+        resistance=0.57,
+        direct_inductance=8.72e-3,
+        quadrature_inductance=22.78e-3,
+        magnet_flux=0.0879,
+        link_voltage=122.5,
+        current_limit=7.07,
+        inertia=0.002,
+        modulator=Modulator(dead_time=dead_time),
+    )
+    nameplate = DutyNameplate(
+        PM_AC,
+        SPEED_REFERENCE,
+        drive.pole_pairs,
+        drive.modulator.updates,
+        drive.modulator.update_delay,
+        drive.link_voltage,
+        _BASE_SPEED,
+        3.0 * _BASE_SPEED,
+        2.0 * _TORQUE * _BASE_SPEED,
+        drive.current_limit,
+        PERIOD,
+        dead_time,
+        drive.resistance,
+        drive.direct_inductance,
+        drive.quadrature_inductance,
+        drive.magnet_flux,
+        drive.inertia,
+    )
+    state = np.zeros(1, FOC_STATE)
+    reset_function()(state, duty_nameplate_record(nameplate))
+    link = steady(0.5 * drive.link_voltage)
+    return run_duty_loop(
+        drive,
+        Load(CONSTANT_TORQUE, _TORQUE),
+        Schedule(steady(_SPEED), steady(1.0), link, steady(0.0), steady(1.0), steady(1.0)),
+        step_address=step_function().address,
+        state_address=state.ctypes.data,
+        control_period=PERIOD,
+        duration=simulated,
+        initial_speed=_SPEED,
+    )

@@ -1,0 +1,144 @@
+"""Currents of the rotor frame, regulated: PI with decoupling, and duty ratios with a min-max zero sequence."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any, Final
+
+from drivegate_models.compilation.calling import double_at
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.contract.duty.signals import LEG_PWM
+from drivegate_models.machine.sine import cosine_sine
+
+BANDWIDTH: Final = 0.2
+"""Bandwidth of the currents over the sampling rate, which a delay of one and a half periods bears."""
+
+_INTEGRAL = 0.1
+_ROOT_THREE = sqrt(3.0)
+
+
+@inlined
+def reset_regulator(state: Any, nameplate: Any) -> None:
+    """Write the constants of the current regulators and forget everything else.
+
+    Parameters
+    ----------
+    state : record of FOC_STATE
+        Receives them.
+    nameplate : record of DUTY_NAMEPLATE
+        The drive's nominal data.
+    """
+    bandwidth = BANDWIDTH / nameplate.control_period
+    state.pole_pairs = nameplate.pole_pairs
+    state.resistance = nameplate.resistance
+    state.direct_inductance = nameplate.direct_inductance
+    state.quadrature_inductance = nameplate.quadrature_inductance
+    state.magnet_flux = nameplate.magnet_flux
+    state.current_limit = nameplate.current_limit
+    state.lead = (nameplate.update_delay + 0.5) * nameplate.control_period
+    state.direct_gain = bandwidth * nameplate.direct_inductance
+    state.quadrature_gain = bandwidth * nameplate.quadrature_inductance
+    state.direct_integral_step = BANDWIDTH * max(nameplate.resistance, _INTEGRAL * state.direct_gain)
+    state.quadrature_integral_step = BANDWIDTH * max(nameplate.resistance, _INTEGRAL * state.quadrature_gain)
+    state.direct_integral = 0.0
+    state.quadrature_integral = 0.0
+
+
+@inlined
+def rotor_currents(state: Any, sense: Any) -> tuple[float, float]:
+    """Return the measured currents along and across the magnet's axis (A)."""
+    currents = sense.phase_currents
+    along = (2.0 * double_at(currents, 0) - double_at(currents, 1) - double_at(currents, 2)) / 3.0
+    across = (double_at(currents, 1) - double_at(currents, 2)) / _ROOT_THREE
+    cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
+    return cosine * along + sine * across, cosine * across - sine * along
+
+
+@inlined
+def voltage_limit(sense: Any) -> float:
+    """Return the greatest peak voltage of a phase without distortion (V)."""
+    return float(max(sense.supply_voltage, 0.0) / _ROOT_THREE)
+
+
+@inlined
+def _limited(along: float, across: float, limit: float) -> tuple[float, float]:
+    """Return voltages within a limit, that along the magnet's axis first."""
+    direct = min(max(along, -limit), limit)
+    room = sqrt(max(limit * limit - direct * direct, 0.0))
+    return direct, min(max(across, -room), room)
+
+
+@inlined
+def _write_ratios(command: Any, along: float, across: float, supply: float) -> None:
+    """Write the duty ratios of a voltage in the frame that stands still, about the middle of the link."""
+    first = along
+    second = -0.5 * along + 0.5 * _ROOT_THREE * across
+    third = -0.5 * along - 0.5 * _ROOT_THREE * across
+    middle = 0.5 * (max(first, second, third) + min(first, second, third))
+    command.first_duty = min(max(0.5 + (first - middle) / supply, 0.0), 1.0)
+    command.second_duty = min(max(0.5 + (second - middle) / supply, 0.0), 1.0)
+    command.third_duty = min(max(0.5 + (third - middle) / supply, 0.0), 1.0)
+    command.first_leg = LEG_PWM
+    command.second_leg = LEG_PWM
+    command.third_leg = LEG_PWM
+
+
+@inlined
+def regulate_currents(
+    state: Any,
+    sense: Any,
+    command: Any,
+    direct: float,
+    quadrature: float,
+    direct_reference: float,
+    quadrature_reference: float,
+) -> float:
+    """Write the duty ratios that lead the currents to their references.
+
+    Parameters
+    ----------
+    state : record of FOC_STATE
+        Updated.
+    sense : record of DUTY_SENSE
+        What the sensors saw.
+    command : record of DUTY_COMMAND
+        Receives the duty ratios.
+    direct, quadrature : float
+        Measured currents of the rotor frame (A).
+    direct_reference, quadrature_reference : float
+        (A).
+
+    Returns
+    -------
+    float
+        Peak voltage of a phase that was asked for (V).
+    """
+    limit = voltage_limit(sense)
+    electrical = state.pole_pairs * sense.speed
+    direct_error = direct_reference - direct
+    quadrature_error = quadrature_reference - quadrature
+    opposed = electrical * (state.direct_inductance * direct + state.magnet_flux)
+    direct_voltage = (
+        state.direct_gain * direct_error
+        + state.direct_integral
+        - electrical * state.quadrature_inductance * quadrature
+    )
+    quadrature_voltage = state.quadrature_gain * quadrature_error + state.quadrature_integral + opposed
+    direct_given, quadrature_given = _limited(direct_voltage, quadrature_voltage, limit)
+    # What the limit has taken does not enter the integrals.
+    state.direct_integral += state.direct_integral_step * (
+        direct_error + (direct_given - direct_voltage) / state.direct_gain
+    )
+    state.quadrature_integral += state.quadrature_integral_step * (
+        quadrature_error + (quadrature_given - quadrature_voltage) / state.quadrature_gain
+    )
+    cosine, sine = cosine_sine(state.pole_pairs * sense.angle + electrical * state.lead)
+    _write_ratios(
+        command,
+        cosine * direct_given - sine * quadrature_given,
+        sine * direct_given + cosine * quadrature_given,
+        max(sense.supply_voltage, 1e-9),
+    )
+    command.next_period = 0.0
+    command.fault = 0
+    return float(sqrt(direct_voltage * direct_voltage + quadrature_voltage * quadrature_voltage))

@@ -1,0 +1,135 @@
+"""Quantities with their derivatives at one instant, and how those of products and of standing axes follow."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.pm_ac.plant.circuit import Circuit
+
+
+class Jet(NamedTuple):
+    """A quantity and its derivatives by time at one instant."""
+
+    value: float
+    slope: float
+    bend: float
+    jerk: float
+
+
+class Currents(NamedTuple):
+    """The currents of the rotor frame, or of axes that stand still and lie where its axes are at the instant (A)."""
+
+    direct: Jet
+    quadrature: Jet
+
+
+class Rates(NamedTuple):
+    """The equations of the rotor frame, solved for the slopes of the currents."""
+
+    direct: float
+    """-R/L_d (1/s)."""
+    direct_turning: float
+    """w L_q/L_d (1/s)."""
+    quadrature_turning: float
+    """-w L_d/L_q (1/s)."""
+    quadrature: float
+    """-R/L_q (1/s)."""
+    per_direct: float
+    """1/L_d (1/H)."""
+    per_quadrature: float
+    """1/L_q (1/H)."""
+    opposed: float
+    """w psi/L_q (A/s)."""
+
+
+@inlined
+def rates_of(circuit: Circuit) -> Rates:
+    """Return the equations of an advance."""
+    per_direct = 1.0 / circuit.direct
+    per_quadrature = 1.0 / circuit.quadrature
+    return Rates(
+        -circuit.resistance * per_direct,
+        circuit.electrical * circuit.quadrature * per_direct,
+        -circuit.electrical * circuit.direct * per_quadrature,
+        -circuit.resistance * per_quadrature,
+        per_direct,
+        per_quadrature,
+        circuit.electrical * circuit.flux * per_quadrature,
+    )
+
+
+@inlined
+def derivatives(
+    rates: Rates, direct: float, quadrature: float, driven: float, driven_across: float
+) -> Currents:
+    """Return the currents and their derivatives, from the slopes that the voltages alone would give them (A/s)."""
+    slope_d = rates.direct * direct + rates.direct_turning * quadrature + driven
+    slope_q = (
+        rates.quadrature_turning * direct + rates.quadrature * quadrature + (driven_across - rates.opposed)
+    )
+    bend_d = rates.direct * slope_d + rates.direct_turning * (slope_q + driven_across)
+    bend_q = rates.quadrature_turning * (slope_d + driven) + rates.quadrature * slope_q
+    # The voltages turn backward in the rotor frame.
+    turned_d = rates.direct_turning * driven_across
+    turned_q = rates.quadrature_turning * driven
+    jerk_d = rates.direct * bend_d + rates.direct_turning * (bend_q + turned_q)
+    jerk_q = rates.quadrature_turning * (bend_d + turned_d) + rates.quadrature * bend_q
+    return Currents(Jet(direct, slope_d, bend_d, jerk_d), Jet(quadrature, slope_q, bend_q, jerk_q))
+
+
+@inlined
+def product_of(one: Jet, other: Jet) -> Jet:
+    """Return a product and its derivatives."""
+    return Jet(
+        one.value * other.value,
+        one.slope * other.value + one.value * other.slope,
+        one.bend * other.value + 2.0 * one.slope * other.slope + one.value * other.bend,
+        one.jerk * other.value
+        + 3.0 * (one.bend * other.slope + one.slope * other.bend)
+        + one.value * other.jerk,
+    )
+
+
+@inlined
+def square_of(currents: Currents) -> Jet:
+    """Return the squared magnitude of the currents and its derivatives."""
+    d, q = currents.direct, currents.quadrature
+    return Jet(
+        d.value * d.value + q.value * q.value,
+        2.0 * (d.value * d.slope + q.value * q.slope),
+        2.0 * (d.slope * d.slope + q.slope * q.slope + d.value * d.bend + q.value * q.bend),
+        2.0 * (3.0 * (d.slope * d.bend + q.slope * q.bend) + d.value * d.jerk + q.value * q.jerk),
+    )
+
+
+@inlined
+def torque_of(circuit: Circuit, currents: Currents) -> Jet:
+    """Return the torque over three halves of the pole pairs and its derivatives."""
+    d = currents.direct
+    saliency = circuit.direct - circuit.quadrature
+    flux = Jet(circuit.flux + saliency * d.value, saliency * d.slope, saliency * d.bend, saliency * d.jerk)
+    return product_of(flux, currents.quadrature)
+
+
+@inlined
+def standing(currents: Currents, electrical: float) -> Currents:
+    """Return the currents along axes that stand still where those of the rotor are at the instant."""
+    d, q = currents.direct, currents.quadrature
+    twice = 2.0 * electrical
+    thrice = 3.0 * electrical
+    square = electrical * electrical
+    return Currents(
+        Jet(
+            d.value,
+            d.slope - electrical * q.value,
+            d.bend - twice * q.slope - square * d.value,
+            d.jerk - thrice * (q.bend + electrical * d.slope) + square * electrical * q.value,
+        ),
+        Jet(
+            q.value,
+            q.slope + electrical * d.value,
+            q.bend + twice * d.slope - square * q.value,
+            q.jerk + thrice * (d.bend - electrical * q.slope) - square * electrical * d.value,
+        ),
+    )

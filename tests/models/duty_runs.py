@@ -1,0 +1,99 @@
+"""Runs of the controllers of duty ratios: a drive's rating, its nameplate, and a controller in closed loop with it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.typing import NDArray
+
+from drivegate_models.contract.duty.records import duty_nameplate_record
+from drivegate_models.contract.duty.signals import SPEED_REFERENCE, DutyNameplate
+from drivegate_models.contract.outer_loop.signals import PM_AC
+from drivegate_models.duty.controllers.foc import reset_function, step_function
+from drivegate_models.duty.controllers.state import foc_state
+from drivegate_models.loop.schedule import Course, Schedule, steady
+from drivegate_models.machine.load import Load
+from drivegate_models.pm_ac.closed_loop import TRACE, DutyRun, run_duty_loop
+from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, base_speed
+from drivegate_models.pm_ac.oracle import Limits, greatest_torque
+from drivegate_models.pm_ac.plant.drive import PmAcDrive
+
+PERIOD = 1e-4
+COLUMN = {name: k for k, name in enumerate(TRACE)}
+
+
+def limits_of(drive: PmAcDrive) -> Limits:
+    """Return what the modulator can give without distortion."""
+    return Limits(drive.current_limit, LINEAR_LIMIT * drive.link_voltage)
+
+
+def rating(drive: PmAcDrive) -> tuple[float, float]:
+    """Return base speed and the greatest power there."""
+    speed = base_speed(drive, *limits_of(drive))
+    return speed, speed * greatest_torque(drive, limits_of(drive), speed).torque
+
+
+def course(drive: PmAcDrive, reference: Course, load: Course) -> Schedule:
+    """Return what happens, at the nominal voltage of the link."""
+    return Schedule(reference, load, steady(0.5 * drive.link_voltage), steady(0.0), steady(1.0), steady(1.0))
+
+
+def nameplate_of(
+    drive: PmAcDrive, reference_kind: int = SPEED_REFERENCE, period: float = PERIOD
+) -> DutyNameplate:
+    """Return the nominal data of a drive."""
+    base, power = rating(drive)
+    return DutyNameplate(
+        kind=PM_AC,
+        reference_kind=reference_kind,
+        pole_pairs=drive.pole_pairs,
+        updates=drive.modulator.updates,
+        update_delay=drive.modulator.update_delay,
+        supply_voltage=drive.link_voltage,
+        base_speed=base,
+        highest_speed=3.0 * base,
+        rated_power=power,
+        current_limit=drive.current_limit,
+        control_period=period,
+        dead_time=drive.modulator.dead_time,
+        resistance=drive.resistance,
+        direct_inductance=drive.direct_inductance,
+        quadrature_inductance=drive.quadrature_inductance,
+        magnet_flux=drive.magnet_flux,
+        inertia=drive.inertia,
+        core_loss_conductance=drive.core_loss_conductance,
+    )
+
+
+def reset_controller(name: str, nameplate: DutyNameplate) -> NDArray[Any]:
+    """Return the state of a controller that has been reset."""
+    state = foc_state(name)
+    reset_function()(state, duty_nameplate_record(nameplate))
+    return state
+
+
+def controlled(
+    drive: PmAcDrive,
+    load: Load,
+    schedule: Schedule,
+    duration: float,
+    *,
+    name: str = "foc",
+    reference_kind: int = SPEED_REFERENCE,
+    initial_speed: float = 0.0,
+    initial_angle: float = 0.0,
+    period: float = PERIOD,
+) -> DutyRun:
+    """Run a controller with a drive."""
+    state = reset_controller(name, nameplate_of(drive, reference_kind, period))
+    return run_duty_loop(
+        drive,
+        load,
+        schedule,
+        step_address=step_function().address,
+        state_address=state.ctypes.data,
+        control_period=period,
+        duration=duration,
+        initial_speed=initial_speed,
+        initial_angle=initial_angle,
+    )
