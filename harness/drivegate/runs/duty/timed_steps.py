@@ -17,9 +17,9 @@ from drivegate.runs.record import RunRecord
 from drivegate.runs.timed_steps import TIMED_STEPS
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.loop.given_duty_steps import make_duty_steps
+from drivegate_models.pm_ac.plant.circuit import phase_currents
 
 _ROUNDS: Final = 5
-_THIRD_OF_TURN: Final = 2.0 * np.pi / 3.0
 
 
 def duty_step_seconds(controller: AnyController, record: RunRecord) -> float:
@@ -52,10 +52,9 @@ def duty_step_seconds(controller: AnyController, record: RunRecord) -> float:
 def _currents(record: DutyRecord) -> NDArray[np.float64]:
     """Make the phase currents from those of the rotor frame, shape (n, 3) (A)."""
     direct, quadrature, angle = (
-        record.run.column(name)[:TIMED_STEPS] for name in ("direct", "quadrature", "angle")
+        record.run.column(name)[:TIMED_STEPS].copy() for name in ("direct", "quadrature", "angle")
     )
-    phases = [angle - number * _THIRD_OF_TURN for number in range(3)]
-    return np.column_stack([direct * np.cos(phase) - quadrature * np.sin(phase) for phase in phases])
+    return phase_currents(direct, quadrature, angle)
 
 
 def _senses(record: DutyRecord, currents: NDArray[np.float64]) -> NDArray[Any]:

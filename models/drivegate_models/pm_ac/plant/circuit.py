@@ -8,7 +8,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined
+from drivegate_models.compilation.kernels import inlined, kernel
+from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.modulator import LOWER, UPPER
 
@@ -182,6 +183,33 @@ def phase_current(frame: RotorFrame, leg: int) -> float:
     """Return the current of a phase (A)."""
     cosine, sine = axis_of(frame, leg)
     return cosine * frame.direct - sine * frame.quadrature
+
+
+@kernel
+def phase_currents(
+    direct: NDArray[np.float64], quadrature: NDArray[np.float64], angles: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the phase currents that currents of the rotor frame are.
+
+    Parameters
+    ----------
+    direct, quadrature : ndarray, shape (n,)
+        Along and across the magnet's axis (A).
+    angles : ndarray, shape (n,)
+        Electrical angles of the magnet's axis (rad).
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        (A).
+    """
+    currents = np.empty((len(angles), 3))
+    for row in range(len(angles)):
+        cosine, sine = cosine_sine(angles[row])
+        frame = RotorFrame(direct[row], quadrature[row], cosine, sine)
+        for leg in range(3):
+            currents[row, leg] = phase_current(frame, leg)
+    return currents
 
 
 @inlined
