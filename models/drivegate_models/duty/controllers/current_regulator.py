@@ -14,6 +14,8 @@ BANDWIDTH: Final = 0.2
 """Bandwidth of the currents over the sampling rate, which a delay of one and a half periods bears."""
 
 _INTEGRAL = 0.1
+# Of the voltage: what is left for the current across the magnet's axis holds it against the back-EMF in a step of both.
+_MOST_ALONG = 0.95
 _ROOT_THREE = sqrt(3.0)
 
 
@@ -62,8 +64,9 @@ def voltage_limit(sense: Any) -> float:
 
 @inlined
 def _limited(along: float, across: float, limit: float) -> tuple[float, float]:
-    """Return voltages within a limit, that along the magnet's axis first."""
-    direct = min(max(along, -limit), limit)
+    """Return voltages within a limit, that along the magnet's axis first, but never all of it."""
+    most = _MOST_ALONG * limit
+    direct = min(max(along, -most), most)
     room = sqrt(max(limit * limit - direct * direct, 0.0))
     return direct, min(max(across, -room), room)
 

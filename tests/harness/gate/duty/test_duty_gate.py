@@ -73,6 +73,20 @@ def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> 
     assert "at 6000 rpm" in failed["FWK-1"].measured
 
 
+def test_braking_in_weakening_leaves_voltage_to_hold_the_current_across_the_magnets_axis() -> None:
+    surface = load_drive("pm-ac-surface").replaced(settling_s=0.3)
+    scenario = speed_scenario(surface, (800.0, 600.0), torque_nm=2.0)
+    loaded = own_candidate(resolve_candidate("foc"))
+    failed = [
+        margin
+        for margin in judged(
+            recorded(loaded, scenario, loaded.controller()), kind_of(surface).checks()
+        ).margins
+        if not margin.met
+    ]
+    assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
+
+
 def test_drawn_runs_depend_on_their_seed_alone() -> None:
     loaded = own_candidate(resolve_candidate("foc"))
     first, again = (run_drawn(loaded, DrawnRuns(INTERIOR, 1, 2, search=False)) for _ in range(2))
