@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import chosen_drive, drive_options, json_option
+from drivegate.commands.options import advanced, chosen_drive, drive_options, json_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -78,7 +78,7 @@ def command(
     from drivegate.drives.choice import drive_for
 
     resolved = None if candidate is None else resolve_candidate(candidate)
-    nominal = chosen_drive(drive, settings, lambda: drive_for(resolved))
+    nominal = advanced(chosen_drive(drive, settings, lambda: drive_for(resolved)))
     plan = planned_map(kind, nominal, resolved, axes, parameters)
 
     from drivegate.studies.map.run import made_map

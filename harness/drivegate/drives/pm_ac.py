@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from drivegate_cases.scenario.scenario import Scenario
 
 
-def _not_yet(*_: object) -> NoReturn:
+def refuse_command(*_: object) -> NoReturn:
+    """Say that a command takes no drives of this kind."""
     raise InputError(
         "a drive of the kind 'pm-ac' is taken by drivegate check, checks, drive, replay and report alone so far; name "
         "another drive"
@@ -93,10 +94,10 @@ def _record(
 PM_AC: Final = DriveKind(
     name="pm-ac",
     default_drive="pm-ac-interior",
-    prepare_loop=_not_yet,
-    oracle=_not_yet,
-    steady_state=_not_yet,
-    steady_states=_not_yet,
+    prepare_loop=refuse_command,
+    oracle=refuse_command,
+    steady_state=refuse_command,
+    steady_states=refuse_command,
     checks=_checks,
     fixed_scenarios=_fixed_scenarios,
     drawn_scenarios=_drawn_scenarios,

@@ -27,7 +27,9 @@ def write_drive(file: Path, start: DriveDocument) -> DriveDocument:
         raise InputError(
             f"{shown_path(file)} exists already, and nothing is ever overwritten; name another file"
         )
-    drive = start.replaced(name=file.stem, advance=None, provenance=_not_stated(start), **_FOLLOWING)
+    known = type(start.requirements).model_fields
+    following = {key: value for key, value in _FOLLOWING.items() if key in known}
+    drive = start.replaced(name=file.stem, advance=None, provenance=_not_stated(start), **following)
     write_atomically(file, drive_toml(drive))
     return drive
 
