@@ -10,14 +10,9 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED, TOO_MANY_EVENTS
+from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
 from drivegate_models.machine.sine import cosine_sine
-from drivegate_models.pm_ac.plant.circuit import (
-    Circuit,
-    RotorFrame,
-    circuit_of,
-    phase_current,
-    rotor_voltages,
-)
+from drivegate_models.pm_ac.plant.circuit import Circuit, circuit_of, rotor_voltages
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.edges import begin_schedule, distant_edge, next_edge, pass_edges
 from drivegate_models.pm_ac.plant.events import (

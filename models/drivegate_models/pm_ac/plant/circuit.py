@@ -8,17 +8,13 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined, kernel
-from drivegate_models.machine.sine import cosine_sine
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.machine.rotor_frame import HALF_ROOT, RotorFrame, axis_of
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.modulator import LOWER, UPPER
 
-HALF_ROOT: Final = 0.8660254037844386
-"""Sine of a third of a turn."""
 UNBOUNDED: Final = 1e200
 """Instead of a bound of slopes; finite, so that none is left of it in no time."""
-_COSINES: Final = (1.0, -0.5, -0.5)
-_SINES: Final = (0.0, HALF_ROOT, -HALF_ROOT)
 _THIRD = 1.0 / 3.0
 _PER_ROOT_THREE = 0.5 / HALF_ROOT
 _STANDSTILL = 1e-100
@@ -61,19 +57,6 @@ class Circuit(NamedTuple):
     """Difference of voltages that is none but for rounding (V)."""
     nothing: float
     """Current that builds up within the rounding of time (A)."""
-
-
-class RotorFrame(NamedTuple):
-    """Currents of the rotor frame and where that is."""
-
-    direct: float
-    """Current along the magnet's axis (A)."""
-    quadrature: float
-    """Current across it (A)."""
-    cosine: float
-    """Cosine of the electrical angle (1)."""
-    sine: float
-    """Its sine (1)."""
 
 
 @inlined
@@ -168,48 +151,6 @@ def drop_of(circuit: Circuit, gate: int, sign: int) -> float:
     if sign == 0:
         return 0.0
     return circuit.switch_drop if gate == sign else circuit.diode_drop
-
-
-@inlined
-def axis_of(frame: RotorFrame, leg: int) -> tuple[float, float]:
-    """Return cosine and sine of the angle from the axis of a phase to the magnet's."""
-    cosine = _COSINES[leg]
-    sine = _SINES[leg]
-    return frame.cosine * cosine + frame.sine * sine, frame.sine * cosine - frame.cosine * sine
-
-
-@inlined
-def phase_current(frame: RotorFrame, leg: int) -> float:
-    """Return the current of a phase (A)."""
-    cosine, sine = axis_of(frame, leg)
-    return cosine * frame.direct - sine * frame.quadrature
-
-
-@kernel
-def phase_currents(
-    direct: NDArray[np.float64], quadrature: NDArray[np.float64], angles: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the phase currents that currents of the rotor frame are.
-
-    Parameters
-    ----------
-    direct, quadrature : ndarray, shape (n,)
-        Along and across the magnet's axis (A).
-    angles : ndarray, shape (n,)
-        Electrical angles of the magnet's axis (rad).
-
-    Returns
-    -------
-    ndarray, shape (n, 3)
-        (A).
-    """
-    currents = np.empty((len(angles), 3))
-    for row in range(len(angles)):
-        cosine, sine = cosine_sine(angles[row])
-        frame = RotorFrame(direct[row], quadrature[row], cosine, sine)
-        for leg in range(3):
-            currents[row, leg] = phase_current(frame, leg)
-    return currents
 
 
 @inlined

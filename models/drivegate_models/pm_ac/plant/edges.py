@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.pm_ac.plant.circuit import Circuit, RotorFrame, leg_voltages, phase_current
+from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
+from drivegate_models.pm_ac.plant.circuit import Circuit, leg_voltages
 from drivegate_models.pm_ac.plant.modulator import BLANKED, Gates
 from drivegate_models.pm_ac.plant.settling import Legs, set_gate
 

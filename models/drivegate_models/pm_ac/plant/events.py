@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.pm_ac.plant.circuit import Circuit, RotorFrame, axis_of, phase_current, sagitta
+from drivegate_models.machine.rotor_frame import RotorFrame, axis_of, phase_current
+from drivegate_models.pm_ac.plant.circuit import Circuit, sagitta
 from drivegate_models.pm_ac.plant.polynomial import NOWHERE, first_fall, size_of
 from drivegate_models.pm_ac.plant.series import Series, phase_series, turning_series
 from drivegate_models.pm_ac.plant.settling import Legs, is_relay

@@ -9,16 +9,9 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.machine import ledger
+from drivegate_models.machine.rotor_frame import HALF_ROOT, RotorFrame, phase_current
 from drivegate_models.machine.sine import small_cosine_sine
-from drivegate_models.pm_ac.plant.circuit import (
-    HALF_ROOT,
-    Circuit,
-    RotorFrame,
-    drop_of,
-    is_on_upper_rail,
-    phase_current,
-    sagitta,
-)
+from drivegate_models.pm_ac.plant.circuit import Circuit, drop_of, is_on_upper_rail, sagitta
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.polynomial import (
     extremes,

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine import ledger
+from drivegate_models.machine.rotor_frame import HALF_ROOT, RotorFrame
 from drivegate_models.machine.sine import small_cosine_sine
-from drivegate_models.pm_ac.plant.circuit import HALF_ROOT, Circuit, RotorFrame, rotor_voltages
+from drivegate_models.pm_ac.plant.circuit import Circuit, rotor_voltages
 from drivegate_models.pm_ac.plant.integrals import add_charge, supply_leg
 from drivegate_models.pm_ac.plant.jets import (
     Currents,

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.pm_ac.plant.circuit import HALF_ROOT, Circuit, RotorFrame, axis_of
+from drivegate_models.machine.rotor_frame import HALF_ROOT, RotorFrame, axis_of
+from drivegate_models.pm_ac.plant.circuit import Circuit
 from drivegate_models.pm_ac.plant.polynomial import value_at
 
 TERMS: Final = 40

@@ -14,15 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.pm_ac.plant.circuit import (
-    Circuit,
-    RotorFrame,
-    axis_of,
-    holding_voltage,
-    leg_voltages,
-    phase_current,
-    phase_slope,
-)
+from drivegate_models.machine.rotor_frame import RotorFrame, axis_of, phase_current
+from drivegate_models.pm_ac.plant.circuit import Circuit, holding_voltage, leg_voltages, phase_slope
 
 FREE: Final = -1
 """No leg is held at zero current; 0 to 2 is the leg that is."""

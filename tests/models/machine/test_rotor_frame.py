@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivegate_models.pm_ac.plant.circuit import phase_currents
+from drivegate_models.machine.rotor_frame import phase_currents
 
 
 @pytest.mark.kernel
