@@ -94,7 +94,7 @@ def test_an_installed_entry_point(folder, monkeypatch):
     )
     found = resolve_candidate("product")
     assert (found.name, found.entry, found.sources) == ("product", "product:Controller", (file,))
-    with pytest.raises(InputError, match=r"'product'; known are .*initial, product"):
+    with pytest.raises(InputError, match=r"'product'; known are .*initial, .*product"):
         resolve_candidate("produkt")
 
 

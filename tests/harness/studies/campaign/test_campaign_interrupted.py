@@ -14,6 +14,9 @@ from drivegate.studies.campaign.plan import planned
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 
+# So many that on a busy machine, too, some are left when this process is told of the first ones.
+DRAWS = 20
+
 
 def results(output: Path) -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in (output / "runs").rglob("*.parquet")}
@@ -30,7 +33,7 @@ def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(write, start, finish_
     # Of short runs nothing would be left to go on with a tenth of a second later.
     minute = load_scenario("fig5-search").replaced(name="minute", duration_s=60.0)
     (folder / "minute.json").write_text(minute.to_json(), encoding="utf-8")
-    file = write(cases=["minute.json"], draws=12, runs_per_file=1, checks=["CMD-1", "ROB-1"])
+    file = write(cases=["minute.json"], draws=DRAWS, runs_per_file=1, checks=["CMD-1", "ROB-1"])
     finish_alone(file, "whole", 1)
     chance = random.Random(5)
     output = folder / "out"
@@ -44,10 +47,10 @@ def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(write, start, finish_
         process.communicate(timeout=20)
         kept = results(output)
         assert {path: kept.get(path) for path in before} == before, "finished files must not be touched"
-        assert len(kept) < 12, "it was killed when all was done"
+        assert len(kept) < DRAWS, "it was killed when all was done"
         assert (output / LOCK).exists(), "a killed campaign cannot tidy up, and the next one must cope"
     document = finish_alone(file, "out", 2)
-    assert document["timing"]["runs_made"] == 12 - len(kept)
+    assert document["timing"]["runs_made"] == DRAWS - len(kept)
     assert bytes_of(output) == bytes_of(folder / "whole")
     again = finish_alone(file, "out", 2)
     assert again["timing"]["runs_made"] == 0
