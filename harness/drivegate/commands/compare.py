@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import advanced, drives_option, json_option, named_drive
+from drivegate.commands.options import drives_option, json_option, named_drive
 from drivegate.output.failure import ExitCode, Failure, complain, failure_of
 
 if TYPE_CHECKING:
@@ -77,12 +77,11 @@ def command(
     The exit code is 0 when the report is complete, whatever the candidates do, 2 when one is refused, 3 after a
     fault of drivegate.
     """
+    from drivegate.drives.choice import require_angles
     from drivegate.studies.compare.compare_all import compare_all
     from drivegate.studies.compare.options import ComparisonOptions
 
-    named = [found for drive in drives if (found := named_drive(drive)) is not None]
-    for found in named:
-        advanced(found)
+    named = [require_angles(found) for drive in drives if (found := named_drive(drive)) is not None]
     options = ComparisonOptions(effort, seed, workers, checks, cycle, named[0] if named else None)
     if len(named) > 1:
         from drivegate.studies.compare.compare_drives import compare_drives

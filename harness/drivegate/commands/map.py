@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import advanced, chosen_drive, drive_options, json_option
+from drivegate.commands.options import chosen_drive, drive_options, json_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -75,10 +75,10 @@ def command(
     check_targets(csv, parquet, plot)
 
     from drivegate.candidates.resolution import resolve_candidate
-    from drivegate.drives.choice import drive_for
+    from drivegate.drives.choice import drive_for, require_angles
 
     resolved = None if candidate is None else resolve_candidate(candidate)
-    nominal = advanced(chosen_drive(drive, settings, lambda: drive_for(resolved)))
+    nominal = require_angles(chosen_drive(drive, settings, lambda: drive_for(resolved)))
     plan = planned_map(kind, nominal, resolved, axes, parameters)
 
     from drivegate.studies.map.run import made_map

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import advanced, drive_option, json_option, named_drive
+from drivegate.commands.options import drive_option, json_option, named_drive
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -48,8 +48,7 @@ def command(kind: str, name: str, output: Path | None, drive: str | None) -> Out
     from drivegate.studies.new.write import KINDS, write_candidate
 
     folder = Path(name) if output is None else output
-    if (chosen := named_drive(drive)) is not None:
-        advanced(chosen)
+    named_drive(drive)
     written = write_candidate(kind, name, folder, present_day(), drive)
     build = KINDS[kind].build
     check = "drivegate check candidate.toml --waivers waivers.toml"

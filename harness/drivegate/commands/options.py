@@ -94,15 +94,6 @@ def named_drive(name: str | None) -> DriveDocument | None:
     return None if name is None else looked_at(load_drive(name))
 
 
-def advanced(drive: DriveDocument) -> DriveDocument:
-    """Return a drive whose controllers answer with an advance angle; what asks for one refuses all others."""
-    from drivegate.drives.pm_ac import PM_AC, refuse_command
-
-    if drive.kind == PM_AC.name:
-        refuse_command()
-    return drive
-
-
 def looked_at(drive: DriveDocument) -> DriveDocument:
     """Warn of values that are far off their kind, which change nothing else."""
     from drivegate.output.streams import write_to

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import advanced, bounded, chosen_drive, drive_options, json_option
+from drivegate.commands.options import bounded, chosen_drive, drive_options, json_option
 from drivegate.drives.kinds import DEFAULT_DRIVE
 
 if TYPE_CHECKING:
@@ -45,10 +45,11 @@ def command(
         raise click.UsageError("give exactly one of --torque-nm and --current-a")
     if cycles is not None and current_a is None:
         raise click.UsageError("--cycles goes with --current-a only")
+    from drivegate.drives.choice import require_angles
     from drivegate.studies.point.point import point_document
     from drivegate_cases.drive.drive_document import load_drive
 
-    plant = advanced(chosen_drive(drive, settings, lambda: load_drive(DEFAULT_DRIVE))).plant()
+    plant = require_angles(chosen_drive(drive, settings, lambda: load_drive(DEFAULT_DRIVE))).plant()
     document = point_document(
         plant, speed_rpm, advance_deg, torque_nm=torque_nm, current_a=current_a, cycles=cycles
     )

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from drivegate_cases.scenario.scenario import Scenario
 
 
-def refuse_command(*_: object) -> NoReturn:
+def _not_yet(*_: object) -> NoReturn:
     """Say that a command takes no drives of this kind."""
     raise InputError(
         "a drive of the kind 'pm-ac' is taken by drivegate check, checks, drive, replay and report alone so far; name "
@@ -94,10 +94,10 @@ def _record(
 PM_AC: Final = DriveKind(
     name="pm-ac",
     default_drive="pm-ac-interior",
-    prepare_loop=refuse_command,
-    oracle=refuse_command,
-    steady_state=refuse_command,
-    steady_states=refuse_command,
+    prepare_loop=_not_yet,
+    oracle=_not_yet,
+    steady_state=_not_yet,
+    steady_states=_not_yet,
     checks=_checks,
     fixed_scenarios=_fixed_scenarios,
     drawn_scenarios=_drawn_scenarios,

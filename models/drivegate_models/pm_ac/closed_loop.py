@@ -121,24 +121,6 @@ class DutyRun(NamedTuple):
 
 
 @inlined
-def _copy(command: Any, fresh: Any) -> None:
-    """Write all fields of one command into another."""
-    command.struct_size = fresh.struct_size
-    command.first_duty = fresh.first_duty
-    command.second_duty = fresh.second_duty
-    command.third_duty = fresh.third_duty
-    command.first_leg = fresh.first_leg
-    command.second_leg = fresh.second_leg
-    command.third_leg = fresh.third_leg
-    command.next_period = fresh.next_period
-    command.torque = fresh.torque
-    command.angle = fresh.angle
-    command.speed = fresh.speed
-    command.input_power = fresh.input_power
-    command.fault = fresh.fault
-
-
-@inlined
 def _take_command(command: Any, room: DutyRoom, place: int) -> int:
     """Take over a command; return `COMPLETED` or why it is none."""
     if command.struct_size < 0:
@@ -255,11 +237,11 @@ def _run(
             before = _alignment(drive.modulator.updates, k + 1)
             show_phase_currents(sensors, exchange.sensed_currents, before, room.last, length)
             show_shaft(sensors, exchange.sense[0], drive.pole_pairs)
-        _copy(exchange.command[0], exchange.fresh[0])
+        exchange.command[0] = exchange.fresh[0]
         call_step(
             exchange.step_address, exchange.state_address, exchange.sense_address, exchange.command_address
         )
-        _copy(exchange.kept[k], exchange.command[0])
+        exchange.kept[k] = exchange.command[0]
         status = _take_command(exchange.command[0], room, delay)
         if status != COMPLETED:
             return status, k, worst

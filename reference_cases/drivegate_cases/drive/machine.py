@@ -1,13 +1,19 @@
 """The table `[machine]` of a drive: its windings, their back-EMF, and the shaft."""
 
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.emf_table import EmfTable, check_emf_table
-
-_Torque = Annotated[float, Field(ge=0.0, le=1e5)]
+from drivegate_cases.drive.machine_values import (
+    CoreLossConductance,
+    Friction,
+    Inertia,
+    PolePairs,
+    Resistance,
+    ViscousFriction,
+)
 
 
 class Machine(Section):
@@ -18,8 +24,8 @@ class Machine(Section):
         le=31,
         description="number of phases; neighbours are half a cycle over it apart, in a star a whole one",
     )
-    pole_pairs: int = Field(ge=1, le=200, description="electrical cycles in a turn of the shaft")
-    resistance_ohm: float = Field(ge=0.0, le=1e4, description="resistance of one phase, in ohm")
+    pole_pairs: PolePairs
+    resistance_ohm: Resistance
     inductance_h: float = Field(
         gt=0.0, le=1e2, description="inductance of one phase, in a star less the mutual one, in henry"
     )
@@ -34,19 +40,10 @@ class Machine(Section):
         default=(),
         description="list of [electrical degrees, share of the peak] over 0 to 180, of a table's EMF",
     )
-    core_loss_conductance_s: float = Field(
-        default=0.0,
-        ge=0.0,
-        le=1e2,
-        description="conductance that stands for the core loss of a phase, in siemens",
-    )
-    inertia_kg_m2: float = Field(
-        gt=0.0, le=1e6, description="inertia of the shaft, in kilogram square metres"
-    )
-    friction_n_m: _Torque = Field(default=0.0, description="friction torque at any speed, in newton metres")
-    viscous_friction_n_m_s_per_rad: _Torque = Field(
-        default=0.0, description="friction torque over speed, in newton metre seconds per radian"
-    )
+    core_loss_conductance_s: CoreLossConductance = 0.0
+    inertia_kg_m2: Inertia
+    friction_n_m: Friction = 0.0
+    viscous_friction_n_m_s_per_rad: ViscousFriction = 0.0
 
     @field_validator("emf_table")
     @classmethod

@@ -19,11 +19,11 @@ DRIVE = ("--drive", "pm-ac-surface")
         ("selftest", *DRIVE),
     ],
 )
-def test_a_command_that_asks_for_an_advance_angle_refuses_them(arguments: tuple[str, ...], refused) -> None:  # type: ignore[no-untyped-def]
+def test_a_command_that_asks_for_an_advance_angle_refuses_them(arguments: tuple[str, ...], refused) -> None:
     assert "a drive of the kind 'pm-ac' is taken by drivegate check" in refused(*arguments)
 
 
-def test_a_new_drive_begins_as_one_of_them(command, tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_a_new_drive_begins_as_one_of_them(command, tmp_path) -> None:
     assert command("new", "drive", "mine.toml", *DRIVE).code == 0
     written = load_drive(str(tmp_path / "mine.toml"))
     assert written.kind == "pm-ac"

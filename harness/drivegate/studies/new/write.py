@@ -111,15 +111,10 @@ def write_candidate(
 
 def _name_drive(contents: dict[str, bytes], drive: str) -> None:
     """Let manifest and waivers name a drive, with a copy of its file beside them."""
+    from drivegate.drives.choice import require_angles
     from drivegate_cases.drive.drive_document import drive_names, load_drive
 
-    named = load_drive(drive)
-    name = named.name
-    if named.contract != "current":
-        raise InputError(
-            f"the drive '{one_line(name)}' of the kind '{named.kind}' takes duty ratios, but the templates answer with "
-            "a current reference and an advance angle; name another drive"
-        )
+    name = require_angles(load_drive(drive)).name
     if drive not in drive_names():
         place = f"drive{Path(drive).suffix.lower()}"
         contents[place], drive = Path(drive).read_bytes(), place

@@ -55,15 +55,22 @@ def _changes_nothing(circuit: Circuit, legs: Legs, leg: int, sign: int, gate: in
 
 
 @inlined
+def _following(circuit: Circuit, legs: Legs, gates: Gates, leg: int, sign: int) -> int:
+    """Return the number of the next edge that changes a leg's voltage while its current has a sign, 0 for any."""
+    following = legs.positions[leg] + 1
+    while following < gates.counts[leg] and _changes_nothing(
+        circuit, legs, leg, sign, gates.gates[leg, following]
+    ):
+        following += 1
+    return int(following)
+
+
+@inlined
 def distant_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
     """Return when the voltage of a leg next changes by its gate if all currents keep their signs (s)."""
     limit = duration
     for leg in range(3):
-        following = legs.positions[leg] + 1
-        while following < gates.counts[leg] and _changes_nothing(
-            circuit, legs, leg, legs.signs[leg], gates.gates[leg, following]
-        ):
-            following += 1
+        following = _following(circuit, legs, gates, leg, legs.signs[leg])
         if following < gates.counts[leg]:
             limit = min(limit, gates.times[leg, following])
     return limit
@@ -71,16 +78,13 @@ def distant_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) ->
 
 @inlined
 def next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
-    """Return when the voltage of a leg next changes by its gate (s)."""
+    """Pass the edges that change nothing, and return when the voltage of a leg next changes by its gate (s)."""
     limit = duration
     for leg in range(3):
-        following = legs.positions[leg] + 1
-        while following < gates.counts[leg] and _changes_nothing(
-            circuit, legs, leg, legs.sure[leg], gates.gates[leg, following]
-        ):
-            legs.positions[leg] = following
-            set_gate(circuit, legs, leg, gates.gates[leg, following])
-            following += 1
+        following = _following(circuit, legs, gates, leg, legs.sure[leg])
+        if following > legs.positions[leg] + 1:
+            legs.positions[leg] = following - 1
+            set_gate(circuit, legs, leg, gates.gates[leg, following - 1])
         if following < gates.counts[leg]:
             limit = min(limit, gates.times[leg, following])
     return limit
