@@ -30,6 +30,7 @@ class LockedLoad(Section):
 class DynamometerLoad(LockedLoad):
     """A dynamometer that keeps the shaft on the speed reference, while the controller is given a torque reference."""
 
+    # A kind is named by a literal of its own, which no other literal is a subtype of.
     kind: Literal["dynamometer"] = Field(description="kind of load")  # type: ignore[assignment]
     torque_reference_nm: Profile = Field(
         description="torque that the controller is asked for, a list of [seconds, newton metres]"

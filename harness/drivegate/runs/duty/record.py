@@ -76,6 +76,7 @@ class DutyRecord(RunRecord):
         What was observed.
     """
 
+    # A run of duty ratios has columns of its own; the checks that take this record know no other.
     run: DutyClosedLoopRun  # type: ignore[assignment]
 
     @property

@@ -51,6 +51,7 @@ def _is_driven(scenario: Scenario, dwell: DutyDwell) -> bool:
 
 
 def _plant(scenario: Scenario, scales: Scales) -> PmAcDrive:
+    # The drive of a scenario may be of any kind; these scenarios are drawn for this one alone.
     plant: PmAcDrive = scenario.drive.plant(scales)  # type: ignore[assignment]
     return plant
 

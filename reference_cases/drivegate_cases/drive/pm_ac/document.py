@@ -40,6 +40,7 @@ class PmAcDocument(DriveDocument):
     kind: Literal["pm-ac"] = Field(
         description='kind of drive: "pm-ac", a d-q machine on a two-level bridge that is given duty ratios'
     )
+    # Not of the base's types, which type checkers would want: those who are given any kind use what both have.
     machine: PmAcMachine = Field(  # type: ignore[assignment]
         description="table of the windings in the rotor's frame, and the shaft"
     )
