@@ -29,8 +29,9 @@ _HIGHEST = 0.5 * pi
 _FINE_PARTS = 10
 _GOLDEN = 0.6180339887498949
 _ANGLE_TOLERANCE = radians(1e-3)
-# A search needs the order of the costs only; its answer is located anew, to `CURRENT_TOLERANCE`.
-_SEARCH_TOLERANCE = 1e-4
+# A search needs the order of the costs only; its answer is located anew, to `CURRENT_TOLERANCE`. Over the limit; a
+# finer one changes the least current sum of drawn points by less than 1e-4 of it, since a band makes it jump.
+_SEARCH_TOLERANCE = 5e-5
 # At light load the current sum has several minima, which the coarse grid may rank wrongly.
 _VALLEYS = 2
 # A valley this much above the least found is not worth a closer look.
@@ -39,8 +40,8 @@ _HOPELESS = 1.05
 _STRIDE = 3
 # Hysteresis bands a phase by which the band may change the sum of current magnitudes, with a reserve.
 _BANDS = 2.0
-# How far below a neighbouring angle's reference the scan starts, over the current limit.
-_BELOW = 0.05
+# How far below a neighbouring angle's reference the scan starts, over the current limit: two of its steps.
+_BELOW = 0.02
 
 
 class TorqueDemand(NamedTuple):
@@ -220,8 +221,9 @@ def smallest_feasible(demand: TorqueDemand, static: bool = False) -> float:
 def _evaluated(demand: TorqueDemand, by_power: bool, advance: float, nearby: float) -> Evaluation:
     """Return the cost of an angle; the scan starts just below a reference nearby, if that is not NaN."""
     # NaN, which alone differs from itself, stands for no feasible neighbour.
-    floor = nearby - _BELOW * demand.drive.current_limit if nearby == nearby else 0.0
-    found = search_reference(demand, advance, _SEARCH_TOLERANCE, floor)
+    limit = demand.drive.current_limit
+    floor = nearby - _BELOW * limit if nearby == nearby else 0.0
+    found = search_reference(demand, advance, _SEARCH_TOLERANCE * limit, floor)
     if found.feasibility != ROBUST:
         return Evaluation(inf, advance, nan)
     return Evaluation(found.input_power if by_power else found.current_sum, advance, found.low)

@@ -7,6 +7,7 @@ from math import isnan, nan, pi, radians
 import numpy as np
 import pytest
 
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phases import make_phases
@@ -190,6 +191,20 @@ def test_angles_that_are_left_out_cannot_be_the_optimum(
     short = least_current_sum(drive, speed, power / speed)
     monkeypatch.setattr(angle_search, "last_promising", lambda _demand: 90)
     assert short == least_current_sum(drive, speed, power / speed), "the whole grid has another optimum"
+
+
+@pytest.mark.parametrize("name", ["paper-5-phase", "star-3-phase"])
+def test_order_of_costs_needs_no_finer_references(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    drive = load_drive(name).plant()
+    points = [(speed, share) for speed in (500.0, 1100.0, 1700.0) for share in (0.3, 0.8)]
+
+    def sums() -> list[float]:
+        demands = ((rpm * pi / 30.0, share * min(20.0, 1500.0 / (rpm * pi / 30.0))) for rpm, share in points)
+        return [least_current_sum(drive, speed, torque).current_sum for speed, torque in demands]
+
+    quick = sums()
+    monkeypatch.setattr(angle_search, "_SEARCH_TOLERANCE", 1e-11)
+    assert quick == pytest.approx(sums(), rel=2e-4), "the search takes an angle that costs more than the best"
 
 
 def test_grid_is_whole_where_the_ideal_regulator_reaches_nothing() -> None:
