@@ -257,6 +257,9 @@ class _Server:
 
     def _stopped(self, status: int, steps: int) -> Reply:
         """Answer for a run that ended before its end: with the fault, if the controller itself knows it."""
+        refusal: InputError | None = getattr(self._instance, "refusal", None)
+        if refusal is not None:
+            raise refusal
         fault = self._instance.fault
         if fault is None:
             return Reply(Ending.DONE, status, steps)
