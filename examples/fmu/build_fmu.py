@@ -116,7 +116,7 @@ def compile_library(sources: list[Path], library: Path, fmi: int, phases: int, t
         f"-I{folder}"
         for folder in (
             HERE,
-            header_folder("drivegate_models", "contract/outer_loop"),
+            header_folder("drivegate_models", "contract/include"),
             header_folder("fmpy", "c-code"),
         )
     ]

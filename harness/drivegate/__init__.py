@@ -9,13 +9,33 @@ from typing import TYPE_CHECKING, Any
 from drivegate.candidates.native.numba_controller import NumbaController
 from drivegate.testing.conformance import conformance_tests
 from drivegate.version import __version__
+from drivegate_models.contract.duty.signals import (
+    LEG_HIGH,
+    LEG_LOW,
+    LEG_OFF,
+    LEG_PWM,
+    SPEED_REFERENCE,
+    TORQUE_REFERENCE,
+    DutyCommand,
+    DutyNameplate,
+    DutySense,
+)
 from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
 
 if TYPE_CHECKING:
     from drivegate.candidates.native.numba_loading import phase_current
 
 __all__ = [
+    "LEG_HIGH",
+    "LEG_LOW",
+    "LEG_OFF",
+    "LEG_PWM",
+    "SPEED_REFERENCE",
+    "TORQUE_REFERENCE",
     "Command",
+    "DutyCommand",
+    "DutyNameplate",
+    "DutySense",
     "Nameplate",
     "NumbaController",
     "Sense",

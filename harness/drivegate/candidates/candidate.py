@@ -13,6 +13,7 @@ from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
+    from drivegate.candidates.contract import ContractName
     from drivegate_cases.drive.drive_document import DriveDocument
 
 STEP_DEADLINE: Final = 1.0
@@ -98,8 +99,9 @@ class Candidate:
         What only its kind needs.
     drive : DriveDocument or None
         The drive that its manifest names.
-    contract : str
-        What it answers with: ``current``, a current reference and an advance angle, or ``duty``, duty ratios.
+    contract : str or None
+        What it answers with: ``current``, a current reference and an advance angle, or ``duty``, duty ratios. None
+        where nothing tells before its code runs: then it is asked for what its drive takes.
     """
 
     name: str
@@ -112,7 +114,7 @@ class Candidate:
     declaration: Declaration
     details: Details | None = None
     drive: DriveDocument | None = None
-    contract: str = "current"
+    contract: ContractName | None = "current"
 
 
 def existing_file(path: Path) -> Path:

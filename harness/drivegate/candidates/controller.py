@@ -1,9 +1,8 @@
 """The face that every kind of candidate shows to the closed loop, whatever language it is written in."""
 
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from drivegate.candidates.fault import Fault
-from drivegate_models.contract.outer_loop.signals import Nameplate
 
 if TYPE_CHECKING:
     from drivegate_cases.drive.drive_document import DriveDocument
@@ -24,8 +23,8 @@ class Controller(Protocol):
     def fault(self) -> Fault | None:
         """What ended the last run, if the controller itself knows."""
 
-    def reset(self, nameplate: Nameplate) -> None:
-        """Prepare for a run."""
+    def reset(self, nameplate: Any) -> None:
+        """Prepare for a run, told by the nameplate of its contract."""
 
 
 @runtime_checkable

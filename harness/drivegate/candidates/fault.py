@@ -8,7 +8,7 @@ import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.contract.outer_loop.signals import Sense
@@ -18,7 +18,7 @@ Phase = Literal["loading", "reset", "step"]
 LONGEST_MESSAGE = 2_000
 LONGEST_TRACEBACK = 20_000
 
-_OVERWRITTEN_SIZE = (
+OVERWRITTEN_SIZE: Final = (
     "the command's struct_size was overwritten with a negative number; the harness sets it, leave it as it is"
 )
 _ADDRESS = re.compile(r"\b0x[0-9a-fA-F]{6,}\b")
@@ -94,7 +94,7 @@ def exception_fault(error: BaseException, phase: Phase) -> Fault:
 def refused_command(command: Any, *, finite: bool, step: int, sense: Sense) -> Fault:
     """Describe a command at which a run ended without the controller having a fault to tell."""
     values = ", ".join(f"{name} = {command[name]}" for name in (command.dtype.names or ())[1:])
-    message = _OVERWRITTEN_SIZE if finite else f"the command is not finite: {values}"
+    message = OVERWRITTEN_SIZE if finite else f"the command is not finite: {values}"
     return Fault(FaultKind.INVALID_OUTPUT, message, "step", step=step, time=sense.time, sense=sense._asdict())
 
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from drivegate.candidates.contract import ContractName
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import KINDS
 from drivegate_cases.documents.document import Document, Section
@@ -85,6 +86,12 @@ class Manifest(Document):
     )
     speed_range_rpm: tuple[NotNegative, Positive] | None = Field(
         default=None, description="lowest and highest speed that the candidate is made for"
+    )
+
+    contract: ContractName | None = Field(
+        default=None,
+        description="what the candidate answers with: 'current', a current reference and an advance angle, or 'duty', "
+        "duty ratios",
     )
 
     drive: DriveReference | None = Field(

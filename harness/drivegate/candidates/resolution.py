@@ -11,7 +11,7 @@ from pathlib import Path
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DUTY_CANDIDATES
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.kinds import KINDS, MANIFEST_SUFFIX
-from drivegate_cases.documents.wording import nearest, one_line
+from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import InputError
 
 ENTRY_POINT_GROUP = "drivegate.controllers"
@@ -107,6 +107,7 @@ def _from_bare_name(name: str) -> Candidate:
 
 def _from_manifest(specification: str) -> Candidate:
     # Reading a manifest needs pydantic, which takes longer to import than all the rest of this module.
+    from drivegate.candidates.contract import ANSWERS
     from drivegate.candidates.manifest import Manifest
     from drivegate_cases.documents.document import read_document
 
@@ -114,4 +115,10 @@ def _from_manifest(specification: str) -> Candidate:
     candidate = KINDS[manifest.kind].from_manifest(
         manifest, specification, Path(specification).resolve().parent
     )
-    return replace(candidate, drive=manifest.drive)
+    stated, known = manifest.contract, candidate.contract
+    if None not in (stated, known) and stated != known:
+        raise InputError(
+            f"{shown_path(specification)}: the key 'contract' is '{stated}', but the candidate answers with "
+            f'{ANSWERS[str(known)]}; leave the key out, or write contract = "{known}"'
+        )
+    return replace(candidate, drive=manifest.drive, contract=known or stated)

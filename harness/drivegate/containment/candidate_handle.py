@@ -93,10 +93,10 @@ class CandidateHandle:
             raise UnreadableReply from error
         return unpacked(message) if message else None
 
-    def copied_commands(self, count: int) -> NDArray[np.float64]:
-        """Copy the first commands of the last run, as far as there is room for them; shape (n, 3)."""
+    def copied_commands(self, layout: np.dtype[Any], count: int) -> NDArray[Any]:
+        """Copy the first commands of the last run, as far as there is room for them; shape (n,)."""
         assert self._memory is not None, "commands follow on an order"
-        return self._memory.copied_commands(count)
+        return self._memory.copied_commands(layout, count)
 
     def has_ended(self) -> bool:
         """Tell whether the process has died by itself; it is not reaped yet, so its id is still its own."""

@@ -7,9 +7,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from multiprocessing.connection import wait
-from typing import Final
+from typing import Any, Final
 
-import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
@@ -17,14 +16,13 @@ from drivegate.candidates.ending import ending_in_words
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, bounded_text
 from drivegate.candidates.kinds import KINDS
 from drivegate.containment.candidate_handle import CandidateHandle
-from drivegate.containment.orders import MakeInstance, Order, Setup
+from drivegate.containment.orders import MakeInstance, Order, RunOrder, Setup
 from drivegate.containment.pace_watch import PaceWatch, SlowRun
 from drivegate.containment.reply import CHECK_BYTES, Ending, Reply, UnreadableReply, fault_of
 from drivegate.containment.serving import LOST_CONNECTION
 from drivegate.containment.shared_progress import Activity
 from drivegate.containment.stall_watch import StallWatch, WorkerLimits
 from drivegate_cases.documents.wording import counted
-from drivegate_models.contract.outer_loop.records import COMMAND
 from drivegate_models.errors import HarnessFault, InputError
 from drivegate_models.loop.exchange import COMPLETED, STOPPED
 
@@ -42,17 +40,18 @@ class Answered:
 
     Attributes
     ----------
-    commands : ndarray, shape (n, 3)
-        The commands, as they were given; the last one is what is wrong where the status says so.
+    commands : ndarray, shape (n,)
+        The commands, as they were given, of the contract's layout; the last one is what is wrong where the status says
+        so.
     status : int
-        Status of the loop there, of `drivegate_models.loop.exchange`.
+        Status of the loop there, of `drivegate_models.loop.exchange` or `duty_command`.
     check : bytes
         Digest of what the plant there came to.
     fault : Fault or None
         What ended the run, where it is known there.
     """
 
-    commands: NDArray[np.float64]
+    commands: NDArray[Any]
     status: int
     check: bytes
     fault: Fault | None
@@ -101,18 +100,18 @@ class CandidateProcess:
             raise CandidateFault(fault)
         return reply
 
-    def answered(self, order: Order, steps: int) -> Answered:
+    def answered(self, order: RunOrder, steps: int) -> Answered:
         """Have an order carried out that answers with commands, as many as there are steps."""
         try:
             reply = self._replied(order, steps)
         except CandidateFault as died:
-            return self._left_behind(died.fault, steps)
+            return self._left_behind(died.fault, order, steps)
         fault = self._fault_in(reply)
         if fault is None and reply.status == COMPLETED and reply.steps != steps:
             fault = self._garbled(self._running)
         status = reply.status if fault is None else STOPPED
         count = reply.steps + (status not in (COMPLETED, STOPPED))
-        commands = self._running.copied_commands(min(count, steps))
+        commands = self._running.copied_commands(order.commands, min(count, steps))
         if fault is not None:
             self._end_without_memory(fault)
         return Answered(commands, status, reply.check, fault)
@@ -122,10 +121,10 @@ class CandidateProcess:
         if fault.error == MemoryError.__name__:
             self.kill()
 
-    def _left_behind(self, fault: Fault, steps: int) -> Answered:
+    def _left_behind(self, fault: Fault, order: RunOrder, steps: int) -> Answered:
         """Collect the commands that a process has given before it died."""
         handle = self._running
-        commands = handle.copied_commands(min(fault.step or 0, steps))
+        commands = handle.copied_commands(order.commands, min(fault.step or 0, steps))
         self.kill()
         return Answered(commands, STOPPED, bytes(CHECK_BYTES), fault)
 
@@ -152,7 +151,7 @@ class CandidateProcess:
         handle.forget_output()
         watch = StallWatch(self._limits, handle.processor_seconds(), time.monotonic(), steps)
         pace = PaceWatch(steps, self._limits.allowed_seconds(steps))
-        handle.send(order, steps * COMMAND.itemsize)
+        handle.send(order, steps * order.commands.itemsize if isinstance(order, RunOrder) else 0)
         while True:
             wait(handle.waitables, LOOK_EVERY)
             self._look_at_pace(handle, pace, steps)

@@ -1,15 +1,18 @@
 """An instance of a candidate in a process of its own, as those use it who judge its commands."""
 
-import numpy as np
+from typing import Any
+
 from numpy.typing import NDArray
 
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.containment.candidate_process import Answered, CandidateProcess
-from drivegate.containment.orders import CloseLoop, GiveSenses, Reset
+from drivegate.containment.orders import CloseLoop, GiveDutySenses, GiveSenses, Reset
 from drivegate.containment.serving import check_of
+from drivegate_models.contract.duty.records import DUTY_COMMAND
+from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.contract.outer_loop.signals import Nameplate
-from drivegate_models.loop.closed_loop import PreparedLoop
-from drivegate_models.loop.command_playing import player_of, playing_step
+from drivegate_models.loop.command_playing import player_of, playing_step, rows_of
+from drivegate_models.loop.duty_command_playing import duty_player_of, duty_playing_step
 from drivegate_models.loop.exchange import COMPLETED
 
 
@@ -26,18 +29,22 @@ class PlayedCommands:
 
     def __init__(self, answered: Answered) -> None:
         self._answered = answered
-        self._step = playing_step()
-        self._state = player_of(answered.commands)
+        if answered.commands.dtype == DUTY_COMMAND:
+            self._commands: NDArray[Any] = answered.commands
+            self._step, self._state = duty_playing_step(), duty_player_of(self._commands)
+        else:
+            self._commands = rows_of(answered.commands)
+            self._step, self._state = playing_step(), player_of(self._commands)
         self.step_address: int = self._step.address
         self.state_address: int = self._state.ctypes.data
         self.fault: Fault | None = answered.fault
 
-    def reset(self, _nameplate: Nameplate) -> None:
+    def reset(self, _nameplate: Nameplate | DutyNameplate) -> None:
         """Go on: the commands are those of the whole run, with its restarts."""
 
-    def disturbed(self, run: PreparedLoop) -> Fault | None:
-        """Compare a finished run with what the plant in the candidate's process came to."""
-        if self._answered.status == COMPLETED and check_of(run.records) == self._answered.check:
+    def disturbed(self, records: Any) -> Fault | None:
+        """Compare the records of a finished run with what the plant in the candidate's process came to."""
+        if self._answered.status == COMPLETED and check_of(records) == self._answered.check:
             return None
         return Fault(
             FaultKind.MEMORY,
@@ -65,7 +72,7 @@ class ContainedController:
         self.is_python = made.is_python
         self.state_size = made.state_size
 
-    def reset(self, nameplate: Nameplate) -> None:
+    def reset(self, nameplate: Nameplate | DutyNameplate) -> None:
         """Reset the instance."""
         if self._generation != self._process.generation or not self._process.is_running:
             self._process.made_instance()
@@ -76,6 +83,6 @@ class ContainedController:
         """Run the instance, already reset, in closed loop, and give its commands for being played back."""
         return PlayedCommands(self._process.answered(order, steps))
 
-    def answers(self, senses: NDArray[np.float64]) -> Answered:
+    def answers(self, order: GiveSenses | GiveDutySenses) -> Answered:
         """Step the instance through given Senses, which follow on those since the reset."""
-        return self._process.answered(GiveSenses(senses), len(senses))
+        return self._process.answered(order, len(order.senses))

@@ -7,12 +7,15 @@ None of them holds a scenario, a seed, or a limit that is judged.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from struct import Struct
-from typing import Any, Final, TypeAlias
+from typing import Any, ClassVar, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
+from drivegate_models.contract.duty.records import DUTY_COMMAND
+from drivegate_models.contract.duty.signals import DutyNameplate
+from drivegate_models.contract.outer_loop.records import COMMAND
 from drivegate_models.contract.outer_loop.signals import Nameplate
 
 PACKET: Final = Struct("=8sqq")
@@ -49,11 +52,11 @@ class Reset:
 
     Attributes
     ----------
-    nameplate : Nameplate
+    nameplate : Nameplate or DutyNameplate
         What it is told.
     """
 
-    nameplate: Nameplate
+    nameplate: Nameplate | DutyNameplate
 
 
 @dataclass(frozen=True)
@@ -63,19 +66,23 @@ class CloseLoop:
     Attributes
     ----------
     prepare : callable
-        A module's function that makes the run ready, `drivegate_models.loop.closed_loop.prepared_loop` of a drive.
+        A module's function that makes the run ready, `drivegate_models.loop.closed_loop.prepared_loop` of a drive or
+        `drivegate_models.pm_ac.closed_loop.prepared_duty_loop`.
     plant : tuple
         Its arguments: constants of the drive, load and schedule.
     options : mapping
         Its further arguments.
     restart_steps : sequence of int
         Steps before which the instance is reset, in the process that has it.
+    commands : dtype
+        Layout of the commands that are kept.
     """
 
     prepare: Callable[..., Any]
     plant: tuple[Any, ...]
     options: Mapping[str, Any]
-    restart_steps: Sequence[int]
+    restart_steps: Sequence[int] = ()
+    commands: np.dtype[Any] = COMMAND
 
 
 @dataclass(frozen=True)
@@ -89,6 +96,27 @@ class GiveSenses:
     """
 
     senses: NDArray[np.float64]
+    commands: ClassVar[np.dtype[Any]] = COMMAND
 
 
-Order: TypeAlias = Setup | MakeInstance | Reset | CloseLoop | GiveSenses
+@dataclass(frozen=True)
+class GiveDutySenses:
+    """Step the instance through given Senses of the contract of duty ratios, and keep the commands.
+
+    Attributes
+    ----------
+    senses : ndarray of DUTY_SENSE, shape (n,)
+        One for each step.
+    currents : ndarray, shape (n, 3)
+        Their phase currents (A).
+    """
+
+    senses: NDArray[Any]
+    currents: NDArray[np.float64]
+    commands: ClassVar[np.dtype[Any]] = DUTY_COMMAND
+
+
+RunOrder: TypeAlias = CloseLoop | GiveSenses | GiveDutySenses
+"""What is answered with commands."""
+
+Order: TypeAlias = Setup | MakeInstance | Reset | RunOrder

@@ -24,7 +24,16 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, exception_fault
 from drivegate.candidates.loading import load_controller
-from drivegate.containment.orders import PACKET, CloseLoop, GiveSenses, MakeInstance, Order, Reset, Setup
+from drivegate.containment.orders import (
+    PACKET,
+    CloseLoop,
+    GiveDutySenses,
+    GiveSenses,
+    MakeInstance,
+    Order,
+    Reset,
+    Setup,
+)
 from drivegate.containment.parent_death import end_with_parent
 from drivegate.containment.reply import CHECK_BYTES, Ending, Reply, fault_text, packed
 from drivegate.containment.restarting import Restarter
@@ -120,6 +129,8 @@ class _Server:
             return self._loop_closed(pending, memory)
         if isinstance(pending[0], GiveSenses):
             return self._senses_given(pending, memory)
+        if isinstance(pending[0], GiveDutySenses):
+            return self._duty_senses_given(pending, memory)
         return self._set_up(pending.pop())
 
     def _set_up(self, order: Order) -> Reply:
@@ -175,15 +186,15 @@ class _Server:
     ) -> tuple[Callable[..., Any], Any]:
         """Exchange a pending order for the arguments of the compiled loop."""
         order: CloseLoop = pending.pop()
+        restarts = {"restarts": restarter.restarts(order.restart_steps)} if order.restart_steps else {}
         prepared = order.prepare(
             *order.plant,
             **order.options,
-            windows=[],
-            restarts=restarter.restarts(order.restart_steps),
+            **restarts,
             step_address=self._instance.step_address,
             state_address=self._instance.state_address,
             progress=self._progress.steps,
-            kept=memory.commands(),
+            kept=memory.commands(order.commands),
         )
         pending.append(_out_of_sight(prepared.arguments))
         return prepared.loop, prepared.records
@@ -211,7 +222,33 @@ class _Server:
                 progress=self._progress.steps,
             )
         self._progress.steps[0] = 0
-        pending.append((self._exchange._replace(kept=memory.commands()), order.senses))
+        pending.append((self._exchange._replace(kept=memory.commands(order.commands)), order.senses))
+
+    def _duty_senses_given(self, pending: list[Any], memory: SharedMemory) -> Reply:
+        from drivegate_models.loop.exchange import COMPLETED
+        from drivegate_models.loop.given_duty_steps import make_duty_steps
+
+        self._duty_steps_made_ready(pending, memory)
+        with self._progress.running():
+            status, answered = make_duty_steps(*pending.pop())
+        if status == COMPLETED:
+            return Reply(Ending.DONE, int(status), int(answered))
+        return self._stopped(int(status), int(answered))
+
+    def _duty_steps_made_ready(self, pending: list[Any], memory: SharedMemory) -> None:
+        from drivegate_models.loop.given_duty_steps import given_duty_steps
+
+        order: GiveDutySenses = pending.pop()
+        self._progress.steps[0] = 0
+        given = given_duty_steps(
+            self._instance.step_address,
+            self._instance.state_address,
+            order.senses,
+            order.currents,
+            progress=self._progress.steps,
+            kept=memory.commands(order.commands),
+        )
+        pending.append(_out_of_sight((given,)))
 
     def _not_restarted(self, failure: BaseException, status: int, steps: int) -> Reply:
         """Answer for a run that ended since the instance could not be reset in the middle of it."""
@@ -220,6 +257,9 @@ class _Server:
 
     def _stopped(self, status: int, steps: int) -> Reply:
         """Answer for a run that ended before its end: with the fault, if the controller itself knows it."""
+        refusal: InputError | None = getattr(self._instance, "refusal", None)
+        if refusal is not None:
+            raise refusal
         fault = self._instance.fault
         if fault is None:
             return Reply(Ending.DONE, status, steps)

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from drivegate_models.contract.outer_loop.records import COMMAND
 
 _SMALLEST: Final = 2**20
-_OUTPUTS: Final = list(COMMAND.names or ())[1:]
 
 
 def anonymous_file(size: int) -> int:
@@ -57,17 +56,13 @@ class SharedMemory:
         self._memory[:length] = bytes(length)
         return order
 
-    def commands(self) -> NDArray[Any]:
-        """Give the memory as room for commands, an array of COMMAND."""
-        return np.frombuffer(self._memory, COMMAND, self.size // COMMAND.itemsize)
+    def commands(self, layout: np.dtype[Any] = COMMAND) -> NDArray[Any]:
+        """Give the memory as room for commands of a layout."""
+        return np.frombuffer(self._memory, layout, self.size // layout.itemsize)
 
-    def copied_commands(self, count: int) -> NDArray[np.float64]:
-        """Copy the first commands, as far as there is room for them; shape (n, 3)."""
-        records = self.commands()[:count]
-        copied = np.empty((len(records), len(_OUTPUTS)))
-        for column, name in enumerate(_OUTPUTS):
-            copied[:, column] = records[name]
-        return copied
+    def copied_commands(self, layout: np.dtype[Any], count: int) -> NDArray[Any]:
+        """Copy the first commands, as far as there is room for them; shape (n,)."""
+        return self.commands(layout)[:count].copy()
 
     def close(self) -> None:
         """Close the descriptor; the memory itself stays readable as long as this object lives."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.contract import ANSWERS
 from drivegate.drives.kinds import DEFAULT_DRIVES, kind_of
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
@@ -13,16 +14,14 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     from drivegate_cases.drive.drive_document import DriveDocument
 
-_ANSWERS: Final = {"current": "a current reference and an advance angle", "duty": "duty ratios"}
-
 
 def drive_for(candidate: Candidate | None, named: DriveDocument | None = None) -> DriveDocument:
     """Choose the drive of a candidate; what a user names wins over its manifest."""
     from drivegate_cases.drive.drive_document import load_drive
 
     own = None if candidate is None else candidate.drive
-    contract = "current" if candidate is None else candidate.contract
-    drive = named or own or load_drive(DEFAULT_DRIVES[contract])
+    contract = None if candidate is None else candidate.contract
+    drive = named or own or load_drive(DEFAULT_DRIVES[contract or "current"])
     if candidate is not None:
         require_contract(candidate, drive)
     return drive
@@ -30,11 +29,11 @@ def drive_for(candidate: Candidate | None, named: DriveDocument | None = None) -
 
 def require_contract(candidate: Candidate, drive: DriveDocument) -> None:
     """Refuse a candidate of one contract on a drive of another."""
-    if candidate.contract == drive.contract:
+    if candidate.contract in (None, drive.contract):
         return
     raise InputError(
-        f"the candidate '{one_line(candidate.name)}' answers with {_ANSWERS[candidate.contract]}, but the drive "
-        f"'{one_line(drive.name)}' of the kind '{drive.kind}' takes {_ANSWERS[drive.contract]}; name a drive such as "
+        f"the candidate '{one_line(candidate.name)}' answers with {ANSWERS[candidate.contract]}, but the drive "
+        f"'{one_line(drive.name)}' of the kind '{drive.kind}' takes {ANSWERS[drive.contract]}; name a drive such as "
         f"{DEFAULT_DRIVES[candidate.contract]} with --drive"
     )
 

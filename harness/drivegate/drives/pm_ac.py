@@ -77,15 +77,11 @@ def _simplifications() -> tuple[Simplification, ...]:
 def _record(
     declaration: Declaration, scenario: Scenario, controller: AnyController, kept: NDArray[Any] | None
 ) -> RunRecord:
-    from drivegate.containment.contained_controller import ContainedController
     from drivegate.runs.duty.record import DutyRecord
     from drivegate.runs.duty.run import run_duty
-    from drivegate_models.pm_ac.closed_loop import TRACE, run_duty_loop
+    from drivegate_models.pm_ac.closed_loop import TRACE, prepared_duty_loop
 
-    assert not isinstance(controller, ContainedController), (
-        "only controllers that come along answer so, as yet"
-    )
-    run = run_duty(run_duty_loop, TRACE, scenario, controller)
+    run = run_duty(prepared_duty_loop, TRACE, scenario, controller)
     if kept is not None:
         kept[:] = run.commands
     return DutyRecord(scenario, run, declaration)

@@ -224,7 +224,10 @@ def run_in_closed_loop(
         raise restarter.failures.pop()
     if run.status != COMPLETED:
         _raise_ending(run, by_address)
-    if isinstance(by_address, PlayedCommands) and (fault := by_address.disturbed(prepared)) is not None:
+    if (
+        isinstance(by_address, PlayedCommands)
+        and (fault := by_address.disturbed(prepared.records)) is not None
+    ):
         raise CandidateFault(fault)
     return run
 

@@ -11,8 +11,10 @@ from drivegate.candidates.fault import CandidateFault, Fault, refused_command
 from drivegate.containment.candidate_process import Answered
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController
+from drivegate.containment.orders import GiveSenses
 from drivegate_models.contract.outer_loop.records import COMMAND
 from drivegate_models.contract.outer_loop.signals import Nameplate, Sense
+from drivegate_models.loop.command_playing import rows_of
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, OUTPUTS, STOPPED, Exchange, make_exchange
 from drivegate_models.loop.given_steps import SCALARS, make_steps, senses_of
 
@@ -60,11 +62,12 @@ class GivenSteps:
 
     def _made(self, senses: NDArray[np.float64]) -> Answered:
         if isinstance(self._controller, ContainedController):
-            return self._controller.answers(senses)
+            answered = self._controller.answers(GiveSenses(senses))
+            return replace(answered, commands=rows_of(answered.commands))
         assert self._exchange is not None, "a controller of this process has records here"
         kept = np.zeros(len(senses), COMMAND)
         status, count = make_steps(self._exchange._replace(kept=kept), senses)
-        commands = np.column_stack([kept[name][: count + (status == NOT_FINITE)] for name in OUTPUTS])
+        commands = rows_of(kept[: count + (status == NOT_FINITE)])
         return Answered(commands, int(status), b"", self._controller.fault if status == STOPPED else None)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 from llvmlite import ir
 from numba import from_dtype, types
 from numba.core import config
+from numba.core.cgutils import raw_memcpy
 from numba.core.typing.templates import Signature
 from numba.extending import intrinsic
 
@@ -56,6 +57,25 @@ def _double_at_compiled(typingctx: Any, address: Any, index: Any) -> tuple[Signa
     return types.float64(types.uintp, types.intp), codegen
 
 
+def _copy_bytes_interpreted(source: int, target: int, count: int) -> None:
+    """Copy from the interpreter, where compilation is switched off."""
+    ctypes.memmove(int(target), int(source), int(count))
+
+
+@intrinsic
+def _copy_bytes_compiled(typingctx: Any, source: Any, target: Any, count: Any) -> tuple[Signature, Any]:
+    """Emit a copy from one address to another."""
+
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        pointer = ir.IntType(8).as_pointer()
+        places = [builder.inttoptr(argument, pointer) for argument in arguments[:2]]
+        copy: Any = raw_memcpy
+        copy(builder, places[1], places[0], arguments[2], 1)
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64, types.int64), codegen
+
+
 _INTERPRETED = bool(vars(config)["DISABLE_JIT"])
 
 call_step: Any = _call_step_interpreted if _INTERPRETED else _call_step_compiled
@@ -63,6 +83,9 @@ call_step: Any = _call_step_interpreted if _INTERPRETED else _call_step_compiled
 
 double_at: Any = _double_at_interpreted if _INTERPRETED else _double_at_compiled
 """Read the double number `index` behind `address`; both are integers."""
+
+copy_bytes: Any = _copy_bytes_interpreted if _INTERPRETED else _copy_bytes_compiled
+"""Copy `count` bytes from one address to another that does not overlap; all three are integers."""
 
 
 def step_signature(state: Any, sense: Any, command: Any) -> Any:

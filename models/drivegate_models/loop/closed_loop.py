@@ -7,6 +7,7 @@ Memory does not grow with the length of a run.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -146,7 +147,7 @@ def prepared_loop(
     base_speed: float,
     control_period: float,
     duration: float,
-    windows: list[tuple[float, float]],
+    windows: Sequence[tuple[float, float]] = (),
     initial_angle: float = 0.0,
     clock_start: float = 0.0,
     restarts: Restarts | None = None,
@@ -179,8 +180,8 @@ def prepared_loop(
         (s).
     duration : float
         (s).
-    windows : list of tuple of float
-        Start and end of each observed window (s).
+    windows : sequence of tuple of float
+        Start and end of each observed window (s); none by default.
     initial_angle : float
         Electrical angle of the rotor at the start, 0 to 2 pi (rad).
     clock_start : float
@@ -242,7 +243,7 @@ def prepared_loop(
 def _timing(
     control_period: float,
     duration: float,
-    windows: list[tuple[float, float]],
+    windows: Sequence[tuple[float, float]],
     mean_time: float,
     trace_every: int,
 ) -> Timing:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.calling import double_at, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE
 from drivegate_models.contract.outer_loop.records import COMMAND, SENSE, STOP
+from drivegate_models.loop.exchange import OUTPUTS
 
 PLAYER: Final = np.dtype(
     [("commands_address", np.int64), ("count", np.int64), ("given", np.int64)], align=True
@@ -46,6 +47,22 @@ def playing_step() -> Any:
         state.given += 1
 
     return numba.cfunc(signature, cache=KEEPS_CACHE)(play_step)
+
+
+def rows_of(commands: NDArray[Any]) -> NDArray[np.float64]:
+    """Write commands as rows of numbers.
+
+    Parameters
+    ----------
+    commands : ndarray of COMMAND, shape (n,)
+        The commands.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        `exchange.OUTPUTS` in each row.
+    """
+    return np.stack([commands[name] for name in OUTPUTS], axis=1)
 
 
 def player_of(commands: NDArray[np.float64]) -> NDArray[Any]:

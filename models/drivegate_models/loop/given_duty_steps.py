@@ -2,32 +2,114 @@
 
 from __future__ import annotations
 
-from drivegate_models.compilation.calling import call_step
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.calling import call_step, copy_bytes
 from drivegate_models.compilation.kernels import unallocating
+from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
+from drivegate_models.loop.duty_command import duty_command_status
+from drivegate_models.loop.exchange import COMPLETED
+
+
+class GivenDutySteps(NamedTuple):
+    """What the steps are made of."""
+
+    step_address: int
+    """Address of the controller's step."""
+    state_address: int
+    """Address of its state."""
+    senses: NDArray[Any]
+    """Shape (n,) of DUTY_SENSE."""
+    currents: NDArray[np.float64]
+    """Shape (n, 3), to which they point (A)."""
+    command: NDArray[Any]
+    """Shape (1,) of DUTY_COMMAND."""
+    fresh: NDArray[Any]
+    """What a command is before the step, shape (1,) of DUTY_COMMAND."""
+    progress: NDArray[np.int64]
+    """Shape (1,): number of steps begun, watched from another process."""
+    kept: NDArray[Any]
+    """Receives the commands, shape (m,) of DUTY_COMMAND; those behind its end are not kept."""
 
 
 @unallocating
-def make_duty_steps(step: int, state: int, senses: int, size: int, count: int, command: int) -> int:
+def make_duty_steps(given: GivenDutySteps) -> tuple[int, int]:
     """Step a controller, already reset, through given Senses.
 
     Parameters
     ----------
-    step, state : int
-        Addresses of the controller's step function and of its state.
-    senses : int
-        Address of the first record of DUTY_SENSE; the others follow.
-    size : int
-        Size of each (bytes).
-    count : int
-        Number of them.
-    command : int
-        Address of a record of DUTY_COMMAND, which is written anew in each step.
+    given : GivenDutySteps
+        Controller and Senses.
 
     Returns
     -------
-    int
-        Number of steps made.
+    status : int
+        `COMPLETED`, or another status of `duty_command.duty_command_status`.
+    answered : int
+        Number of steps that were answered; the next one is what another status is about.
     """
-    for k in range(count):
-        call_step(step, state, senses + k * size, command)
-    return count
+    senses, command, kept = given.senses, given.command, given.kept
+    size = command.itemsize
+    for k in range(senses.size):
+        copy_bytes(given.fresh.ctypes.data, command.ctypes.data, size)
+        # Counted before the call, so that whoever watches knows in which step a controller hangs.
+        given.progress[0] = k + 1
+        call_step(
+            given.step_address,
+            given.state_address,
+            senses.ctypes.data + k * senses.itemsize,
+            command.ctypes.data,
+        )
+        if k < kept.size:
+            copy_bytes(command.ctypes.data, kept.ctypes.data + k * size, size)
+        status = duty_command_status(command[0])
+        if status != COMPLETED:
+            return status, k
+    return COMPLETED, senses.size
+
+
+def given_duty_steps(
+    step_address: int,
+    state_address: int,
+    senses: NDArray[Any],
+    currents: NDArray[np.float64],
+    *,
+    progress: NDArray[np.int64] | None = None,
+    kept: NDArray[Any] | None = None,
+) -> GivenDutySteps:
+    """Tie Senses and a controller together.
+
+    Parameters
+    ----------
+    step_address, state_address : int
+        Addresses of the controller's step function and of its state.
+    senses : ndarray of DUTY_SENSE, shape (n,)
+        What the controller senses; the address of its phase currents need not be set.
+    currents : ndarray, shape (n, 3)
+        The phase currents (A).
+    progress : ndarray of int64, shape (1,), optional
+        Receives the number of steps begun.
+    kept : ndarray of DUTY_COMMAND, shape (m,), optional
+        Receives the commands of the first m steps.
+
+    Returns
+    -------
+    GivenDutySteps
+        For `make_duty_steps`.
+    """
+    given, currents = senses.copy(), np.ascontiguousarray(currents, np.float64)
+    given["struct_size"] = DUTY_SENSE.itemsize
+    given["phase_currents"] = currents.ctypes.data + np.arange(len(given)) * (currents.itemsize * 3)
+    return GivenDutySteps(
+        step_address,
+        state_address,
+        given,
+        currents,
+        duty_command_record(),
+        duty_command_record(),
+        np.zeros(1, np.int64) if progress is None else progress,
+        np.zeros(0, DUTY_COMMAND) if kept is None else kept,
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite, pi
+from math import pi
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.contract.duty.records import DUTY_COMMAND, duty_command_record, duty_sense_record
-from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF
-from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
+from drivegate_models.loop.duty_command import duty_command_status
+from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.loop_kernel import PLANT_FAULT
 from drivegate_models.loop.schedule import Conditions, Course, Schedule, conditions_at, follow, steady
 from drivegate_models.loop.shaft import held_speed, within_a_turn
@@ -28,9 +28,6 @@ from drivegate_models.pm_ac.sensing import (
     show_shaft,
     turn_shaft_sensors,
 )
-
-BAD_LEG: Final = 4
-"""Status of a run: a leg's state is none of the contract's; those of `loop.exchange` and `loop_kernel` besides."""
 
 TRACE: Final = (
     "time",
@@ -62,7 +59,9 @@ class DutyExchange(NamedTuple):
     fresh: NDArray[Any]
     """What a command is before the step, shape (1,) of DUTY_COMMAND."""
     kept: NDArray[Any]
-    """Receives the command of each step, shape (steps,) of DUTY_COMMAND."""
+    """Receives the command of each step, shape (steps,) of DUTY_COMMAND or more."""
+    progress: NDArray[np.int64]
+    """Shape (1,): number of steps begun, watched from another process."""
     sensed_currents: NDArray[np.float64]
     """Shape (3,) (A)."""
     step_address: int
@@ -103,11 +102,28 @@ class DutyRoom(NamedTuple):
     """Duty ratios of the period just ended, shape (3,)."""
 
 
+RUN_RECORD: Final = np.dtype(
+    [("steps", np.int64), ("speed_final", np.float64), ("worst_balance", np.float64)], align=True
+)
+"""Control periods that were run, speed of the shaft behind them (rad/s), and the worst balance of energy (1)."""
+
+
+class DutyRecords(NamedTuple):
+    """What a run fills in."""
+
+    run: NDArray[Any]
+    """Shape (1,) of RUN_RECORD."""
+    trace: NDArray[np.float64]
+    """Shape (steps, len(TRACE))."""
+    totals: NDArray[np.float64]
+    """Exact integrals over the run, shape (ledger.ENTRIES,)."""
+
+
 class DutyRun(NamedTuple):
     """What came of a run."""
 
     status: int
-    """`COMPLETED`, or another status of `loop.exchange`, `loop_kernel.PLANT_FAULT` or `BAD_LEG`."""
+    """`COMPLETED`, or another status of `loop.exchange`, `loop_kernel.PLANT_FAULT` or `duty_command.BAD_LEG`."""
     steps: int
     """Control periods that were run."""
     trace: NDArray[np.float64]
@@ -123,20 +139,14 @@ class DutyRun(NamedTuple):
 @inlined
 def _take_command(command: Any, room: DutyRoom, place: int) -> int:
     """Take over a command; return `COMPLETED` or why it is none."""
-    if command.struct_size < 0:
-        return STOPPED
+    status = duty_command_status(command)
     room.legs[place, 0] = command.first_leg
     room.legs[place, 1] = command.second_leg
     room.legs[place, 2] = command.third_leg
     room.ratios[place, 0] = command.first_duty
     room.ratios[place, 1] = command.second_duty
     room.ratios[place, 2] = command.third_duty
-    for leg in range(3):
-        if not isfinite(room.ratios[place, leg]):
-            return NOT_FINITE
-        if not LEG_OFF <= room.legs[place, leg] <= LEG_LOW:
-            return BAD_LEG
-    return COMPLETED
+    return status
 
 
 @inlined
@@ -211,10 +221,9 @@ def _run(
     timing: DutyTiming,
     room: DutyRoom,
     sensors: DutySensors,
-    trace: NDArray[np.float64],
-    totals: NDArray[np.float64],
-) -> tuple[int, int, float]:
-    """Run a closed loop; return status, steps and the worst balance of energy."""
+    records: DutyRecords,
+) -> tuple[int, int]:
+    """Run a closed loop; return status and steps."""
     length = timing.control_period
     period = room.period
     inertia = drive.inertia + load.inertia
@@ -223,8 +232,10 @@ def _run(
     angle = timing.initial_angle
     change = 0.0
     stored = stored_energy(drive, phases)
-    worst = 0.0
+    trace, totals, observed = records.trace, records.totals, records.run
     for k in range(timing.steps):
+        observed[0].steps = k
+        observed[0].speed_final = speed
         conditions = conditions_at(schedule, room.course_positions, k * length)
         plant = drifted(drive, conditions.resistance_factor, conditions.emf_factor)
         if load.kind == LOCKED:
@@ -238,13 +249,15 @@ def _run(
             show_phase_currents(sensors, exchange.sensed_currents, before, room.last, length)
             show_shaft(sensors, exchange.sense[0], drive.pole_pairs)
         exchange.command[0] = exchange.fresh[0]
+        # Counted before the call, so that whoever watches knows in which step a controller hangs.
+        exchange.progress[0] = k + 1
         call_step(
             exchange.step_address, exchange.state_address, exchange.sense_address, exchange.command_address
         )
         exchange.kept[k] = exchange.command[0]
         status = _take_command(exchange.command[0], room, delay)
         if status != COMPLETED:
-            return status, k, worst
+            return status, k
         for entry in range(ledger.ENTRIES):
             period[entry] = 0.0
         link = 2.0 * conditions.supply
@@ -261,9 +274,10 @@ def _run(
             length,
             period,
         ):
-            return PLANT_FAULT, k, worst
+            return PLANT_FAULT, k
         now = stored_energy(drive, phases)
-        worst = max(worst, _balance(plant.resistance, held, now - stored, now, period))
+        balance = _balance(plant.resistance, held, now - stored, now, period)
+        observed[0].worst_balance = max(observed[0].worst_balance, balance)
         stored = now
         ledger.add_period(totals, period)
         exchange.sense[0].supply_current = (
@@ -295,10 +309,33 @@ def _run(
             for leg in range(3):
                 room.ratios[0, leg] = room.ratios[1, leg]
                 room.legs[0, leg] = room.legs[1, leg]
-    return COMPLETED, timing.steps, worst
+    observed[0].steps = timing.steps
+    observed[0].speed_final = speed
+    return COMPLETED, timing.steps
 
 
-def run_duty_loop(
+class PreparedDutyLoop(NamedTuple):
+    """A run that is ready to begin."""
+
+    loop: Any
+    """The compiled loop."""
+    arguments: tuple[Any, ...]
+    """What it is called with."""
+    exchange: DutyExchange
+    """The records between loop and controller."""
+    records: DutyRecords
+    """What the run fills in."""
+
+    def run(self) -> DutyRun:
+        """Run the controller, already reset, to the end or to where it stops."""
+        status, done = self.loop(*self.arguments)
+        records = self.records
+        asked = self.exchange.kept[: done + (status != COMPLETED)]
+        worst = float(records.run["worst_balance"][0])
+        return DutyRun(int(status), int(done), records.trace[:done], records.totals, worst, asked)
+
+
+def prepared_duty_loop(
     drive: PmAcDrive,
     load: Load,
     schedule: Schedule,
@@ -311,8 +348,10 @@ def run_duty_loop(
     initial_angle: float = 0.0,
     torque_reference: Course | None = None,
     sensors: DutySensors | None = None,
-) -> DutyRun:
-    """Run a controller that has been reset against the plant.
+    progress: NDArray[np.int64] | None = None,
+    kept: NDArray[Any] | None = None,
+) -> PreparedDutyLoop:
+    """Make a run of a controller against the plant ready to begin.
 
     Parameters
     ----------
@@ -336,11 +375,15 @@ def run_duty_loop(
         What the controller is given in place of the schedule's speed (N m).
     sensors : DutySensors, optional
         What the controller sees through; the plant as it is where they are left out.
+    progress : ndarray of int64, shape (1,), optional
+        Receives the number of steps begun.
+    kept : ndarray of DUTY_COMMAND, shape (n,), optional
+        Receives the commands, with room for those of all steps.
 
     Returns
     -------
-    DutyRun
-        Its trace and totals. Before the first answer acts, the duty ratios are all 1/2.
+    PreparedDutyLoop
+        The run. Before the first answer acts, the duty ratios are all 1/2.
     """
     steps = round(duration / control_period)
     currents = np.zeros(3)
@@ -349,15 +392,15 @@ def run_duty_loop(
         sense,
         command,
         fresh,
-        np.zeros(steps, DUTY_COMMAND),
+        np.zeros(steps, DUTY_COMMAND) if kept is None else kept,
+        np.zeros(1, np.int64) if progress is None else progress,
         currents,
         step_address,
         state_address,
         sense.ctypes.data,
         command.ctypes.data,
     )
-    trace = np.zeros((steps, len(TRACE)))
-    totals = np.zeros(ledger.ENTRIES)
+    records = DutyRecords(np.zeros(1, RUN_RECORD), np.zeros((steps, len(TRACE))), np.zeros(ledger.ENTRIES))
     room = DutyRoom(
         np.zeros(7, np.int64),
         np.zeros(ledger.ENTRIES),
@@ -374,8 +417,27 @@ def run_duty_loop(
     )
     torque = steady(0.0) if torque_reference is None else torque_reference
     shown = ideal_duty_sensors() if sensors is None else sensors
-    status, done, worst = _run(
-        drive, make_phases(), load, schedule, torque, exchange, timing, room, shown, trace, totals
-    )
-    asked = exchange.kept[: done + (status != COMPLETED)]
-    return DutyRun(int(status), int(done), trace[:done], totals, float(worst), asked)
+    arguments = (drive, make_phases(), load, schedule, torque, exchange, timing, room, shown, records)
+    return PreparedDutyLoop(_run, arguments, exchange, records)
+
+
+def run_duty_loop(drive: PmAcDrive, load: Load, schedule: Schedule, **options: Any) -> DutyRun:
+    """Run a controller that has been reset against the plant.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    load : Load
+        What it drives.
+    schedule : Schedule
+        What happens.
+    **options
+        As `prepared_duty_loop` has them.
+
+    Returns
+    -------
+    DutyRun
+        Its trace, totals and commands.
+    """
+    return prepared_duty_loop(drive, load, schedule, **options).run()

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivegate_models.contract import outer_loop
+from drivegate_models import contract as contracts
 from drivegate_models.contract.outer_loop import records as contract
 from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
 
-HEADER = Path(outer_loop.__file__).with_name("drivegate.h")
+HEADER = Path(contracts.__file__).with_name("include") / "drivegate.h"
 RECORDS = {"nameplate": contract.NAMEPLATE, "sense": contract.SENSE, "command": contract.COMMAND}
 SIGNALS = {"nameplate": Nameplate, "sense": Sense, "command": Command}
 

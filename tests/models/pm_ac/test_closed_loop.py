@@ -12,11 +12,12 @@ from tests.models.duty_runs import COLUMN, PERIOD, controlled, course, limits_of
 
 from drivegate_models.contract.duty.records import DUTY_COMMAND
 from drivegate_models.contract.duty.signals import TORQUE_REFERENCE
+from drivegate_models.loop.duty_command import BAD_LEG
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.schedule import Course, steady
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import CONSTANT_POWER, CONSTANT_TORQUE, Load
-from drivegate_models.pm_ac.closed_loop import BAD_LEG, run_duty_loop
+from drivegate_models.pm_ac.closed_loop import run_duty_loop
 from drivegate_models.pm_ac.oracle import CURRENT, least_at
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive
 

@@ -6,6 +6,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS, DutyFault
+from drivegate.candidates.contract import require_nameplate_of
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate_models.contract.duty.records import duty_nameplate_record
@@ -13,7 +14,6 @@ from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.duty.controllers.foc import reset_function, step_function
 from drivegate_models.duty.controllers.state import foc_state
 from drivegate_models.duty.faults.spoilt import spoilt_state, spoilt_step_function
-from drivegate_models.errors import InputError
 
 
 class DutyController:
@@ -42,11 +42,7 @@ class DutyController:
 
     def reset(self, nameplate: Any) -> None:
         """Write the constants and forget everything else; a nameplate of another contract is refused."""
-        if not isinstance(nameplate, DutyNameplate):
-            raise InputError(
-                "the controller answers with duty ratios, but the drive takes a current reference and an advance "
-                "angle; name a drive of the kind 'pm-ac'"
-            )
+        require_nameplate_of("duty", nameplate)
         fault = self._fault
         told = nameplate if fault is None or fault.told is None else fault.told(nameplate)
         reset_function()(self._state, duty_nameplate_record(told))

@@ -19,6 +19,7 @@ from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
+    from drivegate.candidates.contract import ContractName
     from drivegate.candidates.manifest import Manifest
 
 
@@ -86,7 +87,7 @@ def _unknown(name: str, known: list[str]) -> InputError:
 
 def _candidate(name: str, specification: str, entry: str, declaration: Declaration) -> Candidate:
     digest = hashlib.sha256(f"drivegate {__version__} {entry}".encode()).hexdigest()
-    contract = "duty" if _answers_with_duty_ratios(entry) else "current"
+    contract: ContractName = "duty" if _answers_with_duty_ratios(entry) else "current"
     return Candidate(
         name, "builtin", specification, entry, Path.cwd(), (), digest, declaration, contract=contract
     )

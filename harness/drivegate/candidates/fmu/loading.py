@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 
 from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.contract import AnyNameplate
 from drivegate.candidates.fmu.archive import unpack
 from drivegate.candidates.fmu.description import FmuDescription, read_description
 from drivegate.candidates.fmu.instance import FmuInstance
@@ -107,8 +108,9 @@ class FmuController(PythonController):
         self._fmu = unpacked.instance()
         super().__init__(self._fmu)
 
-    def reset(self, nameplate: Nameplate) -> None:
+    def reset(self, nameplate: AnyNameplate) -> None:
         """Instantiate the FMU anew before a run."""
+        assert isinstance(nameplate, Nameplate), "an FMU is a candidate of the contract of current references"
         count = self._unpacked.description.connections.phase_currents
         if count not in (0, nameplate.phases):
             raise InputError(

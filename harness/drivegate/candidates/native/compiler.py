@@ -17,7 +17,7 @@ from typing import Final
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.native.bounded_command import COMPILATION, Bounds, Ended, run_bounded
 from drivegate_cases.documents.wording import one_line
-from drivegate_models.contract import outer_loop
+from drivegate_models import contract
 from drivegate_models.errors import InputError
 
 FLAGS: Final = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-Wall", "-Wextra")
@@ -77,8 +77,8 @@ class CompilationError(InputError):
 
 
 def include_folder() -> Path:
-    """Find the folder of the header `drivegate.h`."""
-    return Path(outer_loop.__file__).resolve().parent
+    """Find the folder of the headers `drivegate.h` and `drivegate_duty.h`."""
+    return Path(contract.__file__).resolve().with_name("include")
 
 
 def c_compiler() -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""A controller in compiled code behind the functions of `drivegate.h`, stepped by address."""
+"""A controller in compiled code behind the functions of `drivegate.h` or `drivegate_duty.h`, stepped by address."""
 
 import ctypes
 from collections.abc import Iterator
@@ -9,9 +9,16 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.candidates.contract import AnyNameplate, ContractName, require_nameplate_of
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
+from drivegate_models.contract.duty.records import duty_nameplate_record
+from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.contract.outer_loop.records import STATE_ALIGNMENT, nameplate_record
-from drivegate_models.contract.outer_loop.signals import Nameplate
+
+RESETS: Final[dict[ContractName, str]] = {"current": "drivegate_reset", "duty": "drivegate_duty_reset"}
+"""Name of the function that resets a controller of each contract."""
+STEPS: Final[dict[ContractName, str]] = {"current": "drivegate_step", "duty": "drivegate_duty_step"}
+"""Name of the function that steps it."""
 
 _mathematics: Final = ctypes.CDLL(find_library("m"))
 # The largest floating-point environment that a C library has is well below this.
@@ -52,9 +59,14 @@ class NativeController:
         Address of the state, aligned as the header says; 0 for none. Valid as long as this object lives.
     state_size : int
         As given.
+    contract : str
+        As given.
     """
 
-    def __init__(self, step_address: int, reset: ResetFunction, state_size: int) -> None:
+    def __init__(
+        self, step_address: int, reset: ResetFunction, state_size: int, contract: ContractName = "current"
+    ) -> None:
+        self.contract = contract
         self.step_address = step_address
         self.state_size = state_size
         self._fault: Fault | None = None
@@ -68,9 +80,13 @@ class NativeController:
         """What ended the last run, where that was the reset."""
         return self._fault
 
-    def reset(self, nameplate: Nameplate) -> None:
-        """Have the candidate prepare for a run."""
-        record = nameplate_record(nameplate)
+    def reset(self, nameplate: AnyNameplate) -> None:
+        """Have the candidate prepare for a run; a nameplate of another contract is refused."""
+        require_nameplate_of(self.contract, nameplate)
+        if isinstance(nameplate, DutyNameplate):
+            record = duty_nameplate_record(nameplate)
+        else:
+            record = nameplate_record(nameplate)
         with same_arithmetic():
             status = self._reset(self.state_address, record.ctypes.data)
         self._fault = self._why_not_reset(status)
@@ -82,6 +98,6 @@ class NativeController:
             return None
         return Fault(
             FaultKind.EXCEPTION,
-            f"drivegate_reset returned {status}, which refuses the run; 0 is success",
+            f"{RESETS[self.contract]} returned {status}, which refuses the run; 0 is success",
             "reset",
         )

@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate, NativeBuild
+from drivegate.candidates.contract import ContractName
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import bounded_line
-from drivegate.candidates.native.controller import NativeController, same_arithmetic
+from drivegate.candidates.native.controller import RESETS, STEPS, NativeController, same_arithmetic
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.contract.outer_loop.records import ABI_MAJOR, ABI_MINOR
 from drivegate_models.errors import HarnessFault, InputError
@@ -16,7 +17,8 @@ from drivegate_models.errors import HarnessFault, InputError
 LARGEST_STATE: Final = 64 * 2**20
 """Greatest size of a candidate's state (bytes)."""
 
-_FUNCTIONS: Final = ("drivegate_abi_version", "drivegate_state_size", "drivegate_reset", "drivegate_step")
+_COMMON: Final = ("drivegate_abi_version", "drivegate_state_size")
+_HEADERS: Final[dict[ContractName, str]] = {"current": "drivegate.h", "duty": "drivegate_duty.h"}
 _VERSIONS_IN_ONE: Final = 1000
 
 
@@ -31,7 +33,7 @@ def load_controller(candidate: Candidate) -> Controller:
 
 
 def _instance_of(library: Path, name: str) -> NativeController:
-    functions = _loaded(library, name)
+    functions, contract = _loaded(library, name)
     with same_arithmetic():
         version, size = functions.drivegate_abi_version(), functions.drivegate_state_size()
     major, minor = divmod(version, _VERSIONS_IN_ONE)
@@ -45,21 +47,27 @@ def _instance_of(library: Path, name: str) -> NativeController:
             f"{name}: drivegate_state_size returned {size}, but must return the size of the state in bytes, "
             f"0 to {LARGEST_STATE}"
         )
-    return _new_instance(functions, size) if size else _single_instance(library, functions)
+    return (
+        _new_instance(functions, contract, size) if size else _single_instance(library, functions, contract)
+    )
 
 
 @cache
-def _single_instance(library: Path, functions: Any) -> NativeController:  # noqa: ARG001  (tells libraries apart)
-    return _new_instance(functions, 0)
+def _single_instance(
+    library: Path,  # noqa: ARG001  (tells libraries apart)
+    functions: Any,
+    contract: ContractName,
+) -> NativeController:
+    return _new_instance(functions, contract, 0)
 
 
-def _new_instance(functions: Any, size: int) -> NativeController:
-    step_address = ctypes.cast(functions.drivegate_step, ctypes.c_void_p).value or 0
-    return NativeController(step_address, functions.drivegate_reset, size)
+def _new_instance(functions: Any, contract: ContractName, size: int) -> NativeController:
+    step_address = ctypes.cast(getattr(functions, STEPS[contract]), ctypes.c_void_p).value or 0
+    return NativeController(step_address, getattr(functions, RESETS[contract]), size, contract)
 
 
 @cache
-def _loaded(library: Path, name: str) -> Any:
+def _loaded(library: Path, name: str) -> tuple[Any, ContractName]:
     try:
         with same_arithmetic():
             functions = ctypes.CDLL(str(library))
@@ -68,13 +76,28 @@ def _loaded(library: Path, name: str) -> Any:
         raise InputError(
             f"{name} cannot be loaded: {reason}; link all that it calls, and compile it for this machine"
         ) from error
-    missing = [function for function in _FUNCTIONS if not hasattr(functions, function)]
+    contract = _contract_of(functions, name)
+    required = (*_COMMON, RESETS[contract], STEPS[contract])
+    missing = [function for function in required if not hasattr(functions, function)]
     if missing:
         raise InputError(
-            f"{name} does not export {', '.join(missing)}; a controller exports the functions that drivegate.h declares"
+            f"{name} does not export {', '.join(missing)}; a controller exports the functions that "
+            f"{_HEADERS[contract]} declares"
         )
     functions.drivegate_abi_version.restype = ctypes.c_int64
     functions.drivegate_state_size.restype = ctypes.c_int64
-    functions.drivegate_reset.argtypes = (ctypes.c_void_p, ctypes.c_void_p)
-    functions.drivegate_reset.restype = ctypes.c_int
-    return functions
+    reset = getattr(functions, RESETS[contract])
+    reset.argtypes, reset.restype = (ctypes.c_void_p, ctypes.c_void_p), ctypes.c_int
+    return functions, contract
+
+
+def _contract_of(functions: Any, name: str) -> ContractName:
+    """Tell which of the two steps a library exports; one with neither is taken for a controller of currents."""
+    if not hasattr(functions, STEPS["duty"]):
+        return "current"
+    if hasattr(functions, STEPS["current"]):
+        raise InputError(
+            f"{name} exports both {STEPS['current']} and {STEPS['duty']}; export the pair of one contract, that of "
+            "drivegate.h or that of drivegate_duty.h"
+        )
+    return "duty"

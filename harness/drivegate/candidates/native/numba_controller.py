@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
+from drivegate.candidates.contract import ContractName
+
 
 @dataclass(frozen=True, eq=False)
 class NumbaController:
@@ -12,7 +14,8 @@ class NumbaController:
     Either both are plain Python functions: ``reset(state, nameplate)`` and ``step(state, sense, command)``, where
     all arguments are records with the fields of the contract, the state's fields are those of its dtype, and `step`
     writes its answer into `command`. Functions that they call are compiled with ``numba.njit``. Or both are
-    ``numba.cfunc`` of the types of `drivegate_reset` and `drivegate_step` in ``drivegate.h``.
+    ``numba.cfunc`` of the types of `drivegate_reset` and `drivegate_step` in ``drivegate.h``, or of those in
+    ``drivegate_duty.h``.
 
     Parameters
     ----------
@@ -22,6 +25,9 @@ class NumbaController:
         Prepares for a run and forgets all earlier ones. The state is zeroed once, before the first.
     step : callable
         Answers for one control period.
+    contract : {"current", "duty"}
+        What it answers with: a current reference and an advance angle, or duty ratios. Then the records are those of
+        ``drivegate_duty.h``, and `step` writes ``command.first_duty``, ``second_duty`` and ``third_duty``.
 
     Examples
     --------
@@ -39,3 +45,4 @@ class NumbaController:
     _: KW_ONLY
     reset: Callable[..., Any]
     step: Callable[..., Any]
+    contract: ContractName = "current"

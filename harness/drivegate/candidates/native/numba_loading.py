@@ -18,6 +18,7 @@ from numba.core.ccallback import CFunc
 from numba.core.dispatcher import Dispatcher
 from numba.np.numpy_support import carray
 
+from drivegate.candidates.contract import ContractName
 from drivegate.candidates.fault import Fault, bounded_line, exception_fault
 from drivegate.candidates.native.controller import NativeController, ResetFunction
 from drivegate.candidates.native.loading import LARGEST_STATE
@@ -25,10 +26,22 @@ from drivegate.candidates.native.numba_controller import NumbaController
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_NAMEPLATE, DUTY_SENSE
 from drivegate_models.contract.outer_loop.records import COMMAND, NAMEPLATE, SENSE, STOP
 from drivegate_models.errors import InputError
 
 _ARGUMENTS: Final = {"reset": ("state", "nameplate"), "step": ("state", "sense", "command")}
+_RECORDS: Final = {
+    "current": (NAMEPLATE, SENSE, COMMAND),
+    "duty": (DUTY_NAMEPLATE, DUTY_SENSE, DUTY_COMMAND),
+}
+_NAMES: Final = {
+    "current": {"reset": "drivegate_reset in drivegate.h", "step": "drivegate_step in drivegate.h"},
+    "duty": {
+        "reset": "drivegate_duty_reset in drivegate_duty.h",
+        "step": "drivegate_duty_step in drivegate_duty.h",
+    },
+}
 _RESET: Final = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
 _COLOUR: Final = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE: Final = re.compile(
@@ -65,10 +78,10 @@ def phase_current(sense: Any, index: int) -> float:
 class CompiledController(NativeController):
     """One instance of a numba candidate; an exception in its step is reported as that of a Python candidate."""
 
-    def __init__(self, step: Any, reset: Any, state_size: int) -> None:
+    def __init__(self, step: Any, reset: Any, state_size: int, contract: ContractName) -> None:
         self._functions = (step, reset)
         call_reset: ResetFunction = _RESET(reset.address)
-        super().__init__(step.address, call_reset, state_size)
+        super().__init__(step.address, call_reset, state_size, contract)
         _raised.watch()
 
     @property
@@ -112,16 +125,26 @@ _raised: Final = _RaisedExceptions()
 
 def load_numba_controller(definition: NumbaController, name: str) -> CompiledController:
     """Compile a numba candidate."""
+    if definition.contract not in _RECORDS:
+        raise InputError(
+            f"{name}: contract is {_bounded(repr(definition.contract))}, but must be one of {', '.join(_RECORDS)}"
+        )
     functions = (definition.reset, definition.step)
     if all(isinstance(function, CFunc) for function in functions):
         return _from_callbacks(definition, name)
     for role, function in zip(_ARGUMENTS, functions, strict=True):
         _check_function(role, function, name)
     layout = _layout(definition.state, name)
+    nameplate, sense, command = map(numba.from_dtype, _RECORDS[definition.contract])
     state = numba.from_dtype(layout)
-    step = _compiled("step", definition.step, (state, *map(numba.from_dtype, (SENSE, COMMAND))), name)
-    reset = _compiled("reset", definition.reset, (state, numba.from_dtype(NAMEPLATE)), name)
-    return CompiledController(_step_callback(step, state), _reset_callback(reset, state), layout.itemsize)
+    step = _compiled("step", definition.step, (state, sense, command), name)
+    reset = _compiled("reset", definition.reset, (state, nameplate), name)
+    return CompiledController(
+        _step_callback(step, (state, sense, command)),
+        _reset_callback(reset, (state, nameplate)),
+        layout.itemsize,
+        definition.contract,
+    )
 
 
 def _from_callbacks(definition: NumbaController, name: str) -> CompiledController:
@@ -137,11 +160,11 @@ def _from_callbacks(definition: NumbaController, name: str) -> CompiledControlle
         if signature.return_type != answer or len(signature.args) != count:
             raise InputError(
                 f"{name}: {role} has the type {_bounded(str(signature))}, but must return {answer} and take {count} "
-                f"pointers, as drivegate_{role} in drivegate.h"
+                f"pointers, as {_NAMES[definition.contract][role]}"
             )
     step: Any = definition.step
     reset: Any = definition.reset
-    return CompiledController(step, reset, size)
+    return CompiledController(step, reset, size, definition.contract)
 
 
 def _check_function(role: str, function: object, name: str) -> None:
@@ -208,7 +231,7 @@ def _pointer(record: Any) -> Any:
     return pointer(record)
 
 
-def _step_callback(step: Any, state: Any) -> Any:
+def _step_callback(step: Any, records: tuple[Any, ...]) -> Any:
     """Put a step behind a C function that stops the loop when the step does not come to its end."""
 
     def drivegate_step(state: Any, sense: Any, command: Any) -> None:
@@ -218,15 +241,14 @@ def _step_callback(step: Any, state: Any) -> Any:
         step(carray(state, 1)[0], carray(sense, 1)[0], answer)
         answer.struct_size = size
 
-    pointers = (_pointer(record) for record in (state, numba.from_dtype(SENSE), numba.from_dtype(COMMAND)))
-    return numba.cfunc(types.void(*pointers))(drivegate_step)
+    return numba.cfunc(types.void(*map(_pointer, records)))(drivegate_step)
 
 
-def _reset_callback(reset: Any, state: Any) -> Any:
+def _reset_callback(reset: Any, records: tuple[Any, ...]) -> Any:
     """Put a reset behind a C function; it returns 0, since an exception tells that it failed."""
 
     def drivegate_reset(state: Any, nameplate: Any) -> int:
         reset(carray(state, 1)[0], carray(nameplate, 1)[0])
         return 0
 
-    return numba.cfunc(types.int32(_pointer(state), _pointer(numba.from_dtype(NAMEPLATE))))(drivegate_reset)
+    return numba.cfunc(types.int32(*map(_pointer, records)))(drivegate_reset)

@@ -115,6 +115,8 @@ def _candidate(
     declaration: Declaration | None,
     build: NativeBuild,
 ) -> Candidate:
+    from drivegate.candidates.native.exports import contract_served
+
     return Candidate(
         name,
         kind,
@@ -125,4 +127,5 @@ def _candidate(
         hash_of(sources, flags),
         declaration or Declaration(),
         build,
+        contract=contract_served(build.library),
     )

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Final, TypeVar
 
 from drivegate.candidates.candidate import Candidate, Program
+from drivegate.candidates.contract import AnyNameplate
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line
 from drivegate.candidates.program.process import LateAnswer, ProgramEnded, ProgramProcess
 from drivegate.candidates.program.protocol import (
@@ -13,12 +14,15 @@ from drivegate.candidates.program.protocol import (
     check_hello,
     check_ready,
     command_of,
+    duty_command_of,
+    duty_sense_message,
     reset_message,
     sense_message,
 )
 from drivegate.candidates.python.bridge import PythonController
 from drivegate_cases.documents.wording import one_line
-from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
+from drivegate_models.contract.duty.signals import DutyCommand, DutySense
+from drivegate_models.contract.outer_loop.signals import Command, Sense
 from drivegate_models.errors import HarnessFault
 
 START_DEADLINE: Final = 30.0
@@ -46,12 +50,14 @@ class ExecutedProgram:
             self._process.end()
             raise
 
-    def reset(self, nameplate: Nameplate) -> None:
+    def reset(self, nameplate: AnyNameplate) -> None:
         """Send the nameplate."""
         self._answered(reset_message(nameplate), check_ready, START_DEADLINE, "reset")
 
-    def step(self, sense: Sense) -> Command:
+    def step(self, sense: Sense | DutySense) -> Command | DutyCommand:
         """Send a Sense and take the Command that answers it."""
+        if isinstance(sense, DutySense):
+            return self._answered(duty_sense_message(sense), duty_command_of, self._step_deadline, "step")
         return self._answered(sense_message(sense), command_of, self._step_deadline, "step")
 
     def _answered(

@@ -7,8 +7,10 @@ import json
 from collections.abc import Sequence
 from typing import Any, Final
 
+from drivegate.candidates.contract import AnyNameplate
 from drivegate_cases.documents.wording import nearest, one_line, shown
-from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
+from drivegate_models.contract.duty.signals import DutyCommand, DutySense
+from drivegate_models.contract.outer_loop.signals import Command, Sense
 from drivegate_models.errors import InputError
 
 PROTOCOL_VERSION: Final = 1
@@ -25,7 +27,7 @@ class WrongAnswer(Exception):
     """An answer that the protocol does not allow; its text is a sentence."""
 
 
-def reset_message(nameplate: Nameplate) -> bytes:
+def reset_message(nameplate: AnyNameplate) -> bytes:
     """Write the message at the beginning of a run."""
     return json.dumps({"reset": nameplate._asdict()}, separators=(",", ":")).encode() + b"\n"
 
@@ -38,6 +40,12 @@ def sense_message(sense: Sense) -> bytes:
         f'"phase_currents":{list(currents)!r},"current_magnitude_sum":{magnitude_sum!r},'
         f'"half_supply_voltage":{voltage!r}}}}}\n'
     ).encode()
+
+
+def duty_sense_message(sense: DutySense) -> bytes:
+    """Write the message of one control period to a controller of duty ratios; what is not known is left out."""
+    known = {name: value for name, value in sense._asdict().items() if value == value}
+    return json.dumps({"sense": known}, separators=(",", ":")).encode() + b"\n"
 
 
 def check_hello(line: bytes) -> None:
@@ -75,6 +83,23 @@ def command_of(line: bytes) -> Command:
         )
     command = Command(_number("current_reference", current_reference), _number("advance_angle", angle))
     return command if power is None else command._replace(input_power=_number("input_power", power))
+
+
+def duty_command_of(line: bytes) -> DutyCommand:
+    """Read the answer to a Sense of a controller of duty ratios; its values are checked where every answer is."""
+    answer = _object(line, required=("duty_ratios",), optional=DutyCommand._fields[1:])
+    for name in ("duty_ratios", "legs"):
+        if name in answer and not isinstance(answer[name], list):
+            raise WrongAnswer(f"'{name}' is {shown(answer[name])}, but must be a list of three numbers")
+    numbers: dict[str, Any] = {
+        name: _number(name, value)
+        for name, value in answer.items()
+        if name not in ("duty_ratios", "legs", "fault")
+    }
+    ratios = tuple(_number("duty_ratios", value) for value in answer["duty_ratios"])
+    others: dict[str, Any] = {name: answer[name] for name in ("legs", "fault") if name in answer}
+    given: Any = ratios
+    return DutyCommand(given, **others, **numbers)
 
 
 def _object(line: bytes, *, required: Sequence[str], optional: Sequence[str] = ()) -> dict[str, Any]:

@@ -54,7 +54,10 @@ def _candidate(
     sources = tuple(dict.fromkeys((*(file for file in named if file is not None), *further_sources)))
     entry = shlex.join(program.arguments)
     digest = hash_of(sources, entry)
-    return Candidate(name, "exec", specification, command, folder, sources, digest, declaration, program)
+    # Only the program itself tells its contract.
+    return Candidate(
+        name, "exec", specification, command, folder, sources, digest, declaration, program, contract=None
+    )
 
 
 def _words(command: str, where: str, advice: str) -> tuple[str, ...]:

@@ -5,89 +5,115 @@ The callback runs once per control period, so it reads and writes the binary rec
 wrong becomes a `Fault`, and the command tells the loop to stop.
 """
 
+from __future__ import annotations
+
 import ctypes
 from collections.abc import Callable
-from dataclasses import replace
 from math import isfinite, isinf
-from numbers import Real
 from struct import Struct
-from typing import Any, Protocol
+from typing import Any, ClassVar, Final, Protocol
 
-from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line, exception_fault
-from drivegate_models.contract.outer_loop.records import COMMAND, SENSE, STOP, packing
-from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
+from drivegate.candidates.contract import AnyNameplate, ContractName, contract_of
+from drivegate.candidates.fault import CandidateFault, Fault, exception_fault
+from drivegate.candidates.python.bridged_steps import BridgedSteps, InvalidOutput, real_number
+from drivegate.candidates.python.duty_steps import DutySteps
+from drivegate_models.contract.outer_loop.records import COMMAND, SENSE, packing
+from drivegate_models.contract.outer_loop.signals import Command, Sense
+from drivegate_models.errors import InputError
 
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 _SENSE = packing(SENSE)
 _OUTPUTS = Struct("=" + "d" * len(Command._fields))
 _OUTPUTS_OFFSET = COMMAND.fields["current_reference"][1] if COMMAND.fields else 0
-_STOP = Struct("=q").pack(STOP)
 
 
 class PythonCandidate(Protocol):
     """What a controller written in Python looks like."""
 
-    def reset(self, nameplate: Nameplate) -> None:
+    def reset(self, nameplate: Any) -> None:
         """Prepare for a run and forget all earlier ones."""
 
-    def step(self, sense: Sense) -> Command:
-        """Answer for one control period."""
-
-
-class InvalidOutput(Exception):
-    """What a candidate's step returned is not a command that the plant could take."""
+    def step(self, sense: Any) -> Any:
+        """Answer for one control period: with a Command to a Sense, or with a DutyCommand to a DutySense."""
 
 
 class PythonController:
-    """One instance of a Python candidate, steppable by address.
+    """One instance of a Python candidate, steppable by address, by the contract of the nameplate that resets it.
 
     Attributes
     ----------
-    step_address : int
-        Address of a C function of the type of `drivegate_step`; valid as long as this object lives.
-    state_address : int
-        Always 0: the state is in the Python object.
     instance : object
         The candidate.
     """
 
+    state_address = 0
+    """The state is in the Python object."""
+
     def __init__(self, instance: Any) -> None:
-        self.state_address = 0
         self.instance: PythonCandidate = instance
-        # The callback holds the steps and not this object, so that the instance goes when this object does.
-        self._steps = _Steps(instance)
-        self._callback = _CALLBACK(self._steps.step)
-        # Casting would make a cycle of references, and the instance would stay until it is collected.
-        self.step_address = ctypes.c_void_p.from_address(ctypes.addressof(self._callback)).value or 0
+        self._bridges: dict[ContractName, _Bridge] = {}
+        self._bridge = self._bridge_of("current")
+
+    def _bridge_of(self, contract: ContractName) -> _Bridge:
+        if contract not in self._bridges:
+            self._bridges[contract] = _Bridge(_STEPS[contract](self.instance.step))
+        return self._bridges[contract]
+
+    @property
+    def step_address(self) -> int:
+        """Address of a C function like `drivegate_step`, of the last reset's contract; valid as long as this lives."""
+        return self._bridge.address
 
     @property
     def fault(self) -> Fault | None:
         """What ended the run, if the candidate did."""
-        return self._steps.fault
+        return self._bridge.steps.fault
 
-    def reset(self, nameplate: Nameplate) -> None:
+    @property
+    def refusal(self) -> InputError | None:
+        """What ended the run, if the candidate answers by the other contract."""
+        return self._bridge.steps.refusal
+
+    def reset(self, nameplate: AnyNameplate) -> None:
         """Reset the candidate before a run."""
-        self._steps.fault = None
+        self._bridge = self._bridge_of(contract_of(nameplate))
+        steps = self._bridge.steps
+        steps.fault = steps.refusal = None
         try:
             self.instance.reset(nameplate)
-            self._steps.candidate_step = self.instance.step
+            steps.candidate_step = self.instance.step
         except BaseException as error:
             fault = error.fault if isinstance(error, CandidateFault) else exception_fault(error, "reset")
-            self._steps.fault = fault
+            steps.fault = fault
             raise CandidateFault(fault) from error
 
 
-class _Steps:
-    """What the callback works on."""
+class _Bridge:
+    """The callback of one contract.
 
-    def __init__(self, instance: PythonCandidate) -> None:
-        self.fault: Fault | None = None
-        self.candidate_step: Callable[[Sense], Command] = instance.step
+    It holds the steps and not the controller, so that the instance goes when the controller does.
+    """
+
+    def __init__(self, steps: BridgedSteps) -> None:
+        self.steps = steps
+        self._callback = _CALLBACK(steps.step)
+        # Casting would make a cycle of references, and the instance would stay until it is collected.
+        self.address: int = ctypes.c_void_p.from_address(ctypes.addressof(self._callback)).value or 0
+
+
+class _Steps(BridgedSteps):
+    """What the callback of current references works on; attributes as of any."""
+
+    contract: ClassVar[ContractName] = "current"
+
+    def __init__(self, candidate_step: Callable[[Sense], Command]) -> None:
+        super().__init__(candidate_step)
         self._sense_address = self._command_address = self._currents_address = self._phases = 0
         self._sense_view = self._command_view = self._currents_view = (ctypes.c_char * 0)()
         self._currents_packing = Struct("=")
 
     def step(self, _state: int | None, sense_address: int, command_address: int) -> None:
+        """Step the candidate on what lies at an address, and write its answer to another."""
         sense = None
         try:
             if sense_address != self._sense_address or command_address != self._command_address:
@@ -107,7 +133,7 @@ class _Steps:
             )
             answer = self.candidate_step(sense)
             if not isinstance(answer, Command):
-                raise InvalidOutput(_not_a_command(answer))
+                raise self.not_a_command(answer)
             current_reference, angle, power = answer
             if not (type(current_reference) is type(angle) is type(power) is float):
                 current_reference, angle, power = _real_numbers(answer)
@@ -115,7 +141,7 @@ class _Steps:
                 raise InvalidOutput(_not_finite(current_reference, angle, power))
             _OUTPUTS.pack_into(self._command_view, _OUTPUTS_OFFSET, current_reference, angle, power)
         except BaseException as error:
-            self._stop(error, sense, command_address)
+            self.stop(error, sense, command_address)
 
     def _look_at(self, sense_address: int, command_address: int) -> None:
         self._sense_address, self._command_address = sense_address, command_address
@@ -127,47 +153,10 @@ class _Steps:
         self._currents_packing = Struct(f"={phases}d")
         self._currents_view = (ctypes.c_char * self._currents_packing.size).from_address(address)
 
-    def _stop(self, error: BaseException, sense: Sense | None, command_address: int) -> None:
-        """End the run. Memory may be exhausted, so the loop is stopped first and the fault may stay terse."""
-        ctypes.memmove(command_address, _STOP, len(_STOP))
-        if self.fault is not None:
-            return
-        name = type(error).__name__
-        self.fault = Fault(FaultKind.EXCEPTION, name, "step", error=name)
-        try:
-            self.fault = _step_fault(error, sense)
-        except MemoryError:
-            return
-
-
-def _step_fault(error: BaseException, sense: Sense | None) -> Fault:
-    phase: Phase = "step"
-    if isinstance(error, CandidateFault):
-        fault = error.fault
-    elif isinstance(error, InvalidOutput):
-        fault = Fault(FaultKind.INVALID_OUTPUT, bounded_line(str(error)), phase)
-    else:
-        fault = exception_fault(error, phase)
-    return fault if sense is None else replace(fault, time=sense.time, sense=sense._asdict())
-
-
-def _not_a_command(answer: object) -> str:
-    what = "None" if answer is None else f"an object of type {type(answer).__name__}"
-    return f"step returned {what}, but must return a drivegate.Command(current_reference, advance_angle)"
-
 
 def _real_numbers(answer: Command) -> list[float]:
-    """Accept what is a real number to Python, such as an int or a numpy scalar."""
-    numbers: list[float] = []
     outputs: tuple[object, ...] = tuple(answer)
-    for name, value in zip(Command._fields, outputs, strict=True):
-        if isinstance(value, bool) or not isinstance(value, Real):
-            raise InvalidOutput(f"{name} is of type {type(value).__name__}, but must be a real number")
-        try:
-            numbers.append(float(value))
-        except OverflowError:
-            raise InvalidOutput(f"{name} is an integer too large for a 64-bit float") from None
-    return numbers
+    return [real_number(name, value) for name, value in zip(Command._fields, outputs, strict=True)]
 
 
 def _not_finite(current_reference: float, angle: float, power: float) -> str:
@@ -176,3 +165,6 @@ def _not_finite(current_reference: float, angle: float, power: float) -> str:
     if not isfinite(angle):
         return f"advance_angle is {angle}, but must be finite"
     return f"input_power is {power}, but must be finite, or NaN for no estimate"
+
+
+_STEPS: Final[dict[ContractName, type[BridgedSteps]]] = {"current": _Steps, "duty": DutySteps}

@@ -76,4 +76,6 @@ def _candidate(
         sources,
         hash_of(sources, attribute),
         declaration or Declaration(),
+        # Only its code tells.
+        contract=None,
     )

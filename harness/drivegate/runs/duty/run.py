@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Final, TypeAlias
 
@@ -13,20 +13,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller
-from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
+from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, FaultKind
+from drivegate.containment.contained_controller import ContainedController, PlayedCommands
+from drivegate.containment.messages import AnyController
+from drivegate.containment.orders import CloseLoop
 from drivegate.runs.scenario import plant_load, plant_schedule
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
 from drivegate_cases.scenario.profile import profile_arrays
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF, DutyNameplate
+from drivegate_models.contract.duty.records import DUTY_COMMAND
+from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF, DutyNameplate, DutySense
 from drivegate_models.errors import HarnessFault
+from drivegate_models.loop.duty_command import BAD_LEG
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.schedule import Course
 from drivegate_models.units import RADIANS_PER_RPM
 
-RunLoop: TypeAlias = Callable[..., Any]
-"""Runs a controller, already reset, against the plant, and gives its status, trace, integrals and commands."""
+PrepareDutyLoop: TypeAlias = Callable[..., Any]
+"""Makes a run against the plant ready to begin, `drivegate_models.pm_ac.closed_loop.prepared_duty_loop`."""
 
 DUTY_RATIOS: Final = ("first_duty", "second_duty", "third_duty")
 """Fields of a command that are duty ratios."""
@@ -89,28 +94,33 @@ def duty_nameplate(scenario: Scenario) -> DutyNameplate:
 
 
 def run_duty(
-    loop: RunLoop, columns: tuple[str, ...], scenario: Scenario, controller: Controller
+    prepare: PrepareDutyLoop, columns: tuple[str, ...], scenario: Scenario, controller: AnyController
 ) -> DutyClosedLoopRun:
-    """Reset a controller and run it through a scenario; a fault of its own is raised."""
+    """Reset a controller and run it through a scenario; a fault of its own is raised.
+
+    A candidate's instance runs in its own process, beside a plant that is there to close the loop; what is observed is
+    what the plant here comes to by the same commands.
+    """
+    plant = (scenario.drive.plant(scenario.scales), plant_load(scenario), plant_schedule(scenario))
+    options = _options(scenario)
     nameplate: Any = duty_nameplate(scenario)
     controller.reset(nameplate)
-    torque = None
-    if isinstance(scenario.load, DynamometerLoad):
-        torque = Course(*profile_arrays(scenario.load.torque_reference_nm))
-    run = loop(
-        scenario.drive.plant(scenario.scales),
-        plant_load(scenario),
-        plant_schedule(scenario),
-        step_address=controller.step_address,
-        state_address=controller.state_address,
-        control_period=scenario.control_period_s,
-        duration=scenario.duration_s,
-        initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
-        initial_angle=math.radians(scenario.initial_angle_deg),
-        torque_reference=torque,
+    if isinstance(controller, ContainedController):
+        order = CloseLoop(prepare, plant, options, commands=DUTY_COMMAND)
+        by_address: Controller = controller.run(order, scenario.control_periods)
+    else:
+        by_address = controller
+    prepared = prepare(
+        *plant, **options, step_address=by_address.step_address, state_address=by_address.state_address
     )
+    run = prepared.run()
     if run.status != COMPLETED:
-        _raise_ending(run, scenario, controller)
+        _raise_ending(run, prepared.exchange, by_address)
+    if (
+        isinstance(by_address, PlayedCommands)
+        and (fault := by_address.disturbed(prepared.records)) is not None
+    ):
+        raise CandidateFault(fault)
     return DutyClosedLoopRun(
         columns=columns,
         trace=run.trace,
@@ -121,25 +131,55 @@ def run_duty(
     )
 
 
+def _options(scenario: Scenario) -> dict[str, Any]:
+    """Give what a run is made of besides drive, load and schedule."""
+    torque = None
+    if isinstance(scenario.load, DynamometerLoad):
+        torque = Course(*profile_arrays(scenario.load.torque_reference_nm))
+    return {
+        "control_period": scenario.control_period_s,
+        "duration": scenario.duration_s,
+        "initial_speed": scenario.initial_speed_rpm * RADIANS_PER_RPM,
+        "initial_angle": math.radians(scenario.initial_angle_deg),
+        "torque_reference": torque,
+    }
+
+
 def _digest(commands: NDArray[Any]) -> int:
     whole = hashlib.blake2b(commands.tobytes(), digest_size=8).digest()
     return int.from_bytes(whole, "little") >> (64 - _DIGEST_BITS)
 
 
-def _raise_ending(run: Any, scenario: Scenario, controller: Controller) -> None:
+def _raise_ending(run: Any, exchange: Any, controller: Controller) -> None:
+    sense = _last_sense(exchange)
     step = int(run.steps)
-    time = step * scenario.control_period_s
-    if controller.fault is not None:
-        raise CandidateFault(controller.fault)
-    command = run.commands[step]
-    legs = [int(command[name]) for name in LEGS]
-    if run.status == NOT_FINITE:
+    fault = controller.fault
+    if run.status == STOPPED and fault is not None:
+        placed = fault.phase == "step"
+        raise CandidateFault(
+            replace(fault, step=step, time=sense.time, sense=sense._asdict()) if placed else fault
+        )
+    if run.status not in (STOPPED, NOT_FINITE, BAD_LEG):
+        raise HarnessFault(f"the plant ended with status {run.status} at step {step}, {sense.time:g} s")
+    message = refusal_of(run.commands[step], run.status)
+    raise CandidateFault(
+        Fault(FaultKind.INVALID_OUTPUT, message, "step", step=step, time=sense.time, sense=sense._asdict())
+    )
+
+
+def refusal_of(command: Any, status: int) -> str:
+    """Tell why a command ended a run without the controller having a fault to tell."""
+    if status == NOT_FINITE:
         ratios = ", ".join(f"{float(command[name]):g}" for name in DUTY_RATIOS)
-        message = f"the duty ratios are not all finite: {ratios}"
-    elif run.status == STOPPED:
-        message = "the command's struct_size was overwritten with a negative number; the harness sets it"
-    elif not all(LEG_OFF <= leg <= LEG_LOW for leg in legs):
-        message = f"the legs are {', '.join(map(str, legs))}, but each must be from {LEG_OFF} to {LEG_LOW}"
-    else:
-        raise HarnessFault(f"the plant ended with status {run.status} at step {step}, {time:g} s")
-    raise CandidateFault(Fault(FaultKind.INVALID_OUTPUT, message, "step", step=step, time=time))
+        return f"the duty ratios are not all finite: {ratios}"
+    if status == STOPPED:
+        return OVERWRITTEN_SIZE
+    legs = ", ".join(str(int(command[name])) for name in LEGS)
+    return f"the legs are {legs}, but each must be from {LEG_OFF} to {LEG_LOW}"
+
+
+def _last_sense(exchange: Any) -> DutySense:
+    record = exchange.sense[0]
+    scalars = {name: record[name].item() for name in DutySense._fields if name != "phase_currents"}
+    first, second, third = exchange.sensed_currents.tolist()
+    return DutySense(phase_currents=(first, second, third), **scalars)

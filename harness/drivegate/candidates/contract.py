@@ -1,0 +1,38 @@
+"""The two contracts, by what a controller answers with."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import Final, Literal, TypeAlias
+
+from drivegate_models.contract.duty.signals import DutyNameplate
+from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.errors import InputError
+
+ContractName: TypeAlias = Literal["current", "duty"]
+AnyNameplate: TypeAlias = Nameplate | DutyNameplate
+
+ANSWERS: Final = MappingProxyType(
+    {"current": "a current reference and an advance angle", "duty": "duty ratios"}
+)
+"""What a controller of each contract answers with."""
+
+
+def contract_of(nameplate: AnyNameplate) -> ContractName:
+    """Tell which contract a nameplate is of, and with it the run that it is for."""
+    return "duty" if isinstance(nameplate, DutyNameplate) else "current"
+
+
+def require_nameplate_of(contract: str, nameplate: AnyNameplate) -> None:
+    """Refuse a run of another contract than a controller's."""
+    wanted = contract_of(nameplate)
+    if contract != wanted:
+        raise InputError(other_contract(contract, wanted))
+
+
+def other_contract(contract: str, wanted: str) -> str:
+    """Tell that a controller answers by one contract, but its drive takes the other."""
+    return (
+        f"the controller answers with {ANSWERS[contract]}, but the drive takes {ANSWERS[wanted]}; name another drive "
+        f'with --drive, or write contract = "{contract}" and a drive of it into the candidate\'s manifest'
+    )

@@ -1,0 +1,106 @@
+"""Steps of a Python candidate that answers with duty ratios, behind the C function that the compiled loop calls."""
+
+from __future__ import annotations
+
+import ctypes
+from math import isfinite, isinf
+from numbers import Integral
+from struct import Struct
+from typing import Any, ClassVar, Final
+
+from drivegate.candidates.contract import ContractName
+from drivegate.candidates.python.bridged_steps import BridgedSteps, InvalidOutput, real_number
+from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
+from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF, DutyCommand, DutySense
+from drivegate_models.contract.outer_loop.records import packing
+
+_SENSE: Final = packing(DUTY_SENSE)
+_CURRENTS: Final = Struct("=3d")
+_OUTPUTS: Final = Struct("=3d3q5dq")
+_OUTPUTS_OFFSET: Final = DUTY_COMMAND.itemsize - _OUTPUTS.size
+_ESTIMATES: Final = ("torque", "angle", "speed", "input_power")
+_LARGEST: Final = 2**63
+
+
+class DutySteps(BridgedSteps):
+    """What the callback works on; attributes as of any."""
+
+    contract: ClassVar[ContractName] = "duty"
+
+    def __init__(self, candidate_step: Any) -> None:
+        super().__init__(candidate_step)
+        self._sense_address = self._command_address = self._currents_address = 0
+        self._sense_view = self._command_view = self._currents_view = (ctypes.c_char * 0)()
+
+    def step(self, _state: int | None, sense_address: int, command_address: int) -> None:
+        """Step the candidate on what lies at an address, and write its answer to another."""
+        sense = None
+        try:
+            if sense_address != self._sense_address or command_address != self._command_address:
+                self._look_at(sense_address, command_address)
+            _, time, reference, currents, *others = _SENSE.unpack_from(self._sense_view)
+            if currents != self._currents_address:
+                self._currents_address = currents
+                self._currents_view = (ctypes.c_char * _CURRENTS.size).from_address(currents)
+            sense = DutySense(time, reference, _CURRENTS.unpack_from(self._currents_view), *others)
+            answer = self.candidate_step(sense)
+            if not isinstance(answer, DutyCommand):
+                raise self.not_a_command(answer)
+            _OUTPUTS.pack_into(
+                self._command_view, _OUTPUTS_OFFSET, *_ratios(answer), *_legs(answer), *_rest(answer)
+            )
+        except BaseException as error:
+            self.stop(error, sense, command_address)
+
+    def _look_at(self, sense_address: int, command_address: int) -> None:
+        self._sense_address, self._command_address = sense_address, command_address
+        self._sense_view = (ctypes.c_char * DUTY_SENSE.itemsize).from_address(sense_address)
+        self._command_view = (ctypes.c_char * DUTY_COMMAND.itemsize).from_address(command_address)
+
+
+def _three(name: str, values: Any) -> tuple[Any, Any, Any]:
+    try:
+        first, second, third = values
+    except (TypeError, ValueError):
+        raise InvalidOutput(f"{name} must have three numbers, one for each leg") from None
+    return first, second, third
+
+
+def _integer(name: str, value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        raise InvalidOutput(f"{name} is of type {type(value).__name__}, but must be an integer")
+    return int(value)
+
+
+def _ratios(answer: DutyCommand) -> tuple[float, float, float]:
+    first, second, third = _three("duty_ratios", answer.duty_ratios)
+    if not (type(first) is type(second) is type(third) is float):
+        first, second, third = (real_number("a duty ratio", value) for value in (first, second, third))
+    if not (isfinite(first) and isfinite(second) and isfinite(third)):
+        raise InvalidOutput(f"duty_ratios are {first}, {second}, {third}, but all must be finite")
+    return first, second, third
+
+
+def _legs(answer: DutyCommand) -> tuple[int, int, int]:
+    first, second, third = _three("legs", answer.legs)
+    for leg in map(_integer, ("a leg",) * 3, (first, second, third)):
+        if not LEG_OFF <= leg <= LEG_LOW:
+            raise InvalidOutput(
+                f"legs are {first}, {second}, {third}, but each must be from {LEG_OFF} to {LEG_LOW}"
+            )
+    return first, second, third
+
+
+def _rest(answer: DutyCommand) -> tuple[float, float, float, float, float, int]:
+    period = real_number("next_period", answer.next_period)
+    if not isfinite(period):
+        raise InvalidOutput(f"next_period is {period}, but must be finite, or 0 to keep the control period")
+    estimates = [real_number(name, getattr(answer, name)) for name in _ESTIMATES]
+    for name, value in zip(_ESTIMATES, estimates, strict=True):
+        if isinf(value):
+            raise InvalidOutput(f"{name} is {value}, but must be finite, or NaN for no estimate")
+    torque, angle, speed, power = estimates
+    fault = _integer("fault", answer.fault)
+    if not -_LARGEST <= fault < _LARGEST:
+        raise InvalidOutput(f"fault is {fault}, but must be an integer of 64 bits, the controller's own code")
+    return period, torque, angle, speed, power, fault

@@ -1,0 +1,130 @@
+/* drivegate_duty.h: the contract between drivegate and a controller in C, C++ or anything that speaks C that answers
+ * with duty ratios, as the firmware of a three-phase drive does.
+ *
+ * Once per control period the controller senses the phase currents, the angle and the speed of the shaft and the
+ * voltage of the dc link, and answers with the duty ratios of the three upper switches. They act update_delay control
+ * periods later. Modulator, dead time and gates belong to the plant.
+ *
+ * A candidate exports drivegate_abi_version and drivegate_state_size, which drivegate.h declares, and the two functions
+ * at the end of this file in place of drivegate_reset and drivegate_step. A whole controller may be as small as this,
+ * which turns a voltage and lets the machine follow:
+ *
+ *     #include "drivegate_duty.h"
+ *     #include <math.h>
+ *
+ *     typedef struct { double pole_pairs; } controller;
+ *
+ *     int64_t drivegate_abi_version(void) { return DRIVEGATE_ABI_VERSION; }
+ *     int64_t drivegate_state_size(void) { return sizeof(controller); }
+ *
+ *     int drivegate_duty_reset(void *state, const drivegate_duty_nameplate *nameplate) {
+ *         controller *self = state;
+ *         self->pole_pairs = (double)nameplate->pole_pairs;
+ *         return 0;
+ *     }
+ *
+ *     void drivegate_duty_step(void *state, const drivegate_duty_sense *sense, drivegate_duty_command *command) {
+ *         controller *self = state;
+ *         double angle = self->pole_pairs * sense->reference * sense->time;
+ *         for (int leg = 0; leg < 3; ++leg)
+ *             command->duty_ratios[leg] = 0.5 + 0.2 * cos(angle - leg * 2.0943951023931953);
+ *     }
+ *
+ * All quantities are in SI units. Angles and speeds are those of the shaft, in rad and rad/s; the electrical angle is
+ * pole_pairs times that of the shaft, from the first phase's axis to the magnet's.
+ */
+#ifndef DRIVEGATE_DUTY_H
+#define DRIVEGATE_DUTY_H
+
+#include "drivegate.h"
+
+#ifdef __cplusplus
+#define DRIVEGATE_ASSERT(condition, message) static_assert(condition, message)
+extern "C" {
+#else
+#define DRIVEGATE_ASSERT(condition, message) _Static_assert(condition, message)
+#endif
+
+/* What the reference is. */
+#define DRIVEGATE_SPEED_REFERENCE 0  /* speed of the shaft, rad/s */
+#define DRIVEGATE_TORQUE_REFERENCE 1 /* torque, N m */
+
+/* States of a leg. */
+#define DRIVEGATE_LEG_OFF 0  /* both switches off */
+#define DRIVEGATE_LEG_PWM 1  /* as its duty ratio says */
+#define DRIVEGATE_LEG_HIGH 2 /* upper switch on */
+#define DRIVEGATE_LEG_LOW 3  /* lower switch on */
+
+/* What the controller may know of its drive before a run. The machine's parameters are the nominal ones: the drive
+ * that the controller is then run against may have others. All since 1.1. */
+typedef struct drivegate_duty_nameplate {
+    int64_t struct_size;           /* size of this record in bytes, as the harness knows it */
+    int64_t kind;                  /* kind of drive: DRIVEGATE_PM_AC */
+    int64_t reference_kind;        /* DRIVEGATE_SPEED_REFERENCE or DRIVEGATE_TORQUE_REFERENCE */
+    int64_t pole_pairs;            /* number of pole pairs */
+    int64_t updates;               /* updates of the duty ratios in a period of the carrier: 1 or 2, 0 edge aligned */
+    int64_t update_delay;          /* control periods between an answer and its effect: 1 or 0 */
+    double supply_voltage;         /* nominal voltage of the dc link, V */
+    double base_speed;             /* shaft speed at which constant power begins, rad/s */
+    double highest_speed;          /* shaft speed up to which rated power is required, rad/s */
+    double rated_power;            /* rated mechanical power, W */
+    double current_limit;          /* greatest peak current of a phase, A */
+    double control_period;         /* time from one step to the next, s */
+    double dead_time;              /* time for which both switches of a leg are off when it changes, s */
+    double resistance;             /* nominal resistance of a phase, ohm */
+    double direct_inductance;      /* nominal inductance along the magnet's axis, H */
+    double quadrature_inductance;  /* nominal inductance across it, H */
+    double magnet_flux;            /* nominal peak flux linkage of a phase, V s */
+    double inertia;                /* nominal moment of inertia of rotor and load, kg m^2 */
+    double core_loss_conductance;  /* core loss of a phase over the mean square of the voltage that the mean flux of a
+                                    * period induces, S; 0 where it is not known */
+} drivegate_duty_nameplate;
+
+/* What the controller senses at the start of a control period. */
+typedef struct drivegate_duty_sense {
+    int64_t struct_size;          /* size of this record in bytes, as the harness knows it */
+    double time;                  /* simulated time, s */
+    double reference;             /* demanded speed or torque, as the nameplate says, rad/s or N m */
+    const double *phase_currents; /* three measured phase currents at this instant, A; valid during the step only */
+    double supply_voltage;        /* measured voltage of the dc link, V */
+    double supply_current;        /* mean current taken from the link in the period just ended, A */
+    double angle;                 /* angle of the shaft, rad; NaN without an encoder */
+    double speed;                 /* speed of the shaft, rad/s; NaN without an encoder */
+    int64_t hall;                 /* bits of the Hall switches; -1 without them */
+    int64_t encoder_count;        /* count of the encoder; -1 without one */
+    int64_t trip;                 /* flags of the drive's own protection; 0 for none */
+} drivegate_duty_sense;
+
+/* What the controller answers. Before the step the duty ratios and estimates are NaN, the legs DRIVEGATE_LEG_PWM and
+ * the rest is 0. A duty ratio outside 0 to 1 is recorded and clamped before it reaches the plant, and fails the check
+ * of that range; one that is not finite, and a leg in none of the states above, end the run. */
+typedef struct drivegate_duty_command {
+    int64_t struct_size;   /* size of this record in bytes; the harness sets it, leave it as it is */
+    double duty_ratios[3]; /* share of the period with the upper switch on, from 0 to 1 */
+    int64_t legs[3];       /* one of DRIVEGATE_LEG_OFF and so on */
+    double next_period;    /* length asked for of the next period, s; 0 keeps it, and drives so far keep theirs */
+    double torque;         /* the controller's own estimates; leave NaN for none: of the torque, N m, */
+    double angle;          /* of the shaft's angle, rad, */
+    double speed;          /* of its speed, rad/s, */
+    double input_power;    /* and of the power from the link, W */
+    int64_t fault;         /* the controller's own code of a fault; 0 for none */
+} drivegate_duty_command;
+
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 152, "drivegate_duty_nameplate must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 88, "drivegate_duty_sense must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_command) == 104, "drivegate_duty_command must not be padded");
+
+/* Prepare for a run and forget all earlier ones. Return 0 for success, anything else to refuse the run. */
+DRIVEGATE_EXPORT int drivegate_duty_reset(void *state, const drivegate_duty_nameplate *nameplate);
+
+/* Answer for one control period. Called once per period, in simulated time; must not block. */
+DRIVEGATE_EXPORT void drivegate_duty_step(
+    void *state, const drivegate_duty_sense *sense, drivegate_duty_command *command);
+
+#ifdef __cplusplus
+}
+#endif
+
+#undef DRIVEGATE_ASSERT
+
+#endif /* DRIVEGATE_DUTY_H */

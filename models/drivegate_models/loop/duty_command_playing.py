@@ -1,0 +1,60 @@
+"""A controller of duty ratios that gives the commands again that another one gave, whatever it senses."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.calling import copy_bytes, step_signature
+from drivegate_models.compilation.kernels import KEEPS_CACHE
+from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
+from drivegate_models.contract.outer_loop.records import STOP
+from drivegate_models.loop.command_playing import PLAYER
+
+_SIZE: Final = DUTY_COMMAND.itemsize
+
+
+@cache
+def duty_playing_step() -> Any:
+    """Return the step that gives kept commands, compiled; behind the last one it requests a stop.
+
+    Returns
+    -------
+    CFunc
+        Its `address` is that of a function like `drivegate_duty_step`, whose state is a PLAYER; keep the object.
+    """
+    # numba has to be imported after the cache folder is known.
+    import numba
+    from numba.np.numpy_support import carray
+
+    signature = step_signature(PLAYER, DUTY_SENSE, DUTY_COMMAND)
+
+    def play_duty_step(player: Any, _sense: Any, command: Any) -> None:
+        state = carray(player, 1)[0]
+        answers = carray(command, 1)
+        if state.given >= state.count:
+            answers[0].struct_size = STOP
+            return
+        copy_bytes(state.commands_address + _SIZE * state.given, answers.ctypes.data, _SIZE)
+        state.given += 1
+
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(play_duty_step)
+
+
+def duty_player_of(commands: NDArray[Any]) -> NDArray[Any]:
+    """Make the state of a playing step.
+
+    Parameters
+    ----------
+    commands : ndarray of DUTY_COMMAND, shape (n,)
+        The commands; they have to outlive the state.
+
+    Returns
+    -------
+    ndarray of PLAYER, shape (1,)
+        The state, before the first command.
+    """
+    return np.array([(commands.ctypes.data, len(commands), 0)], PLAYER)
