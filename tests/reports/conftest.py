@@ -14,11 +14,14 @@ from playwright.sync_api import Browser, sync_playwright
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.judge import own_candidate
 from drivegate.drives.envelope_document import envelope_of
 from drivegate.drives.running import run_scenario
-from drivegate.gate.recording import thinned
+from drivegate.gate.behaviour import BehaviourPlan, run_behaviour
+from drivegate.gate.recording import RecordPlan, run_recorded, thinned
 from drivegate.output.result_reports import report_formats, write_result
 from drivegate.results.result import finite
+from drivegate.scenarios.duty.building import torque_of, torque_scenario
 from drivegate.studies.campaign.manifest import MANIFEST
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate.studies.campaign.summary import SUMMARY
@@ -31,6 +34,7 @@ from drivegate.studies.compare.engine import Compared
 from drivegate.studies.compare.per_unit import drive_labels
 from drivegate.studies.compare.plan import PlannedRun, planned_runs
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
@@ -391,6 +395,37 @@ def campaign_document() -> Document:
 
 
 @pytest.fixture(scope="session")
+def duty_result() -> Document:
+    """Return the result of field-oriented control on a PM AC drive, with one check, its run, and how it behaves."""
+    drive = load_drive("pm-ac-surface").replaced(settling_s=0.3)
+    assert isinstance(drive, PmAcDocument)
+    loaded = own_candidate(resolve_candidate("foc"))
+    scenario = torque_scenario(drive, 165.0, [torque_of(drive, 165.0, share) for share in (0.0, 0.5, 0.3)])
+    kept = run_recorded(loaded, RecordPlan(scenario.to_mapping(), ("STP-1",)))
+    window = dict(zip(("start_s", "end_s"), kept.windows["STP-1"], strict=True))
+    step = {
+        "source": "the contract",
+        "measured": "overshoot 7 %",
+        "scenario": scenario.to_mapping(),
+        "recording": {"trace": 0, **window},
+    }
+    document: Document = json.loads(
+        json.dumps(
+            _document(
+                candidate=_document()["candidate"]
+                | {"name": "foc", "kind": "builtin", "specification": "foc"},
+                drive=drive.identity() | {"specification": "pm-ac-surface", "document": drive.to_mapping()},
+                envelope=None,
+                checks=[_check("STP-1", **step)],
+                traces=[kept.columns],
+                behaviour=finite(run_behaviour(loaded, BehaviourPlan(drive, scenario.to_mapping()))),
+            )
+        )
+    )
+    return document
+
+
+@pytest.fixture(scope="session")
 def browser(browser_path: str) -> Iterator[Browser]:
     """Open a browser."""
     with sync_playwright() as playwright:
@@ -403,6 +438,7 @@ def browser(browser_path: str) -> Iterator[Browser]:
 def pages(
     tmp_path_factory: pytest.TempPathFactory,
     recorded: dict[str, Any],
+    duty_result: dict[str, Any],
     reproduction: tuple[Path, dict[str, Any]],
     made_up: Callable[..., dict[str, Any]],
     made_up_drives: Callable[..., dict[str, Any]],
@@ -412,6 +448,8 @@ def pages(
     conformance = folder / "conformance"
     conformance.mkdir()
     page = write_result(recorded, conformance, report_formats(["conformance"])).pages["conformance"]
+    duty = folder / "duty"
+    duty.mkdir()
     document = json.loads(json.dumps(made_up(faulted=True)))
     write_tables(document, folder)
     (folder / COMPARISON_FILE).write_text(json.dumps(document), encoding="utf-8")
@@ -424,6 +462,7 @@ def pages(
         (folder / name).write_text(json.dumps(summary), encoding="utf-8")
     return {
         "conformance": conformance / page,
+        "duty": duty / write_result(duty_result, duty, report_formats(["conformance"])).pages["conformance"],
         "reproduction": reproduction[0] / PAGE_FILE,
         "comparison": comparison.write(document, folder),
         "drives": drives / drive_report.REPORT_FILE,

@@ -48,7 +48,9 @@ def opened(browser: Browser, pages: dict[str, Path]) -> Iterator[Open]:
     assert reported == [], f"the browser complains: {reported}"
 
 
-EACH = pytest.mark.parametrize("name", ["conformance", "reproduction", "comparison", "drives", "campaign"])
+EACH = pytest.mark.parametrize(
+    "name", ["conformance", "duty", "reproduction", "comparison", "drives", "campaign"]
+)
 
 
 @EACH

@@ -124,6 +124,9 @@ class DriveKind:
     record : callable or None
         Runs a candidate through a scenario for the checks, where that is not the loop of `prepare_loop`; it takes the
         declaration, the scenario, the controller and room for the commands, or None.
+    behaviour : callable or None
+        From what runs a candidate, the drive, and a scenario that shows steps or None, to what a report tells of the
+        candidate beside its checks, where there is such a thing.
     """
 
     name: str
@@ -140,6 +143,9 @@ class DriveKind:
     simplifications: Callable[[], tuple[Simplification, ...]]
     usual_candidate: str
     record: Callable[[Declaration, Scenario, AnyController, NDArray[Any] | None], RunRecord] | None = None
+    behaviour: (
+        Callable[[Callable[[Scenario], RunRecord], DriveDocument, Scenario | None], dict[str, Any]] | None
+    ) = None
 
     def is_fair(self, scenario: Scenario) -> bool:
         """Tell whether a candidate may be judged on a scenario."""

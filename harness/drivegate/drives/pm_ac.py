@@ -8,6 +8,8 @@ from drivegate.drives.drive_kind import DriveKind
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from hypothesis.strategies import SearchStrategy
     from numpy.typing import NDArray
 
@@ -87,6 +89,14 @@ def _record(
     return DutyRecord(scenario, run, declaration)
 
 
+def _behaviour(
+    run: Callable[[Scenario], RunRecord], drive: DriveDocument, step: Scenario | None
+) -> dict[str, Any]:
+    from drivegate.drives.pm_ac_behaviour import behaviour
+
+    return behaviour(run, _document(drive), step)
+
+
 PM_AC: Final = DriveKind(
     name="pm-ac",
     default_drive="pm-ac-interior",
@@ -102,5 +112,6 @@ PM_AC: Final = DriveKind(
     simplifications=_simplifications,
     usual_candidate="foc",
     record=_record,
+    behaviour=_behaviour,
 )
 """Most brushless drives of the world: three sinusoidal phases behind a two-level bridge."""

@@ -7,7 +7,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from drivegate.drives.pm_ac_efficiency import efficiency_map
 from drivegate.drives.pm_ac_reach import unreachable_duty
+from drivegate.drives.pm_ac_trajectories import trajectories
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, SIX_STEPS, SteadyState, base_speed
@@ -51,6 +53,8 @@ def pm_ac_envelope(drive: PmAcDocument) -> dict[str, Any]:
         "rated_power_up_to_rpm": end / RADIANS_PER_RPM if isfinite(end) else None,
         "unreachable": [] if missing is None else [{"key": "rated_power_w", "message": missing}],
         "points": [_point(drive, limits, speed) for speed in _speeds(drive)],
+        "trajectories": trajectories(drive),
+        "efficiency_map": efficiency_map(drive),
     }
 
 

@@ -18,6 +18,7 @@ from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.pool import WorkerPool
 from drivegate.drives.choice import drive_for
 from drivegate.drives.reach import refuse_unreachable
+from drivegate.gate.behaviour import behaviour_job
 from drivegate.gate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
 from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
@@ -167,6 +168,7 @@ def check_candidate(
         outcomes = focus.outcomes(judged)
         outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)
         outcomes, traces = _record(pool, outcomes, progress)
+        behaviour = _behave(pool, judged_on, outcomes, progress)
     for outcome in outcomes:
         if outcome.id == REPEATED and outcome.verdict == "fail":
             message = f"the same scenario was answered differently when it was repeated: {outcome.measured}"
@@ -186,6 +188,7 @@ def check_candidate(
     result = _result(
         candidate, judged_on, effort, seed, outcomes, comparisons, traces, progress, timing, fail_on
     )
+    result = replace(result, behaviour=behaviour)
     yield CheckFinished(replace(result, drive_named=drive_named))
 
 
@@ -251,6 +254,21 @@ def _record(
         if isinstance(ending, Fault):
             progress.add_fault(ending)
     return with_recordings(outcomes, plans, endings)
+
+
+def _behave(
+    pool: WorkerPool, drive: DriveDocument, outcomes: tuple[CheckOutcome, ...], progress: _Progress
+) -> dict[str, Any] | None:
+    """Measure how a candidate without faults behaves, where all of it was judged."""
+    job = behaviour_job(drive, outcomes)
+    whole = progress.complete and not progress.faults and not progress.focus.only
+    if job is None or not whole or progress.time_is_up:
+        return None
+    (ending,) = pool.map([job])
+    if isinstance(ending, Fault):
+        progress.add_fault(ending)
+        return None
+    return ending
 
 
 def _result(

@@ -11,17 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.gate.recording import DUTY_COLUMNS, VOLTAGE, thinned_run
+from drivegate.output.recorded_trace import columns_of, recorded_trace
 from drivegate.runs.duty.run import DutyClosedLoopRun
 from drivegate.scenarios.title import titled
-from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.errors import InputError
 
 _NEEDED: Final = (*DUTY_COLUMNS, VOLTAGE)
-_MOST_POINTS: Final = 5_000
-_GREATEST: Final = 1e9
 _ROOT_THREE: Final = math.sqrt(3.0)
 
 
@@ -52,43 +49,17 @@ class DutySignals:
 
 
 def duty_signals_of(document: Mapping[str, Any], check: Mapping[str, Any]) -> DutySignals | None:
-    """Find the recorded signals of the run that a result, which may hold anything, shows for a check."""
-    recording, traces = check.get("recording"), document.get("traces")
-    scenario = check.get("scenario") if check.get("counterexample") is None else check["counterexample"]
-    if not isinstance(recording, Mapping) or not isinstance(traces, list):
+    """Find the recorded signals of the run that is shown for a check."""
+    found = recorded_trace(document, check, _NEEDED)
+    if found is None or not isinstance(found.scenario.drive, PmAcDocument):
         return None
-    place = recording.get("trace")
-    if not isinstance(place, int) or not 0 <= place < len(traces):
-        return None
-    columns = _columns(traces[place])
-    try:
-        run = parse_document(scenario if isinstance(scenario, Mapping) else {}, Scenario, "the scenario")
-    except InputError:
-        return None
-    if columns is None or not isinstance(run.drive, PmAcDocument):
-        return None
-    return DutySignals(run, columns)
+    return DutySignals(found.scenario, found.columns)
 
 
 def duty_signals_of_run(scenario: Scenario, run: DutyClosedLoopRun) -> DutySignals | None:
     """Take the signals of a run, as a result would keep them."""
-    columns = _columns(thinned_run(run))
+    columns = columns_of(thinned_run(run), _NEEDED)
     return None if columns is None else DutySignals(scenario, columns)
-
-
-def _columns(trace: object) -> dict[str, NDArray[np.float64]] | None:
-    """Read the columns; None unless all are there, equally long, and finite."""
-    if not isinstance(trace, Mapping):
-        return None
-    columns = {}
-    for name in _NEEDED:
-        values = trace.get(name)
-        if not isinstance(values, list) or not 2 <= len(values) <= _MOST_POINTS:
-            return None
-        if not all(isinstance(value, int | float) and abs(value) < _GREATEST for value in values):
-            return None
-        columns[name] = np.array(values, dtype=np.float64)
-    return columns if len({len(values) for values in columns.values()}) == 1 else None
 
 
 def duty_account(signals: DutySignals) -> tuple[str, ...]:

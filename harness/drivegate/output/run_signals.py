@@ -1,8 +1,7 @@
-"""The recorded signals of a run, taken out of a result document that may hold anything."""
+"""The recorded signals of a run with a current reference and an advance angle."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
@@ -11,15 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.gate.recording import COLUMNS, thinned
-from drivegate_cases.documents.document import parse_document
+from drivegate.output.recorded_trace import columns_of, recorded_trace
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.errors import InputError
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 
 # Nothing is told of the supply.
 _NEEDED: Final = tuple(name for name in COLUMNS if name != "half_supply_v")
-_MOST_POINTS: Final = 5_000
-_GREATEST: Final = 1e9
 
 
 @dataclass(frozen=True)
@@ -68,44 +64,17 @@ class RunSignals:
 
 def signals_of(document: Mapping[str, Any], check: Mapping[str, Any]) -> RunSignals | None:
     """Find the recorded signals of the run that is shown for a check."""
-    recording, traces = check.get("recording"), document.get("traces")
-    scenario = check.get("scenario") if check.get("counterexample") is None else check["counterexample"]
-    if not isinstance(recording, Mapping) or not isinstance(traces, list):
-        return None
-    place = recording.get("trace")
-    if not isinstance(place, int) or not 0 <= place < len(traces):
-        return None
-    columns = _columns(traces[place])
-    judged = (recording.get("start_s"), recording.get("end_s"))
-    if columns is None or not all(isinstance(time, int | float) and math.isfinite(time) for time in judged):
-        return None
-    try:
-        run = parse_document(scenario if isinstance(scenario, Mapping) else {}, Scenario, "the scenario")
-    except InputError:
-        return None
-    return RunSignals(scenario=run, judged_s=(float(judged[0] or 0.0), float(judged[1] or 0.0)), **columns)
+    found = recorded_trace(document, check, _NEEDED)
+    return (
+        None
+        if found is None
+        else RunSignals(scenario=found.scenario, judged_s=found.judged_s, **found.columns)
+    )
 
 
 def signals_of_run(
     scenario: Scenario, run: ClosedLoopRun, judged_s: tuple[float, float]
 ) -> RunSignals | None:
     """Take the signals of a run with a trace, as a result would keep them."""
-    columns = _columns(thinned(run.trace))
+    columns = columns_of(thinned(run.trace), _NEEDED)
     return None if columns is None else RunSignals(scenario=scenario, judged_s=judged_s, **columns)
-
-
-def _columns(trace: object) -> dict[str, NDArray[np.float64]] | None:
-    """Read the columns; None unless all are there, equally long, and finite."""
-    if not isinstance(trace, Mapping):
-        return None
-    columns = {}
-    for name in _NEEDED:
-        values = trace.get(name)
-        if not isinstance(values, list) or not 2 <= len(values) <= _MOST_POINTS:
-            return None
-        if not all(isinstance(value, int | float) and abs(value) < _GREATEST for value in values):
-            return None
-        columns[name] = np.array(values, dtype=np.float64)
-    lengths = {len(values) for values in columns.values()}
-    increasing = bool(np.all(np.diff(columns["time_s"]) > 0.0))
-    return columns if len(lengths) == 1 and increasing else None

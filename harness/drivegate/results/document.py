@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from drivegate.results.behaviour_section import BehaviourSection
 from drivegate.results.envelope_section import EnvelopeSection
 from drivegate.results.result import RESULT_SCHEMA
 from drivegate_cases.documents.document import Document, Section
@@ -192,6 +193,11 @@ class ResultDocument(Document):
     )
     traces: tuple[dict[str, tuple[float, ...]], ...] = Field(
         default=(), description="recorded signals: lists of equal length by column, units in the names"
+    )
+    behaviour: BehaviourSection | None = Field(
+        default=None,
+        description="how a controller of duty ratios behaves in plain runs; null for other controllers, where not all "
+        "was judged, and in results of earlier versions",
     )
     provenance: Table = Field(description="versions, commit and content hash")
     timing: Table = Field(

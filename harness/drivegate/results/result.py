@@ -210,6 +210,8 @@ class CheckResult:
         ``required``, or ``advisory`` where advisory checks count like required ones.
     traces : tuple of dict
         Recorded signals: lists of equal length by column.
+    behaviour : dict or None
+        What its report tells of a controller of duty ratios beside its checks; None where that was not measured.
     focus : dict or None
         Under ``only`` the checks that were judged (empty for all), under ``stopped_at_first`` whether the check
         ended with the first failure; None for a whole check.
@@ -234,6 +236,7 @@ class CheckResult:
     baseline: tuple[BaselineComparison, ...] | None = None
     fail_on: str = "required"
     traces: tuple[dict[str, list[float]], ...] = ()
+    behaviour: dict[str, Any] | None = None
     focus: dict[str, Any] | None = None
     drive_named: str | None = None
 
@@ -275,6 +278,7 @@ class CheckResult:
             "fixed": [asdict(run) for run in self.fixed],
             "baseline": None if self.baseline is None else [asdict(entry) for entry in self.baseline],
             "traces": list(self.traces),
+            "behaviour": self.behaviour,
             "provenance": self.provenance,
         }
         content = _finite_table(content)

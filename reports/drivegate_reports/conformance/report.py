@@ -22,6 +22,7 @@ def write(document: Mapping[str, Any], folder: Path) -> Path:
 def page(document: Mapping[str, Any]) -> str:
     """Make the page."""
     from drivegate_cases.publication.facts import facts, open_assumptions
+    from drivegate_reports.conformance.behaviour import shown_behaviour
     from drivegate_reports.conformance.coverage import coverage_gaps, drive_of, evidence_of, fact_rows
     from drivegate_reports.conformance.drive import shown_drive
     from drivegate_reports.conformance.runs import margin_figure, shown_runs
@@ -40,6 +41,7 @@ def page(document: Mapping[str, Any]) -> str:
         "conformance.html.j2",
         result=view,
         drive=shown_drive(document, drive),
+        behaviour=shown_behaviour(document, drive),
         runs=shown_runs(document),
         margins=margin_figure(document),
         evidence={row.id: evidence_of(row.id, drive) for row in view.checks},

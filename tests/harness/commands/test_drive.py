@@ -232,6 +232,14 @@ def test_a_pm_ac_drive_is_told_by_its_limits_of_current_and_voltage(command, tmp
     at_base = row_at(document, 2100.0)
     assert at_base["greatest_power_w"] == pytest.approx(556.1, abs=0.1)
     assert all(row["least_loss_w"] <= row["loss_w"] * (1.0 + 1e-9) for row in document["points"])
-    assert "2168.7 rpm" in command("drive", "pm-ac-interior").out
+    best = document["trajectories"]["most_torque_per_ampere"][-1]
+    assert best["current_a"] == pytest.approx(document["rating"]["current_limit_a"])
+    assert max(value for row in document["efficiency_map"]["efficiency_percent"] for value in row) < 95.0
+    drawn = plot.read_text(encoding="utf-8")
+    for words in ("d current (A)", "efficiency at least loss (%)", "most torque"):
+        assert words in drawn, f"the figure does not tell {words}"
+    shown = command("drive", "pm-ac-interior").out
+    assert "2168.7 rpm" in shown
+    assert "at least loss the efficiency is at most" in shown
     much = command("drive", "pm-ac-interior", "--set", "rated_power_w=900", "--json").document
     assert "900 W at 2100 rpm" in much["unreachable"][0]["message"]

@@ -13,7 +13,7 @@ from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.duty.record import DutyRecord, DutyWindow
 from drivegate.runs.record import RunRecord
 from drivegate_models.machine import ledger
-from drivegate_models.pm_ac.fundamental import steady_state
+from drivegate_models.pm_ac.fundamental import SteadyState, steady_state
 
 FREE_SHARE = 0.9
 """Share of the undistorted voltage below which nothing has to be weakened (1)."""
@@ -69,19 +69,26 @@ def _current_excess(record: DutyRecord, window: DutyWindow) -> Margin:
 
 def _loss_above_least(record: DutyRecord, window: DutyWindow) -> float:
     """Give the loss of the fundamental over the least one for its torque, less one; 0 where none is known (1)."""
-    own = steady_state(plant_of(record), window.speed, window.direct, window.quadrature)
-    least = least_within(plant_of(record), window.speed, window.link, own.torque, LOSS)
+    own, least = losses(record, window)
     return own.loss / least.loss - 1.0 if isfinite(least.loss) and least.loss > 0.0 else 0.0
+
+
+def losses(record: DutyRecord, window: DutyWindow) -> tuple[SteadyState, SteadyState]:
+    """Give the steady state of a window's currents, and that of least loss for its torque."""
+    own = steady_state(plant_of(record), window.speed, window.direct, window.quadrature)
+    return own, least_within(plant_of(record), window.speed, window.link, own.torque, LOSS)
 
 
 def least_loss(record: RunRecord) -> Margin | None:
     """Judge the loss of the fundamental at the efficiency points."""
     judged = duty_record(record)
-    if not judged.is_nominal:
-        return None
-    return worst(
-        _loss_excess(judged, window) for window in judged.steady if _is_efficiency_point(judged, window)
-    )
+    return worst(_loss_excess(judged, window) for window in efficiency_windows(judged))
+
+
+def efficiency_windows(record: DutyRecord) -> Iterator[DutyWindow]:
+    """Find the steady states at the efficiency points, on the nominal drive."""
+    if record.is_nominal:
+        yield from (window for window in record.steady if _is_efficiency_point(record, window))
 
 
 def _is_efficiency_point(record: DutyRecord, window: DutyWindow) -> bool:

@@ -10,7 +10,7 @@ from math import hypot, isfinite
 import numpy as np
 
 from drivegate.checks.check import Check
-from drivegate.checks.duty.judged import duty_record, plant_of, worst
+from drivegate.checks.duty.judged import duty_record, plant_of
 from drivegate.checks.duty.optimum import greatest_at, least_free, undistorted
 from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.duty.record import DutyRecord
@@ -60,12 +60,43 @@ def torque_steps(record: DutyRecord) -> Iterator[TorqueStep]:
         yield TorqueStep(second.start, second.speed_rpm, before, after, rows)
 
 
+@dataclass(frozen=True)
+class StepResponse:
+    """What follows a step of the torque reference.
+
+    Attributes
+    ----------
+    step : TorqueStep
+        The step.
+    overshoot : float
+        Greatest torque beyond the reference, over the step (1).
+    rise_s : float
+        Time to 90 % of the step (s); infinite where that is not reached.
+    allowed_s : float
+        Longest time that is allowed (s).
+    margin : Margin
+        That of the check.
+    """
+
+    step: TorqueStep
+    overshoot: float
+    rise_s: float
+    allowed_s: float
+    margin: Margin
+
+
 def step_response(record: RunRecord) -> Margin | None:
     """Judge overshoot and rise time of the torque where the voltage leaves room for both."""
-    judged = duty_record(record)
-    if not judged.is_nominal:
+    decisive = decisive_step(duty_record(record))
+    return None if decisive is None else decisive.margin
+
+
+def decisive_step(record: DutyRecord) -> StepResponse | None:
+    """Find the step with the least margin; None where none is judged."""
+    if not record.is_nominal:
         return None
-    return worst(_response(judged, step) for step in torque_steps(judged) if _is_judged(judged, step))
+    responses = (_response(record, step) for step in torque_steps(record) if _is_judged(record, step))
+    return min(responses, key=lambda response: response.margin.value, default=None)
 
 
 def _is_judged(record: DutyRecord, step: TorqueStep) -> bool:
@@ -82,7 +113,7 @@ def _state(record: DutyRecord, step: TorqueStep, torque: float) -> SteadyState:
     return least_free(plant_of(record), step.speed_rpm * RADIANS_PER_RPM, torque)
 
 
-def _response(record: DutyRecord, step: TorqueStep) -> Margin:
+def _response(record: DutyRecord, step: TorqueStep) -> StepResponse:
     size = step.after - step.before
     risen = (record.run.column("torque")[step.rows] - step.before) / size
     overshoot = max(float(np.max(risen)) - 1.0, 0.0)
@@ -92,7 +123,7 @@ def _response(record: DutyRecord, step: TorqueStep) -> Margin:
     allowed = allowed_rise_s(record, step)
     place = f"from {step.before:.4g} to {step.after:.4g} N·m at {step.speed_rpm:.5g} rpm"
     rise = f"{1e3 * time:.4g} ms to 90 %" if isfinite(time) else "90 % is not reached"
-    return min(
+    margin = min(
         Margin(
             "STP-1",
             at_most(overshoot, record.limits.overshoot),
@@ -101,6 +132,7 @@ def _response(record: DutyRecord, step: TorqueStep) -> Margin:
         Margin("STP-1", at_most(time, allowed), f"{rise}, {1e3 * allowed:.4g} ms are allowed, {place}"),
         key=lambda margin: margin.value,
     )
+    return StepResponse(step, overshoot, time, allowed, margin)
 
 
 def allowed_rise_s(record: DutyRecord, step: TorqueStep) -> float:

@@ -30,7 +30,13 @@ BEYOND_SHARE: Final = 3.0
 
 def fixed_scenarios(drive: PmAcDocument) -> tuple[Scenario, ...]:
     """List them; speeds are shares of the drive's range, torques shares of the rated one."""
-    every = (*_torques(drive), *_speeds(drive), *_efficiency(drive), *_starts(drive), *_other_plants(drive))
+    every = (
+        *_torques(drive),
+        *_speeds(drive),
+        *efficiency_scenarios(drive),
+        *_starts(drive),
+        *_other_plants(drive),
+    )
     return tuple({scenario.name: scenario for scenario in reversed(every)}.values())[::-1]
 
 
@@ -49,19 +55,29 @@ def _torques(drive: PmAcDocument) -> list[Scenario]:
         speed = speed_of(drive, share)
         whole, half, small = (torque_of(drive, speed, part) for part in (0.9, 0.5, 0.1))
         found.append(torque_scenario(drive, speed, (0.0, whole, half, small, 0.0)))
-    for share in (0.05, 0.25, 0.5, 1.0):
-        speed = speed_of(drive, share)
-        found.append(torque_scenario(drive, speed, (0.0, torque_of(drive, speed, BEYOND_SHARE), 0.0)))
+    found += [release_scenario(drive, share) for share in (0.05, 0.25, 0.5, 1.0)]
     below = speed_of(drive, -0.7)
     steps = tuple(torque_of(drive, below, part) for part in (0.0, 0.2, 0.0, 0.5, 0.3, -0.3))
     return [*found, torque_scenario(drive, below, steps), torque_scenario(drive, 0.0, steps)]
+
+
+def release_scenario(drive: PmAcDocument, share: float = 1.0) -> Scenario:
+    """Make the run that asks for more than weakening can give at a speed above base speed, and then for nothing."""
+    speed = speed_of(drive, share)
+    return torque_scenario(drive, speed, (0.0, torque_of(drive, speed, BEYOND_SHARE), 0.0))
+
+
+def range_scenario(drive: PmAcDocument) -> Scenario:
+    """Make the run from half of base speed to the highest speed and back, without a load."""
+    slow = speed_of(drive, -0.5)
+    return speed_scenario(drive, (slow, speed_of(drive, 1.0), slow))
 
 
 def _speeds(drive: PmAcDocument) -> list[Scenario]:
     slow, fast, top = speed_of(drive, -0.5), speed_of(drive, 0.5), speed_of(drive, 1.0)
     at_fast = torque_of(drive, fast, 0.8)
     return [
-        speed_scenario(drive, (slow, top, slow)),
+        range_scenario(drive),
         speed_scenario(drive, (slow, fast), torque_nm=torque_of(drive, fast, 0.6)),
         load_step_scenario(drive, slow, torque_of(drive, slow, 0.8), (0.0, 1.0, 0.5)),
         load_step_scenario(drive, fast, at_fast, (0.0, 1.0, 0.25)),
@@ -70,7 +86,8 @@ def _speeds(drive: PmAcDocument) -> list[Scenario]:
     ]
 
 
-def _efficiency(drive: PmAcDocument) -> list[Scenario]:
+def efficiency_scenarios(drive: PmAcDocument) -> list[Scenario]:
+    """Make the runs through the eight efficiency points; rated torque at base speed comes last."""
     rated = rated_torque_at(drive, 0.0)
     return [
         torque_scenario(

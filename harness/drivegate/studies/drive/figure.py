@@ -5,16 +5,20 @@ from __future__ import annotations
 import io
 from math import nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from drivegate.output.legend import legend_beside
+from drivegate.studies.drive.pm_ac_figure import draw_plane_and_map
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_PANELS: Final = (
+Panels: TypeAlias = tuple[tuple[str, tuple[tuple[str, str, str, str], ...]], ...]
+"""Labels, each with curves: key, name, style and colour."""
+
+_PANELS: Final[Panels] = (
     (
         "torque (N·m)",
         (
@@ -44,7 +48,7 @@ _PANELS: Final = (
 )
 
 
-_DUTY_PANELS: Final = (
+_DUTY_PANELS: Final[Panels] = (
     (
         "torque (N·m)",
         (
@@ -76,17 +80,22 @@ _DUTY_PANELS: Final = (
 
 
 def write_figure(document: dict[str, Any], plot: Path) -> None:
-    """Draw what a drive can do over speed; base and highest speed are marked."""
+    """Draw what a drive can do; base and highest speed are marked."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     buffer = io.BytesIO()
     with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
-        figure = Figure(figsize=(9.0, 9.0), layout="constrained")
+        takes_duty = "undistorted_voltage_v" in document
+        figure = Figure(figsize=(14.0 if takes_duty else 9.0, 9.0), layout="constrained")
         FigureCanvasAgg(figure)
-        panels = _DUTY_PANELS if "undistorted_voltage_v" in document else _PANELS
-        all_axes = figure.subplots(len(panels), 1, sharex=True)
+        panels, part = _PANELS, figure
+        if takes_duty:
+            parts: Any = figure.subfigures(1, 2, width_ratios=(9.0, 5.0))
+            panels, part = _DUTY_PANELS, parts[0]
+            draw_plane_and_map(parts[1], document)
+        all_axes = part.subplots(len(panels), 1, sharex=True)
         for axes, (label, curves) in zip(all_axes, panels, strict=True):
             _draw(axes, document, label, curves)
         all_axes[-1].set_xlabel("speed (rpm)")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
+from drivegate.drives.pm_ac_words import pm_ac_facts
 from drivegate.output.console import number, plain, table
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def show_pm_ac_drive(console: Console, document: dict[str, Any], name: str) -> N
             "dim",
         )
     )
-    for words in _facts(document):
+    for words in (*pm_ac_facts(document), _best(document)):
         console.print(plain(words))
     for row in document["unreachable"]:
         console.print(plain(f"out of reach: {row['message']}", "bold red"))
@@ -56,20 +57,21 @@ def show_pm_ac_drive(console: Console, document: dict[str, Any], name: str) -> N
     console.print(plain(f"next: {following}", "dim"))
 
 
-def _facts(document: dict[str, Any]) -> tuple[str, ...]:
-    limit, magnet = document["rating"]["current_limit_a"], document["magnet_current_a"]
-    end = document["rated_power_up_to_rpm"]
-    reach = "without end" if end is None else f"up to {end:.5g} rpm"
-    return (
-        f"the current limit uses up the undistorted {document['undistorted_voltage_v']:.4g} V of a phase at "
-        f"{document['voltage_used_up_at_rpm']:.5g} rpm; six steps would give {document['six_step_voltage_v']:.4g} V",
-        f"the magnet's flux is worth {magnet:.4g} A along its axis, "
-        + (
-            f"within the limit of {limit:g} A: the speed range is unbounded"
-            if magnet <= limit
-            else f"above the limit of {limit:g} A"
+def _best(document: dict[str, Any]) -> str:
+    """Tell the most efficient place of the map."""
+    charted = document["efficiency_map"]
+    places = [
+        (value, speed, torque)
+        for speed, *row in zip(
+            charted["speed_rpm"], charted["torque_nm"], charted["efficiency_percent"], strict=True
         )
-        + f"; rated power is there {reach}",
-        f"a step every {1e6 * document['control_period_s']:.4g} µs; a steady state is judged "
-        f"{document['settling_s']:g} s after a change",
+        for torque, value in zip(*row, strict=True)
+        if value is not None
+    ]
+    if not places:
+        return "no torque of the efficiency map is within reach"
+    value, speed, torque = max(places)
+    return (
+        f"at least loss the efficiency is at most {value:.4g} %, of copper and core alone, near {speed:.4g} rpm and "
+        f"{torque:.4g} N·m"
     )

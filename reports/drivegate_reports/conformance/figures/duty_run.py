@@ -6,7 +6,12 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate.gate.recording import VOLTAGE
 from drivegate.output.duty_signals import DutySignals
-from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label_ends, new_figure
+from drivegate_reports.conformance.figures.run_panels import (
+    LABELS_AT,
+    finish_run_panels,
+    new_run_panels,
+)
+from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label_ends
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,20 +37,12 @@ def alternative(signals: DutySignals) -> str:
 
 def draw(signals: DutySignals) -> Figure:
     """Draw speed, torque, currents and voltage over time."""
-    figure, panels = new_figure(5.6, 4, fitted=False, apart=0.16)
+    figure, panels = new_run_panels()
     _draw_speed(panels[0], signals)
     _draw_torque(panels[1], signals)
     _draw_currents(panels[2], signals)
     _draw_voltage(panels[3], signals)
-    end = signals.scenario.duration_s
-    for panel in panels[:-1]:
-        panel.tick_params(labelbottom=False)
-    for panel in panels:
-        panel.set_xlim(0.0, 1.2 * end)
-        panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 1.001 * end])
-        panel.ticklabel_format(axis="y", useOffset=False)
-        panel.margins(y=0.1)
-    panels[-1].set_xlabel("time (s)")
+    finish_run_panels(panels, signals.scenario.duration_s)
     return figure
 
 
@@ -56,7 +53,7 @@ def _draw(panel: Axes, signals: DutySignals, *lines: tuple[str, str, str, bool])
         style = _DASHED if dashed else "-"
         panel.plot(time, signals.columns[column], color=colour, linestyle=style, linewidth=1.3)
     ends = [(label, float(signals.columns[column][-1]), colour) for column, label, colour, _ in lines]
-    label_ends(panel, 1.012 * signals.scenario.duration_s, *ends)
+    label_ends(panel, LABELS_AT * signals.scenario.duration_s, *ends)
 
 
 def _draw_speed(panel: Axes, signals: DutySignals) -> None:

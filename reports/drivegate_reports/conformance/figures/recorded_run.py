@@ -10,7 +10,12 @@ from numpy.typing import NDArray
 from drivegate.output.judged_point import judged_point
 from drivegate.output.run_signals import RunSignals
 from drivegate_cases.scenario.load import ConstantPowerLoad
-from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label_ends, new_figure
+from drivegate_reports.conformance.figures.run_panels import (
+    LABELS_AT,
+    finish_run_panels,
+    new_run_panels,
+)
+from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label_ends
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,21 +43,14 @@ def alternative(signals: RunSignals) -> str:
 
 def draw(signals: RunSignals) -> Figure:
     """Draw speed, angle, currents and torque over time."""
-    figure, panels = new_figure(5.6, 4, fitted=False, apart=0.16)
+    figure, panels = new_run_panels()
     _draw_speed(panels[0], signals)
     _draw_angle(panels[1], signals)
     _draw_currents(panels[2], signals)
     _draw_torque(panels[3], signals)
-    end = signals.scenario.duration_s
-    for panel in panels[:-1]:
-        panel.tick_params(labelbottom=False)
     for panel in panels:
         panel.axvspan(*signals.judged_s, color=_JUDGED, alpha=0.55, linewidth=0, zorder=0)
-        panel.set_xlim(0.0, 1.2 * end)
-        panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 1.001 * end])
-        panel.ticklabel_format(axis="y", useOffset=False)
-        panel.margins(y=0.1)
-    panels[-1].set_xlabel("time (s)")
+    finish_run_panels(panels, signals.scenario.duration_s)
     middle = 0.5 * (signals.judged_s[0] + signals.judged_s[1])
     panels[0].annotate(
         "judged here", (middle, 1.02), xycoords=("data", "axes fraction"), ha="center", fontsize=8.5
@@ -61,7 +59,7 @@ def draw(signals: RunSignals) -> Figure:
 
 
 def _end_labels(panel: Axes, signals: RunSignals, *lines: tuple[str, float, str]) -> None:
-    label_ends(panel, 1.012 * signals.scenario.duration_s, *lines)
+    label_ends(panel, LABELS_AT * signals.scenario.duration_s, *lines)
 
 
 def _draw_speed(panel: Axes, signals: RunSignals) -> None:

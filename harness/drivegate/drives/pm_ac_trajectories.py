@@ -1,0 +1,78 @@
+"""Where in the plane of d and q current a PM AC drive can be, and where it is best."""
+
+from __future__ import annotations
+
+from math import inf, isfinite, pi
+from typing import Any, Final
+
+import numpy as np
+
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_models.machine.sine import cosine_sine
+from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, base_speed, most_torque_per_ampere, steady_state
+from drivegate_models.pm_ac.oracle import Limits, greatest_torque
+from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.units import RADIANS_PER_RPM
+
+CURRENTS: Final = 24
+"""Steps of current from none to the limit."""
+SPEEDS: Final = 24
+"""Steps of speed from where the voltage is used up to overspeed."""
+ANGLES: Final = 72
+"""Directions of the voltage along its limit."""
+
+
+def trajectories(drive: PmAcDocument) -> dict[str, Any]:
+    """Compute most torque per ampere, greatest torque over speed, and the limits of voltage at two speeds."""
+    plant, rating = drive.plant(), drive.rating
+    limits = limits_of(plant)
+    speeds = (rating.base_speed_rpm, rating.highest_speed_rpm)
+    return {
+        "most_torque_per_ampere": [
+            _least(plant, current) for current in np.linspace(0.0, limits.current, CURRENTS + 1).tolist()
+        ],
+        "greatest_torque": _greatest(plant, limits, rating.overspeed_rpm),
+        "voltage_limits": [_voltage_limit(plant, limits.voltage, speed) for speed in speeds],
+    }
+
+
+def limits_of(plant: PmAcDrive) -> Limits:
+    """Give the limits of current and of undistorted voltage."""
+    return Limits(plant.current_limit, LINEAR_LIMIT * plant.link_voltage)
+
+
+def _least(plant: PmAcDrive, current: float) -> dict[str, float]:
+    direct, quadrature = most_torque_per_ampere(plant, current)
+    torque = steady_state(plant, 0.0, direct, quadrature).torque
+    return {"current_a": current, "direct_a": direct, "quadrature_a": quadrature, "torque_nm": torque}
+
+
+def _greatest(plant: PmAcDrive, limits: Limits, overspeed_rpm: float) -> list[dict[str, float]]:
+    begin = min(base_speed(plant, *limits) / RADIANS_PER_RPM, overspeed_rpm)
+    found = []
+    for speed in np.linspace(begin, overspeed_rpm, SPEEDS + 1).tolist():
+        state = greatest_torque(plant, limits, speed * RADIANS_PER_RPM)
+        if isfinite(state.torque):
+            found.append(
+                {
+                    "speed_rpm": speed,
+                    "direct_a": state.direct,
+                    "quadrature_a": state.quadrature,
+                    "torque_nm": state.torque,
+                }
+            )
+    return found
+
+
+def _voltage_limit(plant: PmAcDrive, voltage: float, speed_rpm: float) -> dict[str, Any]:
+    """Give the currents that take a voltage, direction by direction: an ellipse."""
+    electrical = plant.pole_pairs * speed_rpm * RADIANS_PER_RPM
+    along, across = electrical * plant.direct_inductance, electrical * plant.quadrature_inductance
+    determinant = plant.resistance * plant.resistance + along * across
+    direct, quadrature = [], []
+    for k in range(ANGLES + 1):
+        cosine, sine = cosine_sine(2.0 * pi * k / ANGLES)
+        first, second = voltage * cosine, voltage * sine - electrical * plant.magnet_flux
+        direct.append((plant.resistance * first + across * second) / determinant if determinant else inf)
+        quadrature.append((plant.resistance * second - along * first) / determinant if determinant else inf)
+    return {"speed_rpm": speed_rpm, "direct_a": direct, "quadrature_a": quadrature}

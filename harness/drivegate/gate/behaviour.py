@@ -1,0 +1,50 @@
+"""How a candidate behaves in plain runs of its drive, for the report: what the checks' numbers do not show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Final
+
+from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.drives.kinds import kind_of
+from drivegate.drives.running import recorded
+from drivegate.gate.recording import shown_scenario
+from drivegate.results.result import CheckOutcome
+from drivegate_cases.documents.document import parse_document
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.scenario import Scenario
+
+_OF_STEPS: Final = "STP-1"
+
+
+@dataclass(frozen=True)
+class BehaviourPlan:
+    """What is to be run.
+
+    Attributes
+    ----------
+    drive : DriveDocument
+        The drive.
+    step : dict or None
+        Scenario that shows how steps are followed, as plain data.
+    """
+
+    drive: DriveDocument
+    step: dict[str, Any] | None
+
+
+def behaviour_job(drive: DriveDocument, outcomes: Iterable[CheckOutcome]) -> Job[dict[str, Any]] | None:
+    """Plan the work; None for kinds of drives whose reports show nothing of the sort."""
+    if kind_of(drive).behaviour is None:
+        return None
+    step = next((shown_scenario(outcome) for outcome in outcomes if outcome.id == _OF_STEPS), None)
+    return Job(run_behaviour, BehaviourPlan(drive, step))
+
+
+def run_behaviour(loaded: JudgedCandidate, plan: BehaviourPlan) -> dict[str, Any]:
+    """Run a candidate and measure how it behaves; this is what the worker process does."""
+    behaviour = kind_of(plan.drive).behaviour
+    assert behaviour is not None, "only such a kind is planned for"
+    step = None if plan.step is None else parse_document(plan.step, Scenario, "the scenario of steps")
+    return behaviour(lambda scenario: recorded(loaded, scenario, loaded.controller()), plan.drive, step)

@@ -1,0 +1,109 @@
+"""How a controller of duty ratios behaves, as the page shows it: figures, and losses in a table."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from pydantic import ValidationError
+
+from drivegate.drives.pm_ac_trajectories import trajectories
+from drivegate.results.behaviour_section import BehaviourSection, EfficiencyPointSection
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_reports.conformance.figures import (
+    efficiency_points,
+    rotor_plane,
+    step_response,
+    torque_spectrum,
+)
+from drivegate_reports.page.figure import PageFigure
+from drivegate_reports.page.style import house_style, inline_svg
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_OWN_WAY: Final = (
+    " Blue, from the dot on: the candidate's currents at the ends of control periods, through runs without a load "
+    "(left), and with a torque reference out of reach and then none (right). Crosses: its eight operating points."
+)
+
+
+@dataclass(frozen=True)
+class ShownBehaviour:
+    """How a candidate behaves.
+
+    Attributes
+    ----------
+    figures : tuple of PageFigure
+        Step, currents, torque and losses, as far as they were measured.
+    points : tuple of tuple of str
+        A row for each operating point: point, torque, loss, least loss, excess, efficiency, d current, best d current.
+    """
+
+    figures: tuple[PageFigure, ...]
+    points: tuple[tuple[str, ...], ...]
+
+
+def shown_behaviour(document: Mapping[str, Any], drive: DriveDocument) -> ShownBehaviour | None:
+    """Draw how the candidate of a result behaves; None where that is not told."""
+    told = document.get("behaviour")
+    if not isinstance(told, Mapping) or not isinstance(drive, PmAcDocument):
+        return None
+    try:
+        read = BehaviourSection.model_validate_json(json.dumps(told))
+    except (ValidationError, TypeError, ValueError):
+        return None
+    with house_style():
+        figures = tuple(_figures(read, drive))
+    return ShownBehaviour(figures, tuple(_row(point) for point in read.points))
+
+
+def _figures(read: BehaviourSection, drive: PmAcDocument) -> Iterator[PageFigure]:
+    if read.step is not None:
+        words = step_response.alternative(read.step), step_response.caption(read.step)
+        yield _placed("step", step_response.TITLE, step_response.draw(read.step), *words)
+    yield _plane(read, drive)
+    if read.torque is not None:
+        words = torque_spectrum.alternative(read.torque), torque_spectrum.caption(read.torque)
+        yield _placed("torque-spectrum", torque_spectrum.TITLE, torque_spectrum.draw(read.torque), *words)
+    if read.points:
+        limit = 100.0 * duty_limits_of(drive).loss_excess
+        words = efficiency_points.alternative(read.points), efficiency_points.caption(limit)
+        drawn = efficiency_points.draw(read.points, limit)
+        yield _placed("efficiency-points", efficiency_points.TITLE, drawn, *words)
+
+
+def _plane(read: BehaviourSection, drive: PmAcDocument) -> PageFigure:
+    known, limit = trajectories(drive), drive.rating.current_limit_a
+    ways = [
+        rotor_plane.Way(title, path.direct_current_a, path.quadrature_current_a)
+        for title, path in (
+            ("Through the range of speed", read.range),
+            ("Into and out of weakening", read.release),
+        )
+    ]
+    dots = [(point.direct_current_a, point.quadrature_current_a) for point in read.points]
+    words = rotor_plane.alternative(known, limit, ways), rotor_plane.caption(known) + _OWN_WAY
+    return _placed("rotor-plane", rotor_plane.TITLE, rotor_plane.draw(known, limit, ways, dots), *words)
+
+
+def _placed(name: str, title: str, drawn: Figure, alternative: str, caption: str) -> PageFigure:
+    return PageFigure(name, title, inline_svg(drawn, name), alternative, caption)
+
+
+def _row(point: EfficiencyPointSection) -> tuple[str, ...]:
+    return (
+        efficiency_points.name_of(point),
+        f"{point.torque_nm:.4g}",
+        *_known(point.loss_w, point.least_loss_w, point.above_least_percent, point.efficiency_percent),
+        f"{point.direct_current_a:.3g}",
+        *_known(point.least_loss_direct_a),
+    )
+
+
+def _known(*values: float | None) -> Sequence[str]:
+    return ["–" if value is None else f"{value:.4g}" for value in values]

@@ -1,0 +1,124 @@
+"""The page of a controller of duty ratios: how it behaves, and what its drive can do."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import pytest
+
+from drivegate.results.behaviour_section import BehaviourSection
+from drivegate_reports.conformance.behaviour import shown_behaviour
+from drivegate_reports.conformance.coverage import drive_of
+from drivegate_reports.conformance.figures import duty_envelope, efficiency_points, rotor_plane, step_response
+from drivegate_reports.conformance.report import page
+from drivegate_reports.page.style import house_style
+
+Document = dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def text(duty_result: Document) -> str:
+    return page(duty_result)
+
+
+def section_of(document: Document) -> BehaviourSection:
+    import json
+
+    return BehaviourSection.model_validate_json(json.dumps(document["behaviour"]))
+
+
+def test_each_figure_stands_with_its_words(duty_result: Document, text: str) -> None:
+    for name in (
+        "step",
+        "rotor-plane",
+        "torque-spectrum",
+        "efficiency-points",
+        "drive-envelope",
+        "drive-plane",
+    ):
+        assert text.count(f'<figure class="card" id="{name}"') == 1, name
+    told = section_of(duty_result)
+    assert told.step is not None
+    assert told.torque is not None
+    assert f"overshoots by {told.step.overshoot_percent:.3g} % of the step" in text
+    assert f"90 % is reached after {told.step.rise_ms:.4g} ms" in text
+    assert f"a ripple of {told.torque.peak_to_peak_percent:.3g} % peak to peak" in text
+    assert text.count(" % speed, ") >= 16, "eight operating points in the figure's words and in the table"
+    assert "uses up the undistorted 55.43 V of a phase at 585.42 rpm" in text
+    assert len(text) < 1_000_000
+
+
+def test_the_same_document_gives_the_same_bytes(duty_result: Document, text: str) -> None:
+    assert page(copy.deepcopy(duty_result)) == text
+
+
+def test_overshoot_and_rise_time_are_marked(duty_result: Document) -> None:
+    step = section_of(duty_result).step
+    assert step is not None
+    with house_style():
+        torque, _ = step_response.draw(step).axes
+        slow, _ = step_response.draw(step.model_copy(update={"rise_ms": None})).axes
+    written = [text.get_text() for text in torque.texts]
+    assert f"overshoot {step.overshoot_percent:.3g} %" in written
+    assert f"90 % in {step.rise_ms:.4g} ms" in written
+    assert not any(text.get_text().startswith("90 %") for text in slow.texts)
+    assert "90 % is not reached" in step_response.alternative(step.model_copy(update={"rise_ms": None}))
+
+
+def test_the_currents_stand_between_circle_and_ellipses(duty_result: Document) -> None:
+    drive = drive_of(duty_result)
+    shown = shown_behaviour(duty_result, drive)
+    assert shown is not None
+    plane = next(figure for figure in shown.figures if figure.name == "rotor-plane")
+    assert "within a circle of 26 A" in plane.alternative
+    assert "dashed at 550 rpm, dotted at 1650 rpm" in plane.caption
+    assert "Through the range of speed: d current from" in plane.alternative
+
+
+def test_losses_far_above_the_least_stand_out(duty_result: Document) -> None:
+    first, *others = section_of(duty_result).points
+    costly = first.model_copy(update={"above_least_percent": 63.0})
+    unknown = others[0].model_copy(update={"above_least_percent": None})
+    with house_style():
+        (panel,) = efficiency_points.draw([costly, unknown, *others[1:]], 5.0).axes
+    colours = [bar.get_facecolor() for bar in panel.patches]
+    assert colours[0] != colours[2]
+    assert [text.get_text() for text in panel.texts][:2] == ["63 %", "not known"]
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        None,
+        "<script>alert(1)</script>",
+        {"step": {"speed_rpm": "<script>alert(1)</script>"}},
+        {"range": {}, "release": {}, "points": [{"loss_w": "<script>alert(1)</script>"}]},
+    ],
+)
+def test_whatever_else_stands_there_is_not_shown(duty_result: Document, told: object) -> None:
+    text = page(duty_result | {"behaviour": told})
+    assert 'id="behaviour"' not in text
+    assert "alert(1)" not in text
+
+
+def test_a_name_of_a_scenario_is_escaped(duty_result: Document) -> None:
+    changed = copy.deepcopy(duty_result)
+    changed["behaviour"]["range"]["scenario"] = "<script>alert(1)</script>"
+    assert "<script>alert(1)" not in page(changed)
+
+
+def test_a_drive_without_any_torque_in_reach_is_told_so() -> None:
+    point = {"speed_rpm": 0.0, "greatest_torque_nm": None, "greatest_power_w": None}
+    empty = {"rating": {}, "points": [point, point | {"speed_rpm": 10.0}], "efficiency_map": {}}
+    assert "No torque is within the limits" in duty_envelope.alternative(empty)
+
+
+def test_the_plane_of_a_drive_alone_has_one_panel(duty_result: Document) -> None:
+    from drivegate.drives.pm_ac_trajectories import trajectories
+    from drivegate_cases.drive.pm_ac.document import PmAcDocument
+
+    drive = drive_of(duty_result)
+    assert isinstance(drive, PmAcDocument)
+    with house_style():
+        assert len(rotor_plane.draw(trajectories(drive), 26.0, ()).axes) == 1
