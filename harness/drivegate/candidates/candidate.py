@@ -68,7 +68,20 @@ class Composition:
     blocks: tuple[tuple[str, str], ...]
 
 
-Details: TypeAlias = NativeBuild | Program | Composition
+@dataclass(frozen=True)
+class OuterLoop:
+    """The controller of current references behind a loop of currents.
+
+    Attributes
+    ----------
+    outer : Candidate
+        The controller, of any kind.
+    """
+
+    outer: Candidate
+
+
+Details: TypeAlias = NativeBuild | Program | Composition | OuterLoop
 """What only one kind needs."""
 
 

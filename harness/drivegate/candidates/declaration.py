@@ -1,6 +1,12 @@
 """What a candidate declares of itself, which decides the checks that apply to it."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from drivegate_cases.scenario.reference import Reference
 
 
 @dataclass(frozen=True)
@@ -42,9 +48,12 @@ class Declaration:
         Lowest and highest speed that the candidate is made for (rpm); None for all.
     power_window_s : float
         Time over which the estimate is a mean (s); 0 when it is that of the last control period alone.
+    references : tuple of str
+        References that the candidate follows, where its drive can give either; those of currents follow a speed.
     """
 
     flowchart: FlowchartProfile | None = None
     estimates_power: bool = False
     speed_range_rpm: tuple[float, float] | None = None
     power_window_s: float = 0.0
+    references: tuple[Reference, ...] = ("speed", "torque")

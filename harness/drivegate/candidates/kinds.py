@@ -32,6 +32,9 @@ DESIGN_PREFIX: Final = "design:"
 NEAR_PREFIX: Final = "near:"
 """What the name of a correct controller begins with that is near a limit by design."""
 
+INNER_PREFIX: Final = "inner:"
+"""What the name of a controller of current references begins with that is run on duty ratios."""
+
 MANIFEST_SUFFIX: Final = ".toml"
 
 
@@ -105,6 +108,7 @@ _ALL: Final = (
         reports_output=True,
         way_of_running="a process of its own",
     ),
+    Kind("inner", "inner", ways=("inner:pi:candidate",), prefixes=(INNER_PREFIX,), reports_output=True),
     Kind("compose", "composed", manifest_keys=("blocks",), reports_output=True, way_of_running="blocks"),
 )
 

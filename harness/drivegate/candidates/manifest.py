@@ -10,6 +10,7 @@ from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import KINDS
 from drivegate_cases.documents.document import Document, Section
 from drivegate_cases.drive.drive_reference import DriveReference
+from drivegate_cases.scenario.reference import Reference
 from drivegate_models.units import RADIANS_PER_RPM
 
 # A type checker cannot read a Literal that is made of the registry.
@@ -94,6 +95,11 @@ class Manifest(Document):
         "duty ratios",
     )
 
+    references: tuple[Reference, ...] = Field(
+        default=("speed", "torque"),
+        description="what a candidate that answers with duty ratios follows: 'speed', 'torque' or both",
+    )
+
     drive: DriveReference | None = Field(
         default=None,
         description="drive that the candidate is made for: the name of one, or the path of its file",
@@ -142,6 +148,17 @@ class Manifest(Document):
         return self
 
     @model_validator(mode="after")
+    def _references_fit_the_contract(self) -> Self:
+        if not self.references:
+            raise ValueError("the key 'references' is empty, but must name 'speed', 'torque' or both")
+        if self.contract == "current" and "references" in self.model_fields_set:
+            raise ValueError(
+                "the key 'references' is for the contract 'duty', but the contract is 'current', whose controllers "
+                "follow a speed"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _speed_range_rises(self) -> Self:
         if self.speed_range_rpm is not None and self.speed_range_rpm[0] >= self.speed_range_rpm[1]:
             raise ValueError("the key 'speed_range_rpm' must give the lowest speed first, then a higher one")
@@ -150,7 +167,11 @@ class Manifest(Document):
     def declaration(self) -> Declaration:
         """What the candidate declares of itself, in SI units."""
         return Declaration(
-            _profile(self.flowchart), self.estimates_power, self.speed_range_rpm, self.power_window_s
+            _profile(self.flowchart),
+            self.estimates_power,
+            self.speed_range_rpm,
+            self.power_window_s,
+            self.references,
         )
 
 

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from drivegate.runs.record import RunRecord
     from drivegate.runs.scenario import PrepareLoop
     from drivegate.scenarios.simplification import Simplification
-    from drivegate.scenarios.speed_range import SpeedRange
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
     from drivegate_models.steady.oracle import AdvanceLine as AdvanceLine
@@ -110,7 +109,7 @@ class DriveKind:
     checks : callable
         Gives the checks that judge a run of such a drive.
     fixed_scenarios : callable
-        From a drive, and the speeds that a candidate is made for, to the scenarios that every check runs first.
+        From a drive, and what a candidate declares of itself, to the scenarios that every check runs first.
     drawn_scenarios : callable
         From the same, and the number of a group of families or None for all of them, to what is searched.
     joint_scenarios : callable
@@ -136,9 +135,9 @@ class DriveKind:
     steady_state: Callable[[], Callable[..., object]]
     steady_states: Callable[[], SteadyStates]
     checks: Callable[[], tuple[Check, ...]]
-    fixed_scenarios: Callable[[DriveDocument, SpeedRange | None], tuple[Scenario, ...]]
-    drawn_scenarios: Callable[[DriveDocument, SpeedRange | None, int | None], SearchStrategy[Scenario]]
-    joint_scenarios: Callable[[DriveDocument, SpeedRange | None, int, int, int], tuple[Scenario, ...]]
+    fixed_scenarios: Callable[[DriveDocument, Declaration], tuple[Scenario, ...]]
+    drawn_scenarios: Callable[[DriveDocument, Declaration, int | None], SearchStrategy[Scenario]]
+    joint_scenarios: Callable[[DriveDocument, Declaration, int, int, int], tuple[Scenario, ...]]
     unfair_because: Callable[[Scenario], str | None]
     simplifications: Callable[[], tuple[Simplification, ...]]
     usual_candidate: str

@@ -10,10 +10,10 @@ from drivegate.drives.drive_kind import Drive, DriveKind, FloatArray, Oracle, St
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
 
+    from drivegate.candidates.declaration import Declaration
     from drivegate.checks.check import Check
     from drivegate.runs.scenario import PrepareLoop
     from drivegate.scenarios.simplification import Simplification
-    from drivegate.scenarios.speed_range import SpeedRange
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
 
@@ -69,26 +69,26 @@ def _checks() -> tuple[Check, ...]:
     return CHECKS
 
 
-def _fixed_scenarios(drive: DriveDocument, speed_range: SpeedRange | None) -> tuple[Scenario, ...]:
+def _fixed_scenarios(drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
     from drivegate.scenarios.fixed import fixed_scenarios
 
-    return fixed_scenarios(drive, speed_range)
+    return fixed_scenarios(drive, declaration.speed_range_rpm)
 
 
 def _drawn_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None, group: int | None
+    drive: DriveDocument, declaration: Declaration, group: int | None
 ) -> SearchStrategy[Scenario]:
     from drivegate.scenarios.drawn.families import drawn_scenarios
 
-    return drawn_scenarios(drive, speed_range, group)
+    return drawn_scenarios(drive, declaration.speed_range_rpm, group)
 
 
 def _joint_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None, seed: int, part: int, parts: int
+    drive: DriveDocument, declaration: Declaration, seed: int, part: int, parts: int
 ) -> tuple[Scenario, ...]:
     from drivegate.scenarios.combined import combined_scenarios
 
-    return combined_scenarios(drive, speed_range, seed, part, parts)
+    return combined_scenarios(drive, declaration.speed_range_rpm, seed, part, parts)
 
 
 def _unfair_because(scenario: Scenario) -> str | None:

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from drivegate.containment.messages import AnyController
     from drivegate.runs.record import RunRecord
     from drivegate.scenarios.simplification import Simplification
-    from drivegate.scenarios.speed_range import SpeedRange
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.drive.pm_ac.document import PmAcDocument
     from drivegate_cases.scenario.scenario import Scenario
@@ -45,18 +44,18 @@ def _document(drive: DriveDocument) -> PmAcDocument:
     return drive
 
 
-def _fixed_scenarios(drive: DriveDocument, _speed_range: SpeedRange | None) -> tuple[Scenario, ...]:
+def _fixed_scenarios(drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
     from drivegate.scenarios.duty.fixed import fixed_scenarios
 
-    return fixed_scenarios(_document(drive))
+    return fixed_scenarios(_document(drive), declaration.references)
 
 
 def _drawn_scenarios(
-    drive: DriveDocument, _speed_range: SpeedRange | None, group: int | None
+    drive: DriveDocument, declaration: Declaration, group: int | None
 ) -> SearchStrategy[Scenario]:
     from drivegate.scenarios.duty.drawn import drawn_scenarios
 
-    return drawn_scenarios(_document(drive), group)
+    return drawn_scenarios(_document(drive), group, declaration.references)
 
 
 def _joint_scenarios(*_: object) -> tuple[Scenario, ...]:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Final
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
@@ -34,9 +35,11 @@ class BehaviourPlan:
     step: dict[str, Any] | None
 
 
-def behaviour_job(drive: DriveDocument, outcomes: Iterable[CheckOutcome]) -> Job[dict[str, Any]] | None:
-    """Plan the work; None for kinds of drives whose reports show nothing of the sort."""
-    if kind_of(drive).behaviour is None:
+def behaviour_job(
+    drive: DriveDocument, declaration: Declaration, outcomes: Iterable[CheckOutcome]
+) -> Job[dict[str, Any]] | None:
+    """Plan the work; None where reports show nothing of the sort, or a candidate does not follow both references."""
+    if kind_of(drive).behaviour is None or len(declaration.references) == 1:
         return None
     step = next((shown_scenario(outcome) for outcome in outcomes if outcome.id == _OF_STEPS), None)
     return Job(run_behaviour, BehaviourPlan(drive, step))

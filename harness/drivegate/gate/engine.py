@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.checks.catalogue import ALL_CHECKS, CHECKS_OF
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
@@ -168,7 +169,7 @@ def check_candidate(
         outcomes = focus.outcomes(judged)
         outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)
         outcomes, traces = _record(pool, outcomes, progress)
-        behaviour = _behave(pool, judged_on, outcomes, progress)
+        behaviour = _behave(pool, judged_on, candidate.declaration, outcomes, progress)
     for outcome in outcomes:
         if outcome.id == REPEATED and outcome.verdict == "fail":
             message = f"the same scenario was answered differently when it was repeated: {outcome.measured}"
@@ -257,10 +258,14 @@ def _record(
 
 
 def _behave(
-    pool: WorkerPool, drive: DriveDocument, outcomes: tuple[CheckOutcome, ...], progress: _Progress
+    pool: WorkerPool,
+    drive: DriveDocument,
+    declaration: Declaration,
+    outcomes: tuple[CheckOutcome, ...],
+    progress: _Progress,
 ) -> dict[str, Any] | None:
     """Measure how a candidate without faults behaves, where all of it was judged."""
-    job = behaviour_job(drive, outcomes)
+    job = behaviour_job(drive, declaration, outcomes)
     whole = progress.complete and not progress.faults and not progress.focus.only
     if job is None or not whole or progress.time_is_up:
         return None

@@ -33,6 +33,6 @@ class JointRuns:
 
 def run_joint(loaded: JudgedCandidate, plan: JointRuns) -> ShardOutcome:
     """Draw a part of the joint changes and run them as they are."""
-    speeds = loaded.candidate.declaration.speed_range_rpm
-    scenarios = kind_of(plan.drive).joint_scenarios(plan.drive, speeds, plan.seed, plan.part, plan.parts)
+    declaration = loaded.candidate.declaration
+    scenarios = kind_of(plan.drive).joint_scenarios(plan.drive, declaration, plan.seed, plan.part, plan.parts)
     return run_fixed(loaded, FixedRuns(scenarios))

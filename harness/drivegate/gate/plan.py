@@ -88,7 +88,7 @@ def planned_work(
 ) -> list[Work]:
     """Plan the runs of a check on a drive, the default one where none is given."""
     drive = drive or load_drive(DEFAULT_DRIVE)
-    fixed = kind_of(drive).fixed_scenarios(drive, declaration.speed_range_rpm)
+    fixed = kind_of(drive).fixed_scenarios(drive, declaration)
     examples = EXAMPLES[effort]
     shards = [
         DrawnRuns(drive, seed * SHARDS + shard, examples, search=search, climbed=focus.only)

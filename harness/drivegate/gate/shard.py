@@ -126,7 +126,7 @@ class _Collector:
         self._controller = loaded.controller()
         self._unrelated = unrelated
         self.kind = kind_of(drive)
-        fixed = self.kind.fixed_scenarios(drive, None)
+        fixed = self.kind.fixed_scenarios(drive, loaded.candidate.declaration)
         self._known = {content_key(scenario.to_mapping()) for scenario in fixed}
         self._tickets: set[int] = set()
         self._answers: dict[tuple[int, str], tuple[Margin, ...] | None] = {}
@@ -167,9 +167,7 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
     """Draw scenarios, and climb toward the smallest margin."""
     collector = _Collector(loaded, plan.drive, plan.examples // 2 if plan.search else plan.examples)
     climbed = frozenset(plan.climbed) - _NEVER_SEARCHED or _SEARCHED
-    drawn = collector.kind.drawn_scenarios(
-        plan.drive, loaded.candidate.declaration.speed_range_rpm, plan.seed
-    )
+    drawn = collector.kind.drawn_scenarios(plan.drive, loaded.candidate.declaration, plan.seed)
 
     @seed(plan.seed)
     @settings(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
@@ -88,4 +89,4 @@ def _judge_a_run(loaded: JudgedCandidate, kind: str) -> None:
 
 def _plain_scenario(kind: str) -> Scenario:
     drive_kind = DRIVE_KINDS[kind]
-    return drive_kind.fixed_scenarios(load_drive(drive_kind.default_drive), None)[1]
+    return drive_kind.fixed_scenarios(load_drive(drive_kind.default_drive), Declaration())[1]

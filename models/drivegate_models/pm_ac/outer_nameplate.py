@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import isfinite, pi, sqrt
 
+from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.contract.outer_loop.signals import PM_AC, Nameplate
 from drivegate_models.machine.sine import cosine_sine
+from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT
 from drivegate_models.pm_ac.oracle import CURRENT, Limits, least_at
-from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.pm_ac.plant.drive import PmAcDrive, make_pm_ac_drive
 
 _STEPS = 8
+# Over the undistorted voltage; what is left is for the regulation of currents.
+_VOLTAGE_SHARES = (0.95, 1.0)
 
 
 def _advance_angle(direct: float, quadrature: float) -> float:
@@ -25,52 +29,44 @@ def _advance_angle(direct: float, quadrature: float) -> float:
     return angle
 
 
-def outer_nameplate(
-    drive: PmAcDrive,
-    limits: Limits,
-    *,
-    rated_power: float,
-    base_speed: float,
-    highest_speed: float,
-    control_period: float,
-) -> Nameplate:
+def outer_nameplate(nameplate: DutyNameplate, periods: int) -> Nameplate:
     """Tell the nominal data of a drive in the contract of current references.
 
     Parameters
     ----------
-    drive : PmAcDrive
-        The drive.
-    limits : Limits
-        Of current and voltage that rated power is reached within.
-    rated_power : float
-        Mechanical (W).
-    base_speed, highest_speed : float
-        Range of constant power (rad/s).
-    control_period : float
-        Time from one step of the outer controller to the next (s).
+    nameplate : DutyNameplate
+        The drive's nominal data.
+    periods : int
+        Control periods of the drive to one step of the outer controller.
 
     Returns
     -------
     Nameplate
         The line of advance angles leads from that of least current at rated power and base speed to that at the
-        highest speed. Windows are those of a sine, whose torque an ampere is half that of three phases that conduct
-        all the time.
+        highest speed, with 5 % of the voltage in hand where the drive has it. Windows are those of a sine, whose torque
+        an ampere is half that of three phases that conduct all the time.
     """
-    start, end = (
-        _advance_angle(state.direct, state.quadrature)
-        for state in (
-            least_at(drive, limits, base_speed, rated_power / base_speed, CURRENT),
-            least_at(drive, limits, highest_speed, rated_power / highest_speed, CURRENT),
-        )
+    drive = make_pm_ac_drive(
+        pole_pairs=nameplate.pole_pairs,
+        resistance=nameplate.resistance,
+        magnet_flux=nameplate.magnet_flux,
+        direct_inductance=nameplate.direct_inductance,
+        quadrature_inductance=nameplate.quadrature_inductance,
+        link_voltage=nameplate.supply_voltage,
+        current_limit=nameplate.current_limit,
+        core_loss_conductance=nameplate.core_loss_conductance,
+        inertia=nameplate.inertia,
     )
+    base_speed, highest_speed = nameplate.base_speed, nameplate.highest_speed
+    start, end = (_angle_of_least_current(drive, nameplate, speed) for speed in (base_speed, highest_speed))
     return Nameplate(
         phases=3,
         pole_pairs=drive.pole_pairs,
         half_supply_voltage=0.5 * drive.link_voltage,
         base_speed=base_speed,
-        rated_power=rated_power,
+        rated_power=nameplate.rated_power,
         current_limit=drive.current_limit,
-        control_period=control_period,
+        control_period=periods * nameplate.control_period,
         hysteresis_band=0.0,
         resistance=drive.resistance,
         inductance=0.5 * (drive.direct_inductance + drive.quadrature_inductance),
@@ -83,3 +79,14 @@ def outer_nameplate(
         advance_slope=(end - start) / (highest_speed - base_speed),
         highest_speed=highest_speed,
     )
+
+
+def _angle_of_least_current(drive: PmAcDrive, nameplate: DutyNameplate, speed: float) -> float:
+    """Return the angle at rated power, with voltage in hand where the drive has it."""
+    torque = nameplate.rated_power / speed
+    for share in _VOLTAGE_SHARES:
+        limits = Limits(drive.current_limit, share * LINEAR_LIMIT * drive.link_voltage)
+        state = least_at(drive, limits, speed, torque, CURRENT)
+        if isfinite(state.direct):
+            break
+    return _advance_angle(state.direct, state.quadrature) if isfinite(state.direct) else 0.0

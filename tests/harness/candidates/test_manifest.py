@@ -96,3 +96,21 @@ def test_a_wrong_manifest_is_reported_in_one_sentence(changes, sentence):
     assert sentence in message
     assert message.startswith("candidate.toml")
     assert "\n" not in message
+
+
+def test_what_a_candidate_follows_is_declared():
+    assert parsed(contract="duty", references=["torque"]).declaration().references == ("torque",)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"contract": "current", "references": ["speed"]}, "'references' is for the contract 'duty'"),
+        ({"contract": "duty", "references": []}, "is empty, but must name 'speed', 'torque' or both"),
+        ({"contract": "duty", "references": ["position"]}, "position"),
+    ],
+)
+def test_other_references_are_refused(changes, words):
+    with pytest.raises(InputError) as refusal:
+        parsed(**changes)
+    assert words in str(refusal.value)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Final, TypeAlias
 
 from hypothesis import strategies as st
@@ -19,6 +19,7 @@ from drivegate.scenarios.duty.building import (
 from drivegate.scenarios.duty.fixed import START_ANGLES_DEG
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.reference import Reference
 from drivegate_cases.scenario.scenario import Scenario
 
 Family: TypeAlias = Callable[[PmAcDocument], st.SearchStrategy[Scenario]]
@@ -213,7 +214,21 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
 """Families of scenarios that a shard of the search draws from; shards take turns at them."""
 
 
-def drawn_scenarios(drive: PmAcDocument, group: int | None = None) -> st.SearchStrategy[Scenario]:
-    """Draw a scenario of any family, or of one group of them."""
-    groups = FAMILY_GROUPS if group is None else (FAMILY_GROUPS[group % len(FAMILY_GROUPS)],)
+_OF_TORQUE: Final = frozenset({torque_step_scenarios, weakening_scenarios})
+
+
+def drawn_scenarios(
+    drive: PmAcDocument, group: int | None = None, references: Collection[Reference] = ("speed", "torque")
+) -> st.SearchStrategy[Scenario]:
+    """Draw a scenario of any family, or of one group of them, as far as a candidate follows their reference."""
+    followed = [
+        kept
+        for families in FAMILY_GROUPS
+        if (kept := [family for family in families if _reference(family) in references])
+    ]
+    groups = followed if group is None else [followed[group % len(followed)]]
     return st.one_of([family(drive) for families in groups for family in families])
+
+
+def _reference(family: Family) -> Reference:
+    return "torque" if family in _OF_TORQUE else "speed"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Final
 
 from drivegate.scenarios.changes import with_scales
@@ -16,6 +17,7 @@ from drivegate.scenarios.duty.building import (
 )
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 
 START_ANGLES_DEG: Final = tuple(15.0 * number for number in range(24))
@@ -28,8 +30,10 @@ BEYOND_SHARE: Final = 3.0
 """Torque reference that no drive of this kind can follow in weakening, over the one of rated power there (1)."""
 
 
-def fixed_scenarios(drive: PmAcDocument) -> tuple[Scenario, ...]:
-    """List them; speeds are shares of the drive's range, torques shares of the rated one."""
+def fixed_scenarios(
+    drive: PmAcDocument, references: Collection[Reference] = ("speed", "torque")
+) -> tuple[Scenario, ...]:
+    """List those of the references; speeds are shares of the drive's range, torques shares of the rated one."""
     every = (
         *_torques(drive),
         *_speeds(drive),
@@ -37,7 +41,8 @@ def fixed_scenarios(drive: PmAcDocument) -> tuple[Scenario, ...]:
         *_starts(drive),
         *_other_plants(drive),
     )
-    return tuple({scenario.name: scenario for scenario in reversed(every)}.values())[::-1]
+    followed = [scenario for scenario in reversed(every) if reference_of(scenario) in references]
+    return tuple({scenario.name: scenario for scenario in followed}.values())[::-1]
 
 
 def speed_of(drive: PmAcDocument, share: float) -> float:

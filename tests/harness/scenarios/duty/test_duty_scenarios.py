@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import HealthCheck, Phase, find, given, seed, settings
 
 from drivegate.checks.catalogue import CHECKS_OF
 from drivegate.checks.traceability import DUTY_DRAWN, SPECIAL, family_name, traced_checks
 from drivegate.scenarios.changes import with_scales
 from drivegate.scenarios.duty.building import load_step_scenario, torque_of, torque_scenario
-from drivegate.scenarios.duty.drawn import FAMILY_GROUPS
+from drivegate.scenarios.duty.drawn import FAMILY_GROUPS, drawn_scenarios
 from drivegate.scenarios.duty.feasibility import unfair_because
 from drivegate.scenarios.duty.fixed import fixed_scenarios
 from drivegate.scenarios.duty.simplification import DUTY_SIMPLIFICATIONS
@@ -17,6 +17,7 @@ from drivegate.scenarios.duty.windows import duty_windows
 from drivegate.scenarios.simplification import simplified
 from drivegate_cases.drive.drive_document import drive_names, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 
 DRIVES = [drive for name in drive_names() if isinstance(drive := load_drive(name), PmAcDocument)]
@@ -90,3 +91,13 @@ def test_a_scenario_can_be_made_simpler_down_to_one_torque() -> None:
     assert 1 in lengths, "a single torque is among the simpler runs"
     assert any(found.speed_rpm == ((0.0, 0.0),) for found in simpler), "so is a standstill"
     assert all(duty_windows(found) for found in simpler)
+
+
+@pytest.mark.parametrize("reference", ["speed", "torque"])
+def test_only_references_that_a_candidate_follows_are_given(reference: Reference) -> None:
+    fixed = fixed_scenarios(INTERIOR, (reference,))
+    assert {reference_of(scenario) for scenario in fixed} == {reference}
+    assert set(fixed) < set(fixed_scenarios(INTERIOR))
+    for group in range(8):
+        drawn = find(drawn_scenarios(INTERIOR, group, (reference,)), lambda _: True)
+        assert reference_of(drawn) == reference, f"group {group} draws another reference"

@@ -52,16 +52,8 @@ def run_inner(
 
 def run_builtin(drive: PmAcDrive, name: str, torque: float, speed: Course, duration: float) -> DutyRun:
     """Run a built-in controller of current references on a drive, at half a millisecond."""
-    base, power = rating(drive)
-    limits = Limits(drive.current_limit, 0.98 * limits_of(drive).voltage)
-    nameplate = outer_nameplate(
-        drive,
-        limits,
-        rated_power=0.7 * power,
-        base_speed=base,
-        highest_speed=3.0 * base,
-        control_period=5.0 * PERIOD,
-    )
+    _, power = rating(drive)
+    nameplate = outer_nameplate(nameplate_of(drive)._replace(rated_power=0.7 * power), 5)
     state = np.zeros(1, CONTROLLER_STATE)
     reset_function()(state, nameplate_record(nameplate), SEARCHES[name])
     outer = (step_function().address, state.ctypes.data)
@@ -101,16 +93,11 @@ def test_the_search_improves_on_the_initial_line() -> None:
 def test_the_nameplate_tells_the_line_of_least_current() -> None:
     drive = make_pm_ac_drive(**INTERIOR)
     base, power = rating(drive)
-    told = outer_nameplate(
-        drive,
-        limits_of(drive),
-        rated_power=0.7 * power,
-        base_speed=base,
-        highest_speed=3.0 * base,
-        control_period=5e-4,
-    )
+    told = outer_nameplate(nameplate_of(drive)._replace(rated_power=0.7 * power), 5)
+    assert told.control_period == pytest.approx(5e-4)
+    limits = Limits(drive.current_limit, 0.95 * limits_of(drive).voltage)
     for speed in (base, 3.0 * base):
-        least = least_at(drive, limits_of(drive), speed, 0.7 * power / speed, CURRENT)
+        least = least_at(drive, limits, speed, 0.7 * power / speed, CURRENT)
         angle = told.advance_start + told.advance_slope * (speed - base)
         assert angle == pytest.approx(math.atan2(-least.direct, least.quadrature), rel=1e-12)
 

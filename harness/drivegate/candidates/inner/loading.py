@@ -1,0 +1,81 @@
+"""Loading a candidate behind the loop of currents.
+
+This runs the candidate's code, so it belongs into a worker process.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from numpy.typing import NDArray
+
+from drivegate.candidates.candidate import Candidate, OuterLoop
+from drivegate.candidates.contract import AnyNameplate, require_nameplate_of
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.fault import Fault
+from drivegate.candidates.kinds import KINDS
+from drivegate_models.contract.duty.records import duty_nameplate_record
+from drivegate_models.contract.duty.signals import TORQUE_REFERENCE, DutyNameplate
+from drivegate_models.duty.controllers.inner_loop import (
+    inner_reset_function,
+    inner_state,
+    inner_step_function,
+)
+from drivegate_models.errors import HarnessFault, InputError
+from drivegate_models.pm_ac.outer_nameplate import outer_nameplate
+
+OUTER_PERIOD_S: Final = 500e-6
+"""Time from one step of the controller to the next, that of the paper's drive, as whole control periods allow (s)."""
+
+
+class InnerController:
+    """A controller of current references behind the loop of currents.
+
+    Attributes
+    ----------
+    step_address : int
+        Address of the loop's compiled step.
+    state_address : int
+        Address of the loop's state; valid as long as this object lives.
+    """
+
+    def __init__(self, outer: Controller) -> None:
+        self._outer = outer
+        self._step = inner_step_function()
+        self._state: NDArray[Any] = inner_state(0, 0, 1)
+        self.step_address: int = self._step.address
+        self.state_address: int = self._state.ctypes.data
+
+    @property
+    def fault(self) -> Fault | None:
+        """What ended the last run, if the controller behind the loop knows."""
+        return self._outer.fault
+
+    @property
+    def refusal(self) -> InputError | None:
+        """What ended it, where that is no fault."""
+        return getattr(self._outer, "refusal", None)
+
+    def reset(self, nameplate: AnyNameplate) -> None:
+        """Reset the controller, told of the drive in its own terms, and the loop."""
+        require_nameplate_of("duty", nameplate)
+        assert isinstance(nameplate, DutyNameplate), "of this contract"
+        if nameplate.reference_kind == TORQUE_REFERENCE:
+            raise InputError(
+                "a controller of current references follows a speed, but this run gives a torque reference; choose a "
+                "run whose load is no dynamometer"
+            )
+        periods = max(round(OUTER_PERIOD_S / nameplate.control_period), 1)
+        self._outer.reset(outer_nameplate(nameplate, periods))
+        self._state["step_address"] = self._outer.step_address
+        self._state["state_address"] = self._outer.state_address
+        self._state["periods"] = periods
+        inner_reset_function()(self._state, duty_nameplate_record(nameplate))
+
+
+def load_controller(candidate: Candidate) -> InnerController:
+    """Make a new instance of a candidate behind the loop."""
+    if not isinstance(candidate.details, OuterLoop):
+        raise HarnessFault(f"the candidate {candidate.name} of kind {candidate.kind} has no controller")
+    outer = candidate.details.outer
+    return InnerController(KINDS[outer.kind].load_controller(outer))

@@ -1,0 +1,14 @@
+"""What the controller of a scenario is told to follow."""
+
+from typing import Literal, TypeAlias
+
+from drivegate_cases.scenario.load import DynamometerLoad
+from drivegate_cases.scenario.scenario import Scenario
+
+Reference: TypeAlias = Literal["speed", "torque"]
+"""The speed of the shaft, or the torque where a dynamometer holds the speed."""
+
+
+def reference_of(scenario: Scenario) -> Reference:
+    """Tell what the controller of a scenario is told to follow."""
+    return "torque" if isinstance(scenario.load, DynamometerLoad) else "speed"
