@@ -20,6 +20,7 @@ from drivegate.testing.conformance import CANDIDATE_ITEM, MARKER, Conformance, J
 if TYPE_CHECKING:
     from drivegate.candidates.candidate import Candidate
     from drivegate.gate.events import Event
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 FIXTURE: Final = "conformance"
 
@@ -77,14 +78,17 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         raise _refused(
             f"{metafunc.function.__name__} must take the argument '{FIXTURE}' and call its verify()"
         )
-    from drivegate.checks.catalogue import CHECKS
+    from drivegate.checks.catalogue import CHECKS_OF
+    from drivegate.drives.choice import drive_for
     from drivegate_models.errors import InputError
 
     try:
-        _planned(_requested(metafunc.config, marker, metafunc.definition.path.parent))
+        requested = _requested(metafunc.config, marker, metafunc.definition.path.parent)
+        candidate, _ = _planned(requested)
+        checks = CHECKS_OF[drive_for(candidate, _named_drive(requested)).contract]
     except InputError as error:
         raise _refused(str(error)) from error
-    metafunc.parametrize(FIXTURE, [CANDIDATE_ITEM, *(check.id for check in CHECKS)], indirect=True)
+    metafunc.parametrize(FIXTURE, [CANDIDATE_ITEM, *(check.id for check in checks)], indirect=True)
 
 
 @pytest.fixture
@@ -133,18 +137,23 @@ def _from_folder(candidate: str, folder: Path) -> str:
     return str(folder / candidate) if is_file else candidate
 
 
+def _named_drive(requested: _Request) -> DriveDocument | None:
+    from drivegate_cases.drive.drive_document import load_drive
+
+    return None if requested.drive is None else load_drive(requested.drive)
+
+
 def _planned(requested: _Request) -> tuple[Candidate, Iterator[Event]]:
     """Plan a check; bad input is refused, none of the candidate's code runs."""
     from drivegate.candidates.resolution import resolve_candidate
     from drivegate.gate.engine import check_candidate
     from drivegate.results.corpus import read_corpus
     from drivegate.results.waivers import read_waivers
-    from drivegate_cases.drive.drive_document import load_drive
 
     candidate = resolve_candidate(requested.candidate)
     events = check_candidate(
         candidate,
-        drive=None if requested.drive is None else load_drive(requested.drive),
+        drive=_named_drive(requested),
         drive_named=requested.drive,
         effort=requested.effort,
         seed=requested.seed,

@@ -15,7 +15,6 @@ DRIVE = ("--drive", "pm-ac-surface")
         ("compare", "foc", "foc-mtpa", *DRIVE),
         ("point", "--speed-rpm", "100", "--advance-deg", "0", "--torque-nm", "1", *DRIVE),
         ("map", "--speed-rpm", "100:200:2", "--torque-nm", "1", *DRIVE),
-        ("new", "c", "mine", *DRIVE),
         ("selftest", *DRIVE),
     ],
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import date, timedelta
 from importlib.resources import files
@@ -12,6 +13,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
+from drivegate.candidates.contract import ANSWERS, ContractName
+from drivegate.drives.kinds import DEFAULT_DRIVES
 from drivegate.studies.new.wheel import wheel_bytes, wheel_name
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
@@ -26,7 +29,10 @@ WHEELS: Final = "vendor"
 """Folder of a new candidate that holds the drivegate it was written by, for its pipeline to install."""
 
 _TEMPLATES: Final = "templates/new"
-_COMMON: Final = "every"
+_COMMON: Final[Mapping[ContractName, tuple[str, ...]]] = MappingProxyType(
+    {"current": ("every",), "duty": ("every", "every-duty")}
+)
+"""Folders of what all candidates of a contract have, a later one's files in place of an earlier one's."""
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 # Templates lie under names that mean nothing to the tools of this repository.
 _PLACES: Final = MappingProxyType(
@@ -48,10 +54,13 @@ class Template:
         The file that the controller is in.
     build : str
         The command that builds it; empty where drivegate does.
+    contract : str
+        What the controller answers with, which decides on the drives that it is for.
     """
 
     source: str
     build: str = ""
+    contract: ContractName = "current"
 
 
 KINDS: Final = MappingProxyType(
@@ -61,6 +70,8 @@ KINDS: Final = MappingProxyType(
         "c": Template("controller.c"),
         "rust": Template("src/lib.rs", "cargo build --release"),
         "exec": Template("controller.py"),
+        "python-duty": Template("controller.py", contract="duty"),
+        "embedded-coder": Template("adapter.c", contract="duty"),
     }
 )
 """The kinds, by the name on the command line."""
@@ -84,14 +95,17 @@ def write_candidate(
     }
     root = files("drivegate").joinpath(_TEMPLATES)
     texts: dict[str, str] = {}
-    for part in (_COMMON, kind):
+    for part in (*_COMMON[KINDS[kind].contract], kind):
         texts |= _texts(root.joinpath(part), "")
     contents = {
         _PLACES.get(place, place): _filled(place, text, kind, words).encode() for place, text in texts.items()
     }
     contents[words["@wheel@"]] = wheel_bytes()
+    if drive is None and KINDS[kind].contract != "current":
+        # Manifest and waivers that name none are for the drive of the paper.
+        drive = DEFAULT_DRIVES[KINDS[kind].contract]
     if drive is not None:
-        _name_drive(contents, drive)
+        _name_drive(contents, drive, kind)
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder.parent) as beside:
@@ -109,12 +123,19 @@ def write_candidate(
     return tuple(sorted(map(Path, contents)))
 
 
-def _name_drive(contents: dict[str, bytes], drive: str) -> None:
+def _name_drive(contents: dict[str, bytes], drive: str, kind: str) -> None:
     """Let manifest and waivers name a drive, with a copy of its file beside them."""
-    from drivegate.drives.choice import require_angles
     from drivegate_cases.drive.drive_document import drive_names, load_drive
 
-    name = require_angles(load_drive(drive)).name
+    named = load_drive(drive)
+    name = named.name
+    if named.contract != KINDS[kind].contract:
+        others = ", ".join(other for other, known in KINDS.items() if known.contract == named.contract)
+        raise InputError(
+            f"the drive '{one_line(name)}' of the kind '{named.kind}' takes {ANSWERS[named.contract]}, but the "
+            f"template '{kind}' answers with {ANSWERS[KINDS[kind].contract]}; take one of {others}, or name another "
+            "drive"
+        )
     if drive not in drive_names():
         place = f"drive{Path(drive).suffix.lower()}"
         contents[place], drive = Path(drive).read_bytes(), place

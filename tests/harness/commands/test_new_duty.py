@@ -1,0 +1,191 @@
+"""`drivegate new` for controllers of duty ratios: what it writes runs on every packaged drive."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivegate.candidates.fault import Fault
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import judged
+from drivegate.containment.judge import Judge
+from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.drives.choice import drive_for
+from drivegate.drives.kinds import kind_of
+from drivegate.drives.running import recorded
+from drivegate.results.waivers import read_waivers
+from drivegate.runs.record import RunRecord
+from drivegate.scenarios.duty.building import speed_scenario, torque_of, torque_scenario
+from drivegate.studies.new.write import KINDS, WAIVED, write_candidate
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.errors import InputError
+
+TODAY = datetime.now(UTC).date()
+DUTY_KINDS = [kind for kind, known in KINDS.items() if known.contract == "duty"]
+DRIVES = ("pm-ac-surface", "pm-ac-interior", "pm-ac-2kw", "pm-ac-msl")
+
+
+def run_once(loaded: JudgedCandidate, scenario: Scenario) -> RunRecord:
+    return recorded(loaded, scenario, loaded.controller())
+
+
+@pytest.fixture
+def written(tmp_path: Path):  # type: ignore[no-untyped-def]
+    """Write a candidate."""
+
+    def write(kind: str, drive: str | None = None) -> Path:
+        folder = tmp_path / f"{kind}-{drive}"
+        write_candidate(kind, "mine", folder, TODAY, drive)
+        return folder
+
+    return write
+
+
+def below_base_speed(drive: str) -> tuple[Scenario, Scenario]:
+    """Give steps of torque and of speed where the voltage suffices."""
+    document = load_drive(drive)
+    assert isinstance(document, PmAcDocument)
+    speed = 0.5 * document.rating.base_speed_rpm
+    levels = [torque_of(document, speed, share) for share in (0.0, 0.5, 0.3)]
+    loaded = speed_scenario(document, (0.4 * speed, 0.8 * speed), torque_nm=levels[2])
+    return torque_scenario(document, speed, levels), loaded
+
+
+@pytest.mark.parametrize("kind", DUTY_KINDS)
+@pytest.mark.parametrize("drive", DRIVES)
+def test_it_follows_steps_below_base_speed_on_every_packaged_drive(written, kind: str, drive: str) -> None:  # type: ignore[no-untyped-def]
+    candidate = resolve_candidate(str(written(kind) / "candidate.toml"))
+    torques, speeds = below_base_speed(drive)
+    with Judge(candidate) as judge:
+        for scenario, required in (
+            (torques, {"ACC-1", "DUT-1", "OVC-1"}),
+            (speeds, {"ACC-1", "DUT-1", "OVC-1"}),
+        ):
+            record = judge.run(Job(run_once, scenario))
+            assert not isinstance(record, Fault), record
+            margins = {m.check: m for m in judged(record, kind_of(scenario.drive).checks()).margins}
+            missed = {check: margins[check].measured for check in required if not margins[check].met}
+            assert missed == {}, f"{kind} on {drive}: {missed}"
+
+
+def test_both_templates_ask_for_nearly_the_same_duty_ratios(written) -> None:  # type: ignore[no-untyped-def]
+    torques, _ = below_base_speed("pm-ac-interior")
+    answers = []
+    for kind in DUTY_KINDS:
+        with Judge(resolve_candidate(str(written(kind) / "candidate.toml"))) as judge:
+            record = judge.run(Job(run_once, torques))
+        answers.append(
+            np.mean([record.run.column("quadrature")[-500:], record.run.column("direct")[-500:]], axis=1)
+        )
+    assert np.allclose(*answers, atol=0.02), (
+        f"steady currents of the two differ by more than counts: {answers}"
+    )
+
+
+@pytest.mark.parametrize("kind", DUTY_KINDS)
+def test_it_is_judged_on_the_drive_that_is_named(written, kind: str) -> None:  # type: ignore[no-untyped-def]
+    plain = resolve_candidate(str(written(kind) / "candidate.toml"))
+    assert (plain.contract, drive_for(plain).name) == ("duty", "pm-ac-interior")
+    named = written(kind, "pm-ac-surface")
+    assert drive_for(resolve_candidate(str(named / "candidate.toml"))).name == "pm-ac-surface"
+    waivers = read_waivers(named / "waivers.toml", ["mine"])
+    assert {waiver.expires for waiver in waivers} == {TODAY + WAIVED}
+    assert {waiver.check for waiver in waivers} == {"ACC-1", "FWK-1", "FWK-3", "OVC-1", "ROB-4"}
+
+
+def test_a_template_of_one_contract_is_not_written_for_a_drive_of_the_other(written) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(
+        InputError, match=r"'pm-ac-surface' .* takes duty ratios, .* take one of python-duty, embedded"
+    ):
+        written("c", "pm-ac-surface")
+    with pytest.raises(
+        InputError, match=r"'paper-5-phase' .* takes a current reference .* the template 'python-duty'"
+    ):
+        written("python-duty", "paper-5-phase")
+
+
+@pytest.mark.parametrize(
+    ("file", "line", "sentence"),
+    [
+        (
+            "model/controller.h",
+            r".*ElectricalSpeed;.*\n",
+            r"adapter\.c, line \d+: .*has no member named 'ElectricalSpeed'",
+        ),
+        ("model/controller.h", r".* Torque;\n", "has no member named 'Torque'"),
+        ("model/controller.h", r".* PeriodCounts;\n", "has no member named 'PeriodCounts'"),
+    ],
+)
+def test_what_the_models_structures_do_not_have_is_told_by_its_name(
+    written,  # type: ignore[no-untyped-def]
+    file: str,
+    line: str,
+    sentence: str,
+) -> None:
+    folder = written("embedded-coder")
+    header = folder / file
+    text, count = re.subn(line, "", header.read_text(encoding="utf-8"))
+    assert count == 1
+    header.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=sentence) as caught:
+        resolve_candidate(str(folder / "candidate.toml"))
+    assert str(caught.value).isprintable()
+
+
+CONVERSIONS = """
+#include "adapter.c"
+#include <stdio.h>
+int main(void) {
+    double values[] = {0.0, 0.26, -0.26, 1e9, -1e9, NAN, INFINITY};
+    for (int k = 0; k < 7; ++k)
+        printf("%d %u\\n", (int16_T)counts(values[k], 0.5, MIN_int16_T, MAX_int16_T),
+               (uint16_T)counts(values[k], 0.5, MIN_uint16_T, MAX_uint16_T));
+    printf("%.6f %.6f\\n", within_a_turn(-1.0), within_a_turn(7.0));
+    return 0;
+}
+"""
+
+
+def test_conversions_round_to_the_nearest_and_saturate(written) -> None:  # type: ignore[no-untyped-def]
+    from drivegate.candidates.native.compiler import include_folder
+
+    folder = written("embedded-coder")
+    (folder / "try.c").write_text(CONVERSIONS, encoding="utf-8")
+    command = [
+        "cc",
+        "-std=c11",
+        "-Imodel",
+        f"-I{include_folder()}",
+        "try.c",
+        "model/controller.c",
+        "-o",
+        "try",
+        "-lm",
+    ]
+    subprocess.run(command, cwd=folder, check=True)
+    printed = subprocess.run(
+        [str(folder / "try")], check=True, capture_output=True, text=True
+    ).stdout.splitlines()
+    assert printed[:-1] == ["0 0", "1 1", "-1 0", "32767 65535", "-32768 0", "-32768 0", "32767 65535"]
+    assert printed[-1] == "5.283185 0.716815"
+
+
+def test_its_own_test_runs_and_its_waivers_are_all_needed(written) -> None:  # type: ignore[no-untyped-def]
+    ended = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "ignore"],
+        cwd=written("embedded-coder"),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stdout[-3000:]
+    assert "failed" not in ended.stdout
+    assert "passed" in ended.stdout
