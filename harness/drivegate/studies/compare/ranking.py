@@ -43,6 +43,17 @@ def status_of(compared: Compared) -> str:
     return FAULTED if compared.faults else COMPARED
 
 
+def failed_checks(compared: Compared) -> list[str] | None:
+    """List the required checks that a candidate fails; None where they were not made."""
+    if compared.outcomes is None:
+        return None
+    return [
+        outcome.id
+        for outcome in compared.outcomes
+        if outcome.level == "required" and outcome.verdict == "fail"
+    ]
+
+
 def ranking_rows(all_compared: Sequence[Compared], points: Sequence[Row]) -> list[Row]:
     """Rank the candidates."""
     held = _held(all_compared, points)
@@ -90,13 +101,7 @@ def _placed(standings: list[Row], held: dict[str, dict[Place, Row]]) -> list[Row
 
 def _standing(compared: Compared, points: Sequence[Row], held: dict[Place, Row]) -> Row:
     own = [row for row in points if row["candidate"] == compared.label]
-    failed = None
-    if compared.outcomes is not None:
-        failed = [
-            outcome.id
-            for outcome in compared.outcomes
-            if outcome.level == "required" and outcome.verdict == "fail"
-        ]
+    failed = failed_checks(compared)
     return {
         "rank": None,
         "candidate": compared.label,
