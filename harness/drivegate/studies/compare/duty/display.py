@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from drivegate.output.console import number, plain, table
+from drivegate.output.console import plain, table
+from drivegate.studies.compare.display import show_faults_and_pages, without_negative_zero
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -32,17 +33,8 @@ def show_duty_comparison(console: Console, document: dict[str, Any], pages: Sequ
             plain(row["candidate"]),
             "–" if failed is None else str(failed),
             f"{row['points_held']} of {row['points']}",
-            *(_number(row[key], digits) for key, _, digits in _COLUMNS),
+            *(without_negative_zero(row[key], digits) for key, _, digits in _COLUMNS),
         )
     console.print(listed)
     console.print(plain(f"rule: {document['rule']}"))
-    for entry in document["candidates"]:
-        for fault in entry["faults"]:
-            console.print(plain(f"{entry['label']}: {fault['kind']}: {fault['message']}", "bold red"))
-    for page in pages:
-        console.print(plain(f"report: {page}"))
-
-
-def _number(value: float | None, digits: int) -> str:
-    """Write a number without a negative zero."""
-    return number(value if value is None else round(value, digits) + 0.0, digits)
+    show_faults_and_pages(console, document, pages)

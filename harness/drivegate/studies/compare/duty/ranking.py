@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
 from drivegate.studies.compare.engine import Compared
-from drivegate.studies.compare.ranking import COMPARED, FAULTED, REFUSED, failed_checks, status_of
+from drivegate.studies.compare.ranking import COMPARED, equals_of, standing_of
 from drivegate.studies.compare.statistics import mean_of
 
 Row = dict[str, Any]
@@ -22,7 +22,6 @@ RULE_WITHOUT_CHECKS: Final = (
 )
 """The same where no checks were made."""
 _SAME_PERCENT: Final = 0.1
-_ORDER: Final = {COMPARED: 0, FAULTED: 1, REFUSED: 2}
 _Place = tuple[float, float]
 
 
@@ -37,12 +36,8 @@ def duty_ranking(all_compared: Sequence[Compared], points: Sequence[Row], steps:
         for compared in all_compared
     }
     standings = [_standing(compared, held[compared.label], points, steps) for compared in all_compared]
-    by_merit: dict[tuple[int, int, int], list[Row]] = {}
-    for row in standings:
-        merit = (_ORDER[row["status"]], row["required_failed"] or 0, -row["points_held"])
-        by_merit.setdefault(merit, []).append(row)
     ranked: list[Row] = []
-    for _, equals in sorted(by_merit.items()):
+    for equals in equals_of(standings):
         ranked += _placed(equals, held, len(ranked))
     return ranked
 
@@ -67,18 +62,13 @@ def _placed(equals: list[Row], held: dict[str, dict[_Place, Row]], before: int) 
 def _standing(
     compared: Compared, held: dict[_Place, Row], points: Sequence[Row], steps: Sequence[Row]
 ) -> Row:
-    failed = failed_checks(compared)
     own_steps = [row for row in steps if row["candidate"] == compared.label]
     rises = [
         None if row["rise_ms"] is None else 100.0 * row["rise_ms"] / row["allowed_ms"] for row in own_steps
     ]
     known = [rise for rise in rises if rise is not None]
     return {
-        "rank": None,
-        "candidate": compared.label,
-        "status": status_of(compared),
-        "required_failed": None if failed is None else len(failed),
-        "failed_checks": "" if failed is None else " ".join(failed),
+        **standing_of(compared),
         "points_held": len(held),
         "points": sum(row["candidate"] == compared.label for row in points),
         "loss_above_least_percent": _mean("loss_above_least_percent", held.values()),
