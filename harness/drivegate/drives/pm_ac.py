@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 def refuse_command(*_: object) -> NoReturn:
     """Say that a command takes no drives of this kind."""
     raise InputError(
-        "a drive of the kind 'pm-ac' is taken by drivegate check, checks, drive, replay and report alone so far, and "
-        "by compare as the only one; name another drive"
+        "a drive of the kind 'pm-ac' is taken by drivegate check, checks, drive, replay, report and simulate alone so "
+        "far, and by compare as the only one; name another drive"
     )
 
 
