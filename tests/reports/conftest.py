@@ -25,12 +25,14 @@ from drivegate.scenarios.duty.building import torque_of, torque_scenario
 from drivegate.studies.campaign.manifest import MANIFEST
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate.studies.campaign.summary import SUMMARY
-from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_tables
+from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_comparison, write_tables
 from drivegate.studies.compare.compare_drives import write_drive_comparison
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.drive_comparison import drive_comparison_document
-from drivegate.studies.compare.engine import Compared
+from drivegate.studies.compare.duty.document import duty_document
+from drivegate.studies.compare.duty.plan import planned_duty_runs
+from drivegate.studies.compare.engine import Compared, labelled
 from drivegate.studies.compare.per_unit import drive_labels
 from drivegate.studies.compare.plan import PlannedRun, planned_runs
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
@@ -425,6 +427,56 @@ def duty_result() -> Document:
     return document
 
 
+def _made_up_duty_comparison() -> Document:
+    """Make a comparison of controllers of duty ratios from figures that nobody measured."""
+    drive = load_drive("pm-ac-surface")
+    assert isinstance(drive, PmAcDocument)
+    plan, made = planned_duty_runs(drive, "quick"), labelled(("foc", "foc-mtpa"), ("foc", "foc-mtpa"))
+    for number, one in enumerate(made):
+        one.candidate = resolve_candidate(one.specification)
+        for index, planned in enumerate(plan):
+            speed = planned.scenario.speed_rpm[0][1]
+            rows = [_made_up_duty_row(speed, torque, number) for torque in (1.0, 2.0)]
+            one.figures[index] = {planned.group: rows}
+    document: Document = json.loads(
+        json.dumps(
+            duty_document(
+                made, plan, drive=drive, effort="quick", seed=0, checks=False, timing={"seconds": 1.0}
+            )
+        )
+    )
+    return document
+
+
+def _made_up_duty_row(speed: float, torque: float, number: int) -> Document:
+    return {
+        "speed_rpm": speed,
+        "reference_nm": torque,
+        "torque_nm": torque,
+        "held": number == 0 or speed < 600.0,
+        "direct_current_a": -1.0,
+        "quadrature_current_a": 2.0,
+        "current_above_least_percent": 1.0 + number,
+        "loss_w": 10.0,
+        "least_loss_w": 9.0,
+        "loss_above_least_percent": 11.1,
+        "efficiency_percent": 90.0,
+        "voltage_percent": 50.0,
+        "ripple_percent": 1.5,
+        "before_nm": 0.0,
+        "after_nm": torque,
+        "overshoot_percent": 7.0,
+        "rise_ms": None if number else 0.9,
+        "allowed_ms": 1.2,
+    }
+
+
+@pytest.fixture(scope="session")
+def duty_comparison() -> Document:
+    """Return the document of a comparison of controllers of duty ratios."""
+    return _made_up_duty_comparison()
+
+
 @pytest.fixture(scope="session")
 def browser(browser_path: str) -> Iterator[Browser]:
     """Open a browser."""
@@ -439,6 +491,7 @@ def pages(
     tmp_path_factory: pytest.TempPathFactory,
     recorded: dict[str, Any],
     duty_result: dict[str, Any],
+    duty_comparison: dict[str, Any],
     reproduction: tuple[Path, dict[str, Any]],
     made_up: Callable[..., dict[str, Any]],
     made_up_drives: Callable[..., dict[str, Any]],
@@ -448,8 +501,10 @@ def pages(
     conformance = folder / "conformance"
     conformance.mkdir()
     page = write_result(recorded, conformance, report_formats(["conformance"])).pages["conformance"]
-    duty = folder / "duty"
+    duty, ratios = folder / "duty", folder / "ratios"
     duty.mkdir()
+    ratios.mkdir()
+    write_comparison(duty_comparison, ratios)
     document = json.loads(json.dumps(made_up(faulted=True)))
     write_tables(document, folder)
     (folder / COMPARISON_FILE).write_text(json.dumps(document), encoding="utf-8")
@@ -464,6 +519,7 @@ def pages(
         "conformance": conformance / page,
         "duty": duty / write_result(duty_result, duty, report_formats(["conformance"])).pages["conformance"],
         "reproduction": reproduction[0] / PAGE_FILE,
+        "ratios": ratios / comparison.REPORT_FILE,
         "comparison": comparison.write(document, folder),
         "drives": drives / drive_report.REPORT_FILE,
         "campaign": campaign.write(summary, folder),

@@ -49,7 +49,7 @@ def opened(browser: Browser, pages: dict[str, Path]) -> Iterator[Open]:
 
 
 EACH = pytest.mark.parametrize(
-    "name", ["conformance", "duty", "reproduction", "comparison", "drives", "campaign"]
+    "name", ["conformance", "duty", "reproduction", "comparison", "ratios", "drives", "campaign"]
 )
 
 

@@ -73,7 +73,8 @@ def command(
 
     The report ranks them, and tells who wins where and by how much. A CANDIDATE is whatever drivegate check takes.
     With more than one --drive, the same candidates run on each at the same shares of its range and rating, and the
-    report puts the drives side by side, absolute and per unit.
+    report puts the drives side by side, absolute and per unit. Controllers of duty ratios are compared on one drive,
+    by losses, currents and ripple over what is possible, and by their steps.
     The exit code is 0 when the report is complete, whatever the candidates do, 2 when one is refused, 3 after a
     fault of drivegate.
     """
@@ -81,7 +82,10 @@ def command(
     from drivegate.studies.compare.compare_all import compare_all
     from drivegate.studies.compare.options import ComparisonOptions
 
-    named = [require_angles(found) for drive in drives if (found := named_drive(drive)) is not None]
+    named = [found for drive in drives if (found := named_drive(drive)) is not None]
+    if len(named) > 1:
+        for found in named:
+            require_angles(found)
     options = ComparisonOptions(effort, seed, workers, checks, cycle, named[0] if named else None)
     if len(named) > 1:
         from drivegate.studies.compare.compare_drives import compare_drives
@@ -103,8 +107,11 @@ def command(
             return
         from drivegate.studies.compare.display import show_comparison
         from drivegate.studies.compare.drives_display import show_drive_comparison
+        from drivegate.studies.compare.duty.display import show_duty_comparison
 
-        shown = show_drive_comparison if len(named) > 1 else show_comparison
+        shown = {"drive-comparison": show_drive_comparison, "duty-comparison": show_duty_comparison}.get(
+            ending.document["kind"], show_comparison
+        )
         shown(console, ending.document, ending.pages or (output,))
 
     return Outcome(document, show, code)

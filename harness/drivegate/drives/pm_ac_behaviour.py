@@ -132,22 +132,21 @@ def _torque(record: DutyRecord) -> dict[str, Any] | None:
     if count > min(_MOST_PERIODS, round((window.end_s - window.start_s) / length)):
         return None
     course = torque_course(record, round(window.end_s / length) - count, count)
-    mean = course.torque.mean
+    # A faulty controller may give no torque at all.
+    rated = record.limits.rated_torque_nm
     orders = int(_HIGHEST_CARRIERS * record.document.inverter.carrier_frequency_hz * count * length)
-    percent = 100.0 * amplitudes(course.torque, orders) / abs(mean)
+    percent = 100.0 * amplitudes(course.torque, orders) / rated
     frequency = np.arange(1, orders + 1) / (count * length)
     # Of neighbours that one point stands for, the greatest is shown.
     peaks = [begin + int(np.argmax(percent[begin:end])) for begin, end in _groups(orders)]
     one = [(begin, end) for begin, end in _groups(min(round(turn / length), count))]
     return {
         "speed_rpm": window.dwell.speed_rpm,
-        "mean_nm": _rounded(mean),
+        "mean_nm": _rounded(course.torque.mean),
         "turns": turns,
         "electrical_frequency_hz": _rounded(1.0 / turn),
         "carrier_frequency_hz": record.document.inverter.carrier_frequency_hz,
-        "peak_to_peak_percent": _rounded(
-            100.0 * float(course.greatest.max() - course.least.min()) / abs(mean)
-        ),
+        "peak_to_peak_percent": _rounded(100.0 * float(course.greatest.max() - course.least.min()) / rated),
         "angle_deg": _listed(np.array([360.0 * begin * length / turn for begin, _ in one])),
         "least_nm": _listed(np.array([course.least[begin:end].min() for begin, end in one])),
         "greatest_nm": _listed(np.array([course.greatest[begin:end].max() for begin, end in one])),

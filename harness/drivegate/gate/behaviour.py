@@ -50,4 +50,5 @@ def run_behaviour(loaded: JudgedCandidate, plan: BehaviourPlan) -> dict[str, Any
     behaviour = kind_of(plan.drive).behaviour
     assert behaviour is not None, "only such a kind is planned for"
     step = None if plan.step is None else parse_document(plan.step, Scenario, "the scenario of steps")
-    return behaviour(lambda scenario: recorded(loaded, scenario, loaded.controller()), plan.drive, step)
+    controller = loaded.controller()
+    return behaviour(lambda scenario: recorded(loaded, scenario, controller), plan.drive, step)

@@ -68,7 +68,7 @@ class TorqueSection(Section):
     electrical_frequency_hz: Finite = Field(description="electrical frequency")
     carrier_frequency_hz: Finite = Field(description="frequency of the carrier")
     peak_to_peak_percent: Finite = Field(
-        description="greatest less least torque at any instant, over the mean"
+        description="greatest less least torque at any instant, over rated torque"
     )
     angle_deg: Curve = Field(
         description="electrical angle at the start of control periods, over one electrical period"
@@ -79,7 +79,7 @@ class TorqueSection(Section):
         description="frequencies of the spectrum; of many neighbours that of the greatest"
     )
     amplitude_percent: Curve = Field(
-        description="amplitudes by Fourier integrals under a Hann window, over the mean torque"
+        description="amplitudes by Fourier integrals under a Hann window, over rated torque"
     )
 
 

@@ -114,7 +114,7 @@ def view_of(document: Mapping[str, Any]) -> ComparisonView:
         rule=clean(document["rule"]),
         method=clean(document["method"]),
         facts=_facts(document),
-        troubles=tuple(_troubles(document)),
+        troubles=tuple(troubles_of(document)),
         ranking=ranking_sheet(document),
         regions=region_sheet(document),
         differences=difference_sheet(document),
@@ -126,7 +126,7 @@ def view_of(document: Mapping[str, Any]) -> ComparisonView:
         held_rpm=f"{held_rpm(document):g}",
         vehicle=_vehicle(document),
         cycle_words=_cycle(document),
-        provenance=_provenance(document),
+        provenance=provenance_rows(document),
     )
 
 
@@ -222,7 +222,8 @@ def _facts(document: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _troubles(document: Mapping[str, Any]) -> list[Trouble]:
+def troubles_of(document: Mapping[str, Any]) -> list[Trouble]:
+    """List the candidates that could not be compared, and why."""
     troubles = []
     for entry in document["candidates"]:
         if entry["refusal"] is not None:
@@ -253,7 +254,8 @@ def _cycle(document: Mapping[str, Any]) -> str:
     ).replace("..", ".")
 
 
-def _provenance(document: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+def provenance_rows(document: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    """List what a comparison was made with."""
     given = document["provenance"]
     packages = ", ".join(f"{key} {value}" for key, value in given.get("packages", {}).items())
     rows = [(key, value) for key, value in given.items() if key != "packages"]

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
+from drivegate.scenarios.duty.building import torque_scenario
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
 DRIVE = ("--drive", "pm-ac-surface")
 
@@ -12,7 +15,7 @@ DRIVE = ("--drive", "pm-ac-surface")
 @pytest.mark.parametrize(
     "arguments",
     [
-        ("compare", "foc", "foc-mtpa", *DRIVE),
+        ("compare", "foc", "foc-mtpa", *DRIVE, "--drive", "pm-ac-interior"),
         ("point", "--speed-rpm", "100", "--advance-deg", "0", "--torque-nm", "1", *DRIVE),
         ("map", "--speed-rpm", "100:200:2", "--torque-nm", "1", *DRIVE),
         ("selftest", *DRIVE),
@@ -27,3 +30,47 @@ def test_a_new_drive_begins_as_one_of_them(command, tmp_path) -> None:
     written = load_drive(str(tmp_path / "mine.toml"))
     assert written.kind == "pm-ac"
     assert written.machine == load_drive("pm-ac-surface").machine
+
+
+def test_controllers_of_duty_ratios_are_compared_on_one_drive(command, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    names = ("foc", "foc-loss-model")
+    made = command(
+        "compare", *names, *DRIVE, "--effort", "quick", "--no-checks", "--workers", "1", "--output", "made"
+    )
+    assert made.code == 0, made.err
+    assert made.out.index("foc-loss-model") < made.out.index(" foc "), "the one that loses less is first"
+    written = (tmp_path / "made" / "comparison.html").read_text(encoding="utf-8")
+    assert "foc-loss-model is first on pm-ac-surface" in written
+    assert (tmp_path / "made" / "tables" / "operating_points.csv").is_file()
+
+
+def test_a_run_is_summarised_by_torque_currents_and_voltage(command, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    drive = load_drive("pm-ac-surface").replaced(settling_s=0.3)
+    assert isinstance(drive, PmAcDocument)
+    case = tmp_path / "case.json"
+    case.write_text(torque_scenario(drive, 300.0, (0.0, 5.0)).to_json(), encoding="utf-8")
+    arguments = ("simulate", "foc", "--case", case, "--csv", "run.csv", "--plot", "run.svg")
+    document = command(*arguments, "--json").document
+    _, window = document["windows"]
+    assert window["torque_reference_nm"] == 5.0
+    assert window["torque_mean_nm"] == pytest.approx(5.0, rel=0.01)
+    assert document["summary"]["energy_residual"] < 1e-9
+    assert document["clamped"] == []
+    rows = (tmp_path / "run.csv").read_text(encoding="utf-8").splitlines()
+    assert len(rows) == document["summary"]["steps"] + 1
+    assert rows[0].startswith("time_s,speed_reference_rpm,")
+    assert "q current at the end" in command(*arguments).out
+
+
+def test_a_candidate_of_the_other_contract_is_not_simulated(refused) -> None:  # type: ignore[no-untyped-def]
+    assert "takes duty ratios" in refused("simulate", "reference", "--case", "lock-up", *DRIVE)
+
+
+def test_duty_ratios_beyond_their_range_are_told(command, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    drive = load_drive("pm-ac-interior").replaced(settling_s=0.3)
+    assert isinstance(drive, PmAcDocument)
+    case = tmp_path / "case.json"
+    case.write_text(torque_scenario(drive, 1200.0, (0.5,)).to_json(), encoding="utf-8")
+    name = next(name for name, fault in DUTY_FAULTS.items() if fault.check == "DUT-1")
+    document = command("simulate", f"faulty:{name}", "--case", case, "--json").document
+    assert any("duty ratios clipped to" in words for words in document["clamped"])

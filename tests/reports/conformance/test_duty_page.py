@@ -43,7 +43,7 @@ def test_each_figure_stands_with_its_words(duty_result: Document, text: str) -> 
     assert told.torque is not None
     assert f"overshoots by {told.step.overshoot_percent:.3g} % of the step" in text
     assert f"90 % is reached after {told.step.rise_ms:.4g} ms" in text
-    assert f"a ripple of {told.torque.peak_to_peak_percent:.3g} % peak to peak" in text
+    assert f"a ripple of {told.torque.peak_to_peak_percent:.3g} % of rated torque" in text
     assert text.count(" % speed, ") >= 16, "eight operating points in the figure's words and in the table"
     assert "uses up the undistorted 55.43 V of a phase at 585.42 rpm" in text
     assert len(text) < 1_000_000

@@ -93,10 +93,13 @@ def step_response(record: RunRecord) -> Margin | None:
 
 def decisive_step(record: DutyRecord) -> StepResponse | None:
     """Find the step with the least margin; None where none is judged."""
-    if not record.is_nominal:
-        return None
-    responses = (_response(record, step) for step in torque_steps(record) if _is_judged(record, step))
-    return min(responses, key=lambda response: response.margin.value, default=None)
+    return min(step_responses(record), key=lambda response: response.margin.value, default=None)
+
+
+def step_responses(record: DutyRecord) -> Iterator[StepResponse]:
+    """Measure the steps that are judged."""
+    if record.is_nominal:
+        yield from (_response(record, step) for step in torque_steps(record) if _is_judged(record, step))
 
 
 def _is_judged(record: DutyRecord, step: TorqueStep) -> bool:

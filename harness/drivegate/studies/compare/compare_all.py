@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import bounded_line
@@ -20,6 +20,12 @@ from drivegate.output.report_folder import ReportFolder
 from drivegate.output.report_writers import COMPARISON_GROUP, report_points, write_reports
 from drivegate.output.result_file import as_json
 from drivegate.studies.compare.options import ComparisonOptions
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+
+if TYPE_CHECKING:
+    from drivegate.output.progress import Display
+    from drivegate_cases.drive.drive_document import DriveDocument
+    from drivegate_cases.scenario.drive_cycle import DriveCycle
 
 COMPARISON_FILE: Final = "comparison.json"
 TABLES: Final = "tables"
@@ -55,15 +61,33 @@ def compare_all(specifications: Sequence[str], output: Path, options: Comparison
     cycle, drive = load_drive_cycle(options.cycle), common_drive(candidates, options.drive)
     refuse_unreachable(drive)
     with ReportFolder(output) as folder:
-        from drivegate.studies.compare.compared_drive import compared_on
-
         with progress_on(sys.stderr) as display:
-            made = compared_on(specifications, resolved, cycle, drive, options, display)
-        if made.document is None:
-            return ComparisonEnding(None, (), made.refused)
-        pages = write_comparison(made.document, folder.staging)
+            document, refused = _compared(specifications, resolved, cycle, drive, options, display)
+        if document is None:
+            return ComparisonEnding(None, (), refused)
+        pages = write_comparison(document, folder.staging)
         folder.commit()
-    return ComparisonEnding(made.document, tuple(output / page for page in pages), made.refused)
+    return ComparisonEnding(document, tuple(output / page for page in pages), refused)
+
+
+def _compared(
+    specifications: Sequence[str],
+    resolved: Sequence[Candidate | Exception],
+    cycle: DriveCycle,
+    drive: DriveDocument,
+    options: ComparisonOptions,
+    display: Display,
+) -> tuple[dict[str, Any] | None, tuple[tuple[str, Exception], ...]]:
+    """Compare candidates in the way of their contract."""
+    # Either brings its compiled plant, which candidates that are refused do not need.
+    if isinstance(drive, PmAcDocument):
+        from drivegate.studies.compare.duty.compared import duty_compared_on
+
+        return duty_compared_on(specifications, resolved, drive, options, display)
+    from drivegate.studies.compare.compared_drive import compared_on
+
+    made = compared_on(specifications, resolved, cycle, drive, options, display)
+    return made.document, made.refused
 
 
 def write_comparison(document: dict[str, Any], folder: Path) -> tuple[Path, ...]:

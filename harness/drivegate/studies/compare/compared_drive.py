@@ -8,13 +8,20 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.candidates.fault import bounded_line
 from drivegate.gate.events import CheckStarted, Event
 from drivegate.output.event_loop import followed
 from drivegate.output.progress import Display
 from drivegate.results.waivers import present_day
 from drivegate.studies.compare.document import comparison_document
-from drivegate.studies.compare.engine import Compared, labelled, prepared, run_plan, solve_plan
+from drivegate.studies.compare.engine import (
+    Compared,
+    Refused,
+    named_candidates,
+    prepared,
+    refused_of,
+    run_plan,
+    solve_plan,
+)
 from drivegate.studies.compare.options import ComparisonOptions
 from drivegate.studies.compare.plan import PlannedRun, planned_runs
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -43,13 +50,9 @@ class ComparedDrive:
     document: dict[str, Any] | None
 
     @property
-    def refused(self) -> tuple[tuple[str, Exception], ...]:
+    def refused(self) -> Refused:
         """Specification and error of each candidate that could not be compared."""
-        return tuple(
-            (compared.specification, compared.error)
-            for compared in self.all_compared
-            if compared.error is not None
-        )
+        return refused_of(self.all_compared)
 
 
 def compared_on(
@@ -64,18 +67,12 @@ def compared_on(
 ) -> ComparedDrive:
     """Compare candidates on a drive; `place` is added to the titles of its progress."""
     started, began = present_day().isoformat(), time.monotonic()
-    names = [
-        found.name if isinstance(found, Candidate) else bounded_line(specification)[:200]
-        for specification, found in zip(specifications, resolved, strict=True)
-    ]
-    all_compared = labelled(specifications, names)
+    all_compared = named_candidates(specifications, resolved)
     followed(prepared(drive), display)
     plan = planned_runs(drive, cycle, options.effort, options.seed)
-    for compared, found in zip(all_compared, resolved, strict=True):
-        if isinstance(found, Exception):
-            compared.error = found
+    for compared in all_compared:
+        if compared.error is not None:
             continue
-        compared.candidate = found
         try:
             runs = run_plan(compared, plan, seed=options.seed, workers=options.workers, checks=options.checks)
             followed(_titled(runs, place), display)

@@ -31,14 +31,19 @@ def show_comparison(console: Console, document: dict[str, Any], pages: Sequence[
             plain(row["candidate"]),
             "–" if failed is None else str(failed),
             f"{row['points_held']} of {row['points_feasible']}",
-            _number(row["power_above_first_w"], 1),
-            _number(row["current_above_first_a"], 2),
+            without_negative_zero(row["power_above_first_w"], 1),
+            without_negative_zero(row["current_above_first_a"], 2),
             number(row["gap_current_percent"], 2),
         )
     console.print(listed)
     _show_differences(console, document)
     console.print(plain(f"rule: {document['rule']}"))
     console.print(plain(f"points and the best possible are of feasible angles: {FEASIBLE}"))
+    show_faults_and_pages(console, document, pages)
+
+
+def show_faults_and_pages(console: Console, document: dict[str, Any], pages: Sequence[Path]) -> None:
+    """Print what failed, and where the report is."""
     for entry in document["candidates"]:
         for fault in entry["faults"]:
             console.print(plain(f"{entry['label']}: {fault['kind']}: {fault['message']}", "bold red"))
@@ -46,7 +51,7 @@ def show_comparison(console: Console, document: dict[str, Any], pages: Sequence[
         console.print(plain(f"report: {page}"))
 
 
-def _number(value: float | None, digits: int) -> str:
+def without_negative_zero(value: float | None, digits: int) -> str:
     """Write a number without a negative zero."""
     return number(value if value is None else round(value, digits) + 0.0, digits)
 
@@ -65,7 +70,7 @@ def _show_differences(console: Console, document: dict[str, Any]) -> None:
         listed.add_row(
             plain(row["where"]),
             plain(f"{row['first']} − {row['second']}"),
-            *(_number(row[key], 2) for key in ("mean_difference", "low", "high")),
+            *(without_negative_zero(row[key], 2) for key in ("mean_difference", "low", "high")),
             str(row["pairs"]) + (f" (+ {row['left_out']} lost)" if row["left_out"] else ""),
             plain(row["unit"]),
             plain(row["verdict"]),

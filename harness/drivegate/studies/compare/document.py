@@ -75,7 +75,7 @@ def comparison_document(
         },
         "size": _size(effort, plan),
         "cycle": _cycle(cycle, drive),
-        "candidates": [_candidate(compared) for compared in all_compared],
+        "candidates": [candidate_entry(compared) for compared in all_compared],
         "tables": {
             "ranking": ranking,
             "regions": region_rows(all_compared, points, scale_of(drive)),
@@ -93,7 +93,10 @@ def comparison_document(
         "provenance": provenance(),
     }
     content = {key: finite(value) for key, value in content.items()}
-    content["provenance"] = {**content["provenance"], "content_hash": hash_of_content(_hashed(content))}
+    content["provenance"] = {
+        **content["provenance"],
+        "content_hash": hash_of_content(hashed_content(content)),
+    }
     content["timing"] = finite(
         {
             **timing,
@@ -107,7 +110,7 @@ def comparison_document(
     return content
 
 
-def _hashed(content: dict[str, Any]) -> dict[str, Any]:
+def hashed_content(content: dict[str, Any]) -> dict[str, Any]:
     """Leave out what a dying process printed, which differs from run to run."""
     candidates = [
         {**entry, "faults": [{**fault, "traceback": ""} for fault in entry["faults"]]}
@@ -116,7 +119,8 @@ def _hashed(content: dict[str, Any]) -> dict[str, Any]:
     return {**content, "candidates": candidates}
 
 
-def _candidate(compared: Compared) -> dict[str, Any]:
+def candidate_entry(compared: Compared) -> dict[str, Any]:
+    """Tell what a candidate is and what has become of it."""
     candidate = compared.candidate
     return {
         "label": compared.label,

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any, Final, Protocol, TypeAlias
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.fault import Fault, FaultKind, bounded_line
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import JudgedRun
-from drivegate.containment.messages import Job
+from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.gate.events import CheckStarted, Compiling, Event, RunDone
 from drivegate.gate.plan import Origin, Work, planned_work
@@ -22,6 +22,7 @@ from drivegate.studies.compare.oracle import greatest_torque, oracle_point, solv
 from drivegate.studies.compare.plan import PlannedRun
 from drivegate.studies.compare.run import Figures, measured, timed
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import HarnessFault
 
 CHECKS_EFFORT: Final = "quick"
@@ -29,6 +30,18 @@ CHECKS_EFFORT: Final = "quick"
 MOST_FAULTS: Final = 3
 """Faults after which a candidate is not run any further; one hang is enough."""
 _SOLVER: Final = "initial"
+
+
+class Planned(Protocol):
+    """A run that every candidate makes, whatever is measured in it."""
+
+    @property
+    def label(self) -> str:
+        """What it is, for people."""
+
+    @property
+    def scenario(self) -> Scenario:
+        """What is run."""
 
 
 @dataclass
@@ -75,6 +88,17 @@ class Compared:
         return not ends
 
 
+Refused: TypeAlias = tuple[tuple[str, Exception], ...]
+"""Specification and error of each candidate that could not be compared."""
+
+
+def refused_of(all_compared: Iterable[Compared]) -> Refused:
+    """List who could not be compared."""
+    return tuple(
+        (compared.specification, compared.error) for compared in all_compared if compared.error is not None
+    )
+
+
 def prepared(drive: DriveDocument) -> Iterator[Event]:
     """Compile the kernels of a drive's kind if they are still to be compiled."""
     kinds = uncompiled_kinds([drive])
@@ -106,22 +130,24 @@ def solve_plan(plan: Sequence[PlannedRun], workers: int | None, found: dict[str,
 
 def run_plan(
     compared: Compared,
-    plan: Sequence[PlannedRun],
+    plan: Sequence[Planned],
     *,
     seed: int,
     workers: int | None,
     checks: bool,
+    measure: Callable[[JudgedCandidate, Any], Figures] = measured,
+    time_step: Callable[[JudgedCandidate, Any], dict[str, Any]] | None = timed,
 ) -> Iterator[Event]:
     """Run a candidate through a plan, and let the checks judge it."""
     candidate = compared.candidate
     assert candidate is not None, "only a candidate can be run"
     drive = plan[0].scenario.drive
     work = _checks_work(candidate, drive, seed) if checks else []
-    total = len(plan) + 1 + sum(item.runs for item in work)
+    total = len(plan) + (time_step is not None) + sum(item.runs for item in work)
     yield CheckStarted(compared.label, total)
     done = 0
     with WorkerPool(candidate, workers=_count(workers)) as pool:
-        for index, outcome in enumerate(pool.map([Job(measured, planned) for planned in plan])):
+        for index, outcome in enumerate(pool.map([Job(measure, planned) for planned in plan])):
             done += 1
             yield RunDone(done, total, plan[index].label, "")
             if not isinstance(outcome, Fault):
@@ -130,8 +156,10 @@ def run_plan(
                 break
         if compared.complete and work:
             yield from _run_checks(compared, pool, drive, work, done, total)
-        if compared.complete:
-            _time(compared, pool, plan[0])
+        if compared.complete and time_step is not None:
+            for timing in pool.map([Job(time_step, plan[0].scenario)]):
+                if not isinstance(timing, Fault):
+                    compared.timing = timing
 
 
 def _count(workers: int | None) -> int:
@@ -162,10 +190,21 @@ def _run_checks(
     )
 
 
-def _time(compared: Compared, pool: WorkerPool, planned: PlannedRun) -> None:
-    for outcome in pool.map([Job(timed, planned.scenario)]):
-        if not isinstance(outcome, Fault):
-            compared.timing = outcome
+def named_candidates(
+    specifications: Sequence[str], resolved: Sequence[Candidate | Exception]
+) -> list[Compared]:
+    """Begin with every candidate that was named, refused ones among them."""
+    names = [
+        found.name if isinstance(found, Candidate) else bounded_line(specification)[:200]
+        for specification, found in zip(specifications, resolved, strict=True)
+    ]
+    all_compared = labelled(specifications, names)
+    for compared, found in zip(all_compared, resolved, strict=True):
+        if isinstance(found, Exception):
+            compared.error = found
+        else:
+            compared.candidate = found
+    return all_compared
 
 
 def labelled(specifications: Iterable[str], names: Iterable[str]) -> list[Compared]:

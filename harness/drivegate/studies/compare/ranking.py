@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import Any, Final
 
@@ -43,6 +43,39 @@ def status_of(compared: Compared) -> str:
     return FAULTED if compared.faults else COMPARED
 
 
+def _failed_checks(compared: Compared) -> list[str] | None:
+    """List the required checks that a candidate fails; None where they were not made."""
+    if compared.outcomes is None:
+        return None
+    return [
+        outcome.id
+        for outcome in compared.outcomes
+        if outcome.level == "required" and outcome.verdict == "fail"
+    ]
+
+
+def standing_of(compared: Compared) -> Row:
+    """Begin the row of a candidate: who it is, what has become of it, and what it fails."""
+    failed = _failed_checks(compared)
+    return {
+        "rank": None,
+        "candidate": compared.label,
+        "status": status_of(compared),
+        "required_failed": None if failed is None else len(failed),
+        "failed_checks": "" if failed is None else " ".join(failed),
+    }
+
+
+def equals_of(standings: Iterable[Row]) -> Iterator[list[Row]]:
+    """Group candidates that fail and hold equally many, the best first."""
+    by_merit: dict[tuple[int, int, int], list[Row]] = {}
+    for row in standings:
+        merit = (_ORDER[row["status"]], row["required_failed"] or 0, -row["points_held"])
+        by_merit.setdefault(merit, []).append(row)
+    for _, equals in sorted(by_merit.items()):
+        yield equals
+
+
 def ranking_rows(all_compared: Sequence[Compared], points: Sequence[Row]) -> list[Row]:
     """Rank the candidates."""
     held = _held(all_compared, points)
@@ -67,12 +100,8 @@ def _held(all_compared: Sequence[Compared], points: Sequence[Row]) -> dict[str, 
 
 def _placed(standings: list[Row], held: dict[str, dict[Place, Row]]) -> list[Row]:
     """Put the candidates in order, and give places to those that can be compared."""
-    by_merit: dict[tuple[int, int, int], list[Row]] = {}
-    for row in standings:
-        merit = (_ORDER[row["status"]], row["required_failed"] or 0, -row["points_held"])
-        by_merit.setdefault(merit, []).append(row)
     rows: list[Row] = []
-    for _, equals in sorted(by_merit.items()):
+    for equals in equals_of(standings):
         common = set.intersection(*(set(held[row["candidate"]]) for row in equals))
         watts = {
             row["candidate"]: mean_of(held[row["candidate"]][place]["input_power_w"] for place in common)
@@ -90,19 +119,8 @@ def _placed(standings: list[Row], held: dict[str, dict[Place, Row]]) -> list[Row
 
 def _standing(compared: Compared, points: Sequence[Row], held: dict[Place, Row]) -> Row:
     own = [row for row in points if row["candidate"] == compared.label]
-    failed = None
-    if compared.outcomes is not None:
-        failed = [
-            outcome.id
-            for outcome in compared.outcomes
-            if outcome.level == "required" and outcome.verdict == "fail"
-        ]
     return {
-        "rank": None,
-        "candidate": compared.label,
-        "status": status_of(compared),
-        "required_failed": None if failed is None else len(failed),
-        "failed_checks": "" if failed is None else " ".join(failed),
+        **standing_of(compared),
         "points_held": len(held),
         "points_feasible": sum(row["feasible"] for row in own),
         "gap_power_w": mean_of(_known(held.values(), "gap_power_w")),

@@ -22,12 +22,29 @@ _ROWS: Final = (
     ("current_reference_final_a", "current reference at the end", "A"),
     ("kinetic_residual_j", "kinetic residual of the held speed", "J"),
 )
+_DUTY_ROWS: Final = (
+    ("speed_final_rpm", "speed at the end", "rpm"),
+    ("torque_mean_nm", "torque, mean", "N·m"),
+    ("torque_final_nm", "torque at the end", "N·m"),
+    ("direct_current_final_a", "d current at the end", "A"),
+    ("quadrature_current_final_a", "q current at the end", "A"),
+    ("current_peak_a", "phase current, peak", "A"),
+    ("voltage_highest_v", "phase voltage, highest", "V"),
+    ("input_power_mean_w", "input power, mean", "W"),
+)
 _WINDOW_COLUMNS: Final = (
     ("speed_error_worst_rpm", "worst error (rpm)"),
     ("current_sum_mean_a", "Σ|i| (A)"),
     ("torque_mean_nm", "torque (N·m)"),
     ("input_power_mean_w", "input power (W)"),
     ("advance_mean_deg", "angle (°)"),
+)
+_DUTY_WINDOW_COLUMNS: Final = (
+    ("speed_mean_rpm", "speed (rpm)"),
+    ("torque_mean_nm", "torque (N·m)"),
+    ("direct_current_mean_a", "d (A)"),
+    ("quadrature_current_mean_a", "q (A)"),
+    ("voltage_mean_v", "voltage (V)"),
 )
 
 
@@ -36,19 +53,22 @@ def show_run(console: Console, document: dict[str, Any], hint: str) -> None:
     summary = document["summary"]
     heading = f"{document['candidate']['name']}: {document['scenario']}, {document['duration_s']:g} s"
     listed = table("quantity", "value", "unit", right=("value",), title=heading)
-    for key, name, unit in _ROWS:
+    # The keys of a summary are those of its drive's contract.
+    of_duty = "direct_current_final_a" in summary
+    for key, name, unit in _DUTY_ROWS if of_duty else _ROWS:
         listed.add_row(name, number(summary[key]), unit)
     listed.add_row(
         "energy residual, worst control period", f"{summary['energy_residual']:.1e}", "of throughput"
     )
     console.print(listed)
     if document["windows"]:
-        headings = tuple(heading for _, heading in _WINDOW_COLUMNS)
+        columns = _DUTY_WINDOW_COLUMNS if of_duty else _WINDOW_COLUMNS
+        headings = tuple(heading for _, heading in columns)
         windows = table(
             "steady from (s)", "to (s)", *headings, right=("steady from (s)", "to (s)", *headings)
         )
         for row in document["windows"]:
-            values = (number(row[key]) for key, _ in _WINDOW_COLUMNS)
+            values = (number(row[key]) for key, _ in columns)
             windows.add_row(number(row["start_s"], 1), number(row["end_s"], 1), *values)
         console.print(windows)
     for words in document["clamped"]:

@@ -10,13 +10,14 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.drives.running import run_scenario
+from drivegate.drives.running import recorded, run_scenario
 from drivegate.gate.recording import duty_columns
 from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.output.pace import tell_slow
 from drivegate.runs.duty.run import DutyClosedLoopRun
 from drivegate.scenarios.windows import observed_windows
 from drivegate.studies.simulate.clamping import clamped_in_words
+from drivegate.studies.simulate.duty_summary import clipped_in_words, duty_summary, duty_window_rows
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.machine import ledger
@@ -30,15 +31,17 @@ MOST_ROWS: Final = 1_000_000
 """Rows of a trace at most; of a longer run every n-th control period is kept."""
 
 
-def simulated(candidate: Candidate, scenario: Scenario) -> ClosedLoopRun | Fault:
+def simulated(candidate: Candidate, scenario: Scenario) -> ClosedLoopRun | DutyClosedLoopRun | Fault:
     """Run a candidate through a scenario."""
     with_compiled_kernels([scenario.drive])
     with Judge(candidate, on_slow=tell_slow) as judge:
         return judge.run(Job(run_once, scenario))
 
 
-def run_once(loaded: JudgedCandidate, scenario: Scenario) -> ClosedLoopRun:
+def run_once(loaded: JudgedCandidate, scenario: Scenario) -> ClosedLoopRun | DutyClosedLoopRun:
     """Run a scenario with a trace."""
+    if scenario.drive.contract == "duty":
+        return recorded(loaded, scenario, loaded.controller()).run
     every = -(-scenario.control_periods // MOST_ROWS)
     return run_scenario(scenario, loaded.controller(), trace_every=every)
 
@@ -52,7 +55,9 @@ def trace_frame(run: ClosedLoopRun | DutyClosedLoopRun) -> pandas.DataFrame:
     return pandas.DataFrame(run.trace)
 
 
-def document_of(candidate: Candidate, scenario: Scenario, ended: ClosedLoopRun | Fault) -> dict[str, Any]:
+def document_of(
+    candidate: Candidate, scenario: Scenario, ended: ClosedLoopRun | DutyClosedLoopRun | Fault
+) -> dict[str, Any]:
     """Summarise a run as plain data."""
     document: dict[str, Any] = {
         "schema": SCHEMA,
@@ -66,6 +71,12 @@ def document_of(candidate: Candidate, scenario: Scenario, ended: ClosedLoopRun |
     }
     if isinstance(ended, Fault):
         return document | {"fault": asdict(ended) | {"kind": ended.kind.value}}
+    if isinstance(ended, DutyClosedLoopRun):
+        return document | {
+            "summary": duty_summary(scenario, ended),
+            "windows": duty_window_rows(scenario, ended, candidate.declaration),
+            "clamped": clipped_in_words(ended),
+        }
     return document | {
         "summary": _summary(scenario, ended),
         "windows": _windows(scenario, ended),

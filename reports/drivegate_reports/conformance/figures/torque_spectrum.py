@@ -24,8 +24,9 @@ def alternative(torque: TorqueSection) -> str:
     strongest = int(np.argmax(torque.amplitude_percent))
     return (
         f"Two panels. The torque stays between {min(torque.least_nm):.4g} and {max(torque.greatest_nm):.4g} N·m around "
-        f"{torque.mean_nm:.4g} N·m, a ripple of {torque.peak_to_peak_percent:.3g} % peak to peak. The strongest line "
-        f"of its spectrum is {torque.amplitude_percent[strongest]:.3g} % at {torque.frequency_hz[strongest]:.5g} Hz."
+        f"{torque.mean_nm:.4g} N·m, a ripple of {torque.peak_to_peak_percent:.3g} % of rated torque. The strongest "
+        f"line of its spectrum is {torque.amplitude_percent[strongest]:.3g} %, at "
+        f"{torque.frequency_hz[strongest]:.5g} Hz."
     )
 
 
@@ -35,7 +36,7 @@ def caption(torque: TorqueSection) -> str:
     return (
         f"Rated torque at {torque.speed_rpm:g} rpm: the recorded commands, given to the exact plant once more. Above, "
         f"least and greatest torque within control periods. Below, Fourier integrals over {turns} under a Hann window, "
-        f"in per cent of the mean; dashed: the carrier's {torque.carrier_frequency_hz:g} Hz and twice that."
+        f"in per cent of rated torque; dashed: the carrier's {torque.carrier_frequency_hz:g} Hz and twice that."
     )
 
 

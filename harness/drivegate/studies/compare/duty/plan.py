@@ -1,0 +1,86 @@
+"""What every controller of duty ratios of a comparison runs: torques at held speeds, and steps of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+from drivegate.scenarios.duty.building import torque_of, torque_scenario
+from drivegate.scenarios.duty.fixed import speed_of
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.scenario import Scenario
+
+DutyGroup: TypeAlias = Literal["points", "steps"]
+"""Kinds of runs of such a comparison."""
+
+STEPS: Final = (0.0, 0.5, 0.2, 0.8, 0.4)
+"""Torques of a run with steps, over the torque of rated power (1)."""
+
+
+@dataclass(frozen=True)
+class DutyEffort:
+    """How much is run.
+
+    Attributes
+    ----------
+    speeds : tuple of float
+        Speeds of the operating points: 0 is base speed, 1 the highest, -1 standstill.
+    torques : tuple of float
+        Their torques, over the torque of rated power at that speed (1).
+    step_speeds : tuple of float
+        Speeds at which the torque reference steps, likewise.
+    """
+
+    speeds: tuple[float, ...]
+    torques: tuple[float, ...]
+    step_speeds: tuple[float, ...]
+
+
+EFFORTS: Final = {
+    "quick": DutyEffort((-0.9, -0.5, 0.0, 0.5, 1.0), (0.25, 0.5, 0.9), (-0.8, -0.4)),
+    "default": DutyEffort(
+        (-0.95, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0),
+        (0.1, 0.25, 0.5, 0.75, 0.9),
+        (-1.0, -0.8, -0.6, -0.4),
+    ),
+    "nightly": DutyEffort(
+        (*(-0.95 + 0.15 * step for step in range(6)), *(0.1 * step for step in range(11))),
+        (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9),
+        tuple(-1.0 + 0.1 * step for step in range(9)),
+    ),
+}
+"""What is run, by the name of the effort."""
+
+
+@dataclass(frozen=True)
+class DutyPlannedRun:
+    """One run that every candidate makes.
+
+    Attributes
+    ----------
+    group : str
+        What the run is for.
+    label : str
+        What it is, for people.
+    scenario : Scenario
+        The scenario.
+    """
+
+    group: DutyGroup
+    label: str
+    scenario: Scenario
+
+
+def planned_duty_runs(drive: PmAcDocument, effort: str) -> tuple[DutyPlannedRun, ...]:
+    """Plan the runs of a comparison."""
+    return tuple(_runs(drive, EFFORTS[effort]))
+
+
+def _runs(drive: PmAcDocument, size: DutyEffort) -> Iterator[DutyPlannedRun]:
+    for speed in dict.fromkeys(speed_of(drive, share) for share in size.speeds):
+        torques = [torque_of(drive, speed, share) for share in size.torques]
+        yield DutyPlannedRun("points", f"torques at {speed:g} rpm", torque_scenario(drive, speed, torques))
+    for speed in dict.fromkeys(speed_of(drive, share) for share in size.step_speeds):
+        torques = [torque_of(drive, speed, share) for share in STEPS]
+        yield DutyPlannedRun("steps", f"steps at {speed:g} rpm", torque_scenario(drive, speed, torques))

@@ -1,0 +1,65 @@
+"""The summary of a run with duty ratios, in people's units."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drivegate.candidates.declaration import Declaration
+from drivegate.gate.recording import VOLTAGE, duty_columns
+from drivegate.runs.duty.record import DutyRecord
+from drivegate.runs.duty.run import DUTY_RATIOS, DutyClosedLoopRun
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.machine import ledger
+from drivegate_models.units import RPM
+
+Row = dict[str, Any]
+
+
+def duty_summary(scenario: Scenario, run: DutyClosedLoopRun) -> Row:
+    """Summarise a run."""
+    columns, duration = duty_columns(run), scenario.duration_s
+    return {
+        "steps": len(run.trace),
+        "speed_final_rpm": float(columns["speed_rpm"][-1]),
+        "torque_mean_nm": float(run.totals[ledger.IMPULSE]) / duration,
+        "torque_final_nm": float(columns["torque_nm"][-1]),
+        "direct_current_final_a": float(columns["direct_current_a"][-1]),
+        "quadrature_current_final_a": float(columns["quadrature_current_a"][-1]),
+        "current_peak_a": float(run.totals[ledger.PEAK]),
+        "voltage_highest_v": float(np.max(columns[VOLTAGE])),
+        "input_power_mean_w": float(ledger.source_energy(run.totals)) / duration,
+        "energy_residual": run.worst_balance,
+    }
+
+
+def duty_window_rows(scenario: Scenario, run: DutyClosedLoopRun, declaration: Declaration) -> list[Row]:
+    """Summarise the stretches in which a steady state is judged."""
+    return [
+        {
+            "start_s": window.start_s,
+            "end_s": window.end_s,
+            "speed_reference_rpm": window.dwell.speed_rpm,
+            "speed_mean_rpm": window.speed * RPM,
+            "torque_reference_nm": window.torque_reference,
+            "torque_mean_nm": window.torque,
+            "direct_current_mean_a": window.direct,
+            "quadrature_current_mean_a": window.quadrature,
+            "voltage_mean_v": window.voltage,
+            "link_voltage_mean_v": window.link,
+        }
+        for window in DutyRecord(scenario, run, declaration).steady
+    ]
+
+
+def clipped_in_words(run: DutyClosedLoopRun) -> list[str]:
+    """Tell the extremes of duty ratios that no bridge can make."""
+    ratios = np.stack([run.commands[name] for name in DUTY_RATIOS])
+    lowest, highest = float(ratios.min()), float(ratios.max())
+    words = []
+    if highest > 1.0:
+        words.append(f"duty ratios clipped to 1: up to {highest:.4g}")
+    if lowest < 0.0:
+        words.append(f"duty ratios clipped to 0: down to {lowest:.4g}")
+    return words

@@ -1,0 +1,65 @@
+"""The page of a comparison of controllers of duty ratios."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import pytest
+
+from drivegate_models.errors import InputError
+from drivegate_reports.comparison.duty_figures import duty_figures
+from drivegate_reports.comparison.duty_view import duty_view_of
+from drivegate_reports.comparison.report import page
+
+Document = dict[str, Any]
+
+
+def test_the_page_decides_and_shows_everything(duty_comparison: Document) -> None:
+    text = page(duty_comparison)
+    assert "<h1>foc is first on pm-ac-surface</h1>" in text
+    for name in ("points", "steps-drawn"):
+        assert text.count(f'<figure class="card" id="{name}"') == 1, name
+    for table in ("ranking", "operating points", "steps"):
+        assert f'data-name="{table}"' in text
+    assert 'id="checks"' not in text, "no checks were made"
+    assert page(copy.deepcopy(duty_comparison)) == text
+
+
+def test_points_that_are_not_held_are_told_and_not_drawn(duty_comparison: Document) -> None:
+    view = duty_view_of(duty_comparison)
+    assert view.sentences[1][1].startswith("holds 6 of 10 operating points")
+    points, steps = duty_figures(duty_comparison)
+    assert "foc: loss above least (%) from 11.10 to 11.10" in points.alternative
+    assert "foc-mtpa: overshoot (%) from 7.00 to 7.00" in steps.alternative, "no rise time is known"
+
+
+def test_where_nobody_ran_the_page_says_so(duty_comparison: Document) -> None:
+    nothing = copy.deepcopy(duty_comparison)
+    nothing["tables"] |= {"operating_points": [], "steps": []}
+    nothing["tables"]["ranking"] = [
+        row | {"rank": None, "status": "faulted", "loss_above_least_percent": None}
+        for row in nothing["tables"]["ranking"]
+    ]
+    assert duty_figures(nothing) == ()
+    assert "No candidate could be compared on pm-ac-surface" in page(nothing)
+
+
+def test_what_a_candidate_says_is_escaped(duty_comparison: Document) -> None:
+    hostile = "<script>alert(1)</script>$x$"
+    changed = copy.deepcopy(duty_comparison)
+    changed["candidates"][0]["label"] = hostile
+    for rows in changed["tables"].values():
+        for row in rows:
+            if row["candidate"] == "foc":
+                row["candidate"] = hostile
+    text = page(changed)
+    assert "<script>alert(1)" not in text
+    assert "&lt;script&gt;alert(1)" in text
+
+
+def test_another_kind_or_a_newer_one_is_refused(duty_comparison: Document) -> None:
+    with pytest.raises(InputError, match="schema 2"):
+        page(duty_comparison | {"schema": 2})
+    with pytest.raises(InputError, match="kind"):
+        duty_view_of(duty_comparison | {"kind": "comparison"})
