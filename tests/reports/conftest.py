@@ -457,6 +457,7 @@ def _made_up_duty_row(speed: float, torque: float, number: int) -> Document:
         "direct_current_a": -1.0,
         "quadrature_current_a": 2.0,
         "current_above_least_percent": 1.0 + number,
+        "input_power_w": 130.0,
         "loss_w": 10.0,
         "least_loss_w": 9.0,
         "loss_above_least_percent": 11.1,

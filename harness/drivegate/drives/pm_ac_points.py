@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import ceil, isfinite, pi
+from math import ceil, fsum, isfinite, pi
 from typing import Any, Final
 
 from drivegate.checks.duty.current import losses
@@ -12,7 +12,9 @@ from drivegate.checks.duty.optimum import CURRENT, least_within, undistorted
 from drivegate.checks.duty.steps import step_responses
 from drivegate.drives.pm_ac_torque import torque_course
 from drivegate.runs.duty.record import DutyRecord, DutyWindow
+from drivegate_cases.scenario.load import LockedLoad
 from drivegate_models.pm_ac.fundamental import SteadyState
+from drivegate_models.units import RADIANS_PER_RPM
 
 Row = dict[str, Any]
 
@@ -22,22 +24,22 @@ _MOST_PERIODS: Final = 200
 
 
 def steady_points(record: DutyRecord) -> list[Row]:
-    """Tell the steady states of a run whose reference is a torque."""
-    return [_steady_point(record, window) for window in record.steady if window.torque_reference is not None]
+    """Tell the steady states of a run whose reference is a torque, or a speed under a constant load."""
+    return [_steady_point(record, window) for window in record.steady]
 
 
 def _steady_point(record: DutyRecord, window: DutyWindow) -> Row:
-    wanted, limits = window.torque_reference or 0.0, record.limits
+    limits = record.limits
     own, cool = losses(record, window)
     least = least_within(plant_of(record), window.speed, window.link, own.torque, CURRENT)
     return {
         "speed_rpm": window.dwell.speed_rpm,
-        "reference_nm": wanted,
+        **_asked(record, window),
         "torque_nm": window.torque,
-        "held": abs(window.torque - wanted) <= limits.torque_error_nm,
         "direct_current_a": own.direct,
         "quadrature_current_a": own.quadrature,
         "current_above_least_percent": _above(own.current, least.current),
+        "input_power_w": _input_power(record, window),
         "loss_w": own.loss,
         "least_loss_w": cool.loss if isfinite(cool.loss) else None,
         "loss_above_least_percent": _above(own.loss, cool.loss),
@@ -45,6 +47,30 @@ def _steady_point(record: DutyRecord, window: DutyWindow) -> Row:
         "voltage_percent": 100.0 * window.voltage / undistorted(window.link),
         "ripple_percent": 100.0 * _swing(record, window) / limits.rated_torque_nm,
     }
+
+
+def _asked(record: DutyRecord, window: DutyWindow) -> Row:
+    """Tell the torque that is asked for, of a speed reference the load's, and whether the reference is held."""
+    limits, reference = record.limits, window.torque_reference
+    if reference is not None:
+        return {
+            "reference_nm": reference,
+            "held": abs(window.torque - reference) <= limits.torque_error_nm,
+        }
+    load, speed = record.scenario.load, window.dwell.speed_rpm
+    assert not isinstance(load, LockedLoad), "a speed reference is followed under a load"
+    error = abs(window.speed / RADIANS_PER_RPM - speed)
+    return {
+        "reference_nm": load.torque_at(speed, window.dwell.load_factor),
+        "held": error <= limits.speed_tolerance_rpm,
+    }
+
+
+def _input_power(record: DutyRecord, window: DutyWindow) -> float:
+    """Give the mean power that the link gives (W)."""
+    period = record.scenario.control_period_s
+    power = record.run.column("input_power")[round(window.start_s / period) : round(window.end_s / period)]
+    return fsum(power.tolist()) / len(power)
 
 
 def efficiency(state: SteadyState, speed: float) -> float | None:

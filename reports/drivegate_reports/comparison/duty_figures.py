@@ -72,7 +72,12 @@ def duty_figures(document: Mapping[str, Any]) -> tuple[PageFigure, ...]:
         if points:
             places = _places(document["tables"]["operating_points"], "reference_nm")
             drawn = draw(
-                points, places, "reference_nm", POINT_PANELS, inks, "torque reference (N·m), by speed"
+                points,
+                places,
+                "reference_nm",
+                POINT_PANELS,
+                inks,
+                "torque asked for, or of the load (N·m), by speed",
             )
             caption = (
                 "Each column is an operating point, from the least speed to the highest and from light to heavy load; "

@@ -75,7 +75,7 @@ def duty_view_of(document: Mapping[str, Any]) -> DutyComparisonView:
             ("drive", clean(drive["name"])),
             ("effort", clean(document["effort"])),
             ("runs of each", str(document["size"]["runs_of_each"])),
-            ("held within", f"{written(drive['torque_tolerance_nm'], 3)} N·m"),
+            *_reference_facts(document),
         ),
         troubles=tuple(troubles_of(document)),
         ranking=_ranking(document),
@@ -83,6 +83,20 @@ def duty_view_of(document: Mapping[str, Any]) -> DutyComparisonView:
         steps=_steps(document),
         checks=check_sheet(document),
         provenance=provenance_rows(document),
+    )
+
+
+def _reference_facts(document: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    """Tell what was followed; documents from before there was a choice follow torques."""
+    drive = document["drive"]
+    if document.get("reference") == "speed":
+        return (
+            ("reference", "speed, under a constant load"),
+            ("held within", f"{written(drive['speed_tolerance_rpm'], 3)} rpm"),
+        )
+    return (
+        ("reference", "torque, at held speeds"),
+        ("held within", f"{written(drive['torque_tolerance_nm'], 3)} N·m"),
     )
 
 
@@ -146,12 +160,13 @@ def _points(document: Mapping[str, Any]) -> Sheet:
     heads = (
         "candidate",
         "speed (rpm)",
-        "reference (N·m)",
+        "asked (N·m)",
         "torque (N·m)",
         "held",
         "d (A)",
         "q (A)",
         "current above least (%)",
+        "input (W)",
         "loss (W)",
         "above least (%)",
         "efficiency (%)",
@@ -168,6 +183,7 @@ def _points(document: Mapping[str, Any]) -> Sheet:
             absolute(row["direct_current_a"]),
             absolute(row["quadrature_current_a"]),
             figure(row["current_above_least_percent"], 2),
+            absolute(row["input_power_w"]),
             absolute(row["loss_w"]),
             figure(row["loss_above_least_percent"], 2),
             figure(row["efficiency_percent"], 2),
@@ -176,7 +192,10 @@ def _points(document: Mapping[str, Any]) -> Sheet:
         )
         for row in document["tables"]["operating_points"]
     )
-    caption = "Currents and losses of the fundamental beside the least for the same torque; voltage of the undistorted."
+    caption = (
+        "Torque asked for, or of the load. Currents and losses of the fundamental beside the least for the same "
+        "torque; voltage of the undistorted."
+    )
     return Sheet("operating_points", caption, heads, rows)
 
 

@@ -63,3 +63,10 @@ def test_another_kind_or_a_newer_one_is_refused(duty_comparison: Document) -> No
         page(duty_comparison | {"schema": 2})
     with pytest.raises(InputError, match="kind"):
         duty_view_of(duty_comparison | {"kind": "comparison"})
+
+
+def test_what_was_followed_is_told(duty_comparison: Document) -> None:
+    assert "torque, at held speeds" in page(duty_comparison)
+    text = page({**duty_comparison, "reference": "speed"})
+    assert "speed, under a constant load" in text
+    assert "2.5 rpm" in text

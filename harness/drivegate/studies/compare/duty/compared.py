@@ -13,9 +13,19 @@ from drivegate.results.waivers import present_day
 from drivegate.studies.compare.duty.document import duty_document
 from drivegate.studies.compare.duty.plan import planned_duty_runs
 from drivegate.studies.compare.duty.run import measured_duty
-from drivegate.studies.compare.engine import Refused, named_candidates, prepared, refused_of, run_plan
+from drivegate.studies.compare.engine import (
+    Compared,
+    Refused,
+    named_candidates,
+    prepared,
+    refused_of,
+    run_plan,
+)
 from drivegate.studies.compare.options import ComparisonOptions
+from drivegate_cases.documents.wording import one_line
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.reference import Reference
+from drivegate_models.errors import InputError
 
 
 def duty_compared_on(
@@ -29,7 +39,8 @@ def duty_compared_on(
     started, began = present_day().isoformat(), time.monotonic()
     all_compared = named_candidates(specifications, resolved)
     followed(prepared(drive), display)
-    plan = planned_duty_runs(drive, options.effort)
+    reference = _common_reference(all_compared)
+    plan = planned_duty_runs(drive, options.effort, reference)
     for compared in all_compared:
         if compared.error is not None:
             continue
@@ -52,9 +63,26 @@ def duty_compared_on(
         all_compared,
         plan,
         drive=drive,
+        reference=reference,
         effort=options.effort,
         seed=options.seed,
         checks=options.checks,
         timing={"started_utc": started, "seconds": round(time.monotonic() - began, 3)},
     )
     return document, refused_of(all_compared)
+
+
+def _common_reference(all_compared: Sequence[Compared]) -> Reference:
+    """Choose what all candidates follow, a torque where they can; refuse those that follow the other alone."""
+    candidates = [compared.candidate for compared in all_compared if compared.candidate is not None]
+    reference: Reference = (
+        "torque" if all("torque" in candidate.declaration.references for candidate in candidates) else "speed"
+    )
+    for compared in all_compared:
+        if compared.candidate is None or reference in compared.candidate.declaration.references:
+            continue
+        compared.error = InputError(
+            f"the candidate '{one_line(compared.candidate.name)}' follows a torque alone, but another one a speed "
+            "alone; compare candidates that follow the same"
+        )
+    return reference

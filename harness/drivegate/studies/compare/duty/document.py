@@ -15,6 +15,7 @@ from drivegate.studies.compare.tables import check_rows
 from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_cases.scenario.reference import Reference
 
 SCHEMA: Final = 1
 """Version of the document."""
@@ -28,6 +29,7 @@ def duty_document(
     plan: Sequence[DutyPlannedRun],
     *,
     drive: PmAcDocument,
+    reference: Reference = "torque",
     effort: str,
     seed: int,
     checks: bool,
@@ -41,6 +43,7 @@ def duty_document(
         "kind": DUTY_KIND,
         "effort": effort,
         "seed": seed,
+        "reference": reference,
         "rule": RULE if checks else RULE_WITHOUT_CHECKS,
         "checks_effort": CHECKS_EFFORT if checks else None,
         "drive": {
@@ -49,6 +52,7 @@ def duty_document(
             "rated_power_w": drive.rating.rated_power_w,
             "rated_torque_nm": limits.rated_torque_nm,
             "torque_tolerance_nm": limits.torque_error_nm,
+            "speed_tolerance_rpm": limits.speed_tolerance_rpm,
             "overshoot_limit_percent": 100.0 * limits.overshoot,
         },
         "size": {"torques": list(EFFORTS[effort].torques), "runs_of_each": len(plan)},

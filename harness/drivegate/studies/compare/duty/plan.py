@@ -1,4 +1,4 @@
-"""What every controller of duty ratios of a comparison runs: torques at held speeds, and steps of them."""
+"""What every controller of duty ratios of a comparison runs: torques at held speeds and steps of them, or loads."""
 
 from __future__ import annotations
 
@@ -6,14 +6,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
-from drivegate.scenarios.duty.building import torque_of, torque_scenario
+from drivegate.scenarios.duty.building import speed_scenario, torque_of, torque_scenario
 from drivegate.scenarios.duty.fixed import speed_of
+from drivegate.scenarios.title import titled
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.reference import Reference
 from drivegate_cases.scenario.scenario import Scenario
 
 DutyGroup: TypeAlias = Literal["points", "steps"]
 """Kinds of runs of such a comparison."""
 
+SEARCH_S: Final = 6.0
+"""Length of a run of a speed reference, in which a search of seconds finds its angle (s)."""
 STEPS: Final = (0.0, 0.5, 0.2, 0.8, 0.4)
 """Torques of a run with steps, over the torque of rated power (1)."""
 
@@ -72,12 +76,24 @@ class DutyPlannedRun:
     scenario: Scenario
 
 
-def planned_duty_runs(drive: PmAcDocument, effort: str) -> tuple[DutyPlannedRun, ...]:
-    """Plan the runs of a comparison."""
-    return tuple(_runs(drive, EFFORTS[effort]))
+def planned_duty_runs(
+    drive: PmAcDocument, effort: str, reference: Reference = "torque"
+) -> tuple[DutyPlannedRun, ...]:
+    """Plan the runs of a comparison; those of a speed reference have the same speeds and loads, and no steps."""
+    runs = _loads if reference == "speed" else _torques
+    return tuple(runs(drive, EFFORTS[effort]))
 
 
-def _runs(drive: PmAcDocument, size: DutyEffort) -> Iterator[DutyPlannedRun]:
+def _loads(drive: PmAcDocument, size: DutyEffort) -> Iterator[DutyPlannedRun]:
+    for speed in dict.fromkeys(speed_of(drive, share) for share in size.speeds):
+        for share in size.torques:
+            torque = torque_of(drive, speed, share)
+            run = speed_scenario(drive, (speed,), torque_nm=torque)
+            whole = titled(run.replaced(duration_s=max(run.duration_s, SEARCH_S)))
+            yield DutyPlannedRun("points", f"{torque:g} N·m at {speed:g} rpm", whole)
+
+
+def _torques(drive: PmAcDocument, size: DutyEffort) -> Iterator[DutyPlannedRun]:
     for speed in dict.fromkeys(speed_of(drive, share) for share in size.speeds):
         torques = [torque_of(drive, speed, share) for share in size.torques]
         yield DutyPlannedRun("points", f"torques at {speed:g} rpm", torque_scenario(drive, speed, torques))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -9,6 +11,7 @@ import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
+from drivegate.studies.compare.duty.compared import _common_reference
 from drivegate.studies.compare.duty.document import duty_document
 from drivegate.studies.compare.duty.plan import EFFORTS, planned_duty_runs
 from drivegate.studies.compare.duty.ranking import duty_ranking
@@ -16,7 +19,7 @@ from drivegate.studies.compare.duty.run import measured_duty
 from drivegate.studies.compare.engine import Compared, labelled
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.scenario.load import DynamometerLoad
+from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
 
 Row = dict[str, Any]
 
@@ -28,6 +31,7 @@ def surface() -> PmAcDocument:
 
 
 PLAN = planned_duty_runs(surface(), "quick")
+LOADS = planned_duty_runs(surface(), "quick", "speed")
 
 
 @cache
@@ -135,3 +139,42 @@ def test_the_document_has_what_was_measured() -> None:
     assert rows[0]["loss_w"] == pytest.approx(measured("foc", 4)["points"][0]["loss_w"], rel=1e-5)
     assert document["tables"]["ranking"][0]["points_held"] == 3
     assert document["tables"]["checks"] == []
+
+
+def test_a_plan_of_speeds_has_the_points_of_that_of_torques_and_no_steps() -> None:
+    torques = {
+        (planned.scenario.speed_rpm[0][1], torque)
+        for planned in PLAN
+        if planned.group == "points" and isinstance(load := planned.scenario.load, DynamometerLoad)
+        for _, torque in load.torque_reference_nm
+    }
+    loads = {
+        (planned.scenario.speed_rpm[0][1], load.torque_nm)
+        for planned in LOADS
+        if isinstance(load := planned.scenario.load, ConstantTorqueLoad)
+    }
+    assert loads == torques
+    assert {planned.group for planned in LOADS} == {"points"}
+
+
+def test_a_loaded_point_tells_its_load_and_what_goes_in() -> None:
+    (row,) = measured_duty(own_candidate(resolve_candidate("foc")), LOADS[7])["points"]
+    assert row["held"] is True
+    assert row["torque_nm"] == pytest.approx(row["reference_nm"], rel=0.05), "friction is small"
+    mechanical = row["torque_nm"] * row["speed_rpm"] * math.pi / 30.0
+    assert row["input_power_w"] == pytest.approx(mechanical + row["loss_w"], rel=0.02)
+
+
+def test_candidates_that_follow_a_speed_alone_choose_the_plan() -> None:
+    both, speed, torque = named("abc")
+    assert speed.candidate is not None
+    assert torque.candidate is not None
+    assert _common_reference([both]) == "torque"
+    for compared, follows in ((speed, "speed"), (torque, "torque")):
+        assert compared.candidate is not None
+        declaration = replace(compared.candidate.declaration, references=(follows,))
+        compared.candidate = replace(compared.candidate, declaration=declaration)
+    assert _common_reference([both, torque]) == "torque"
+    assert _common_reference([both, speed, torque]) == "speed"
+    assert speed.error is None
+    assert "follows a torque alone" in str(torque.error)
