@@ -77,8 +77,9 @@ def _step(record: DutyRecord) -> dict[str, Any] | None:
 def _path(record: DutyRecord) -> dict[str, Any]:
     """Give the currents of the rotor frame through a run: densest where they move fastest."""
     direct, quadrature = (record.run.column(name) for name in ("direct", "quadrature"))
-    moved = np.hypot(np.diff(direct, prepend=direct[0]), np.diff(quadrature, prepend=quadrature[0]))
-    way = np.cumsum(moved)
+    steps = np.diff(direct, prepend=direct[0]), np.diff(quadrature, prepend=quadrature[0])
+    # Roots and products are rounded alike everywhere, as hypot is not.
+    way = np.cumsum(np.sqrt(steps[0] * steps[0] + steps[1] * steps[1]))
     places = np.searchsorted(way, np.linspace(0.0, way[-1], MOST_POINTS))
     kept = np.unique(np.append(places, len(way) - 1).clip(max=len(way) - 1))
     return {

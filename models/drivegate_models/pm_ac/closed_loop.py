@@ -150,7 +150,7 @@ def _take_command(command: Any, room: DutyRoom, place: int) -> int:
 
 
 @inlined
-def _alignment(updates: int, step: int) -> int:
+def alignment_of(updates: int, step: int) -> int:
     """Return where in a control period the upper switch is on."""
     if updates == 0:
         return FALLING
@@ -245,7 +245,7 @@ def _run(
         reference = wanted if timing.regulates_torque else conditions.speed_reference
         _write_sense(exchange, phases, conditions, reference, k * length, angle / drive.pole_pairs, speed)
         if not sensors.ideal:
-            before = _alignment(drive.modulator.updates, k + 1)
+            before = alignment_of(drive.modulator.updates, k + 1)
             show_phase_currents(sensors, exchange.sensed_currents, before, room.last, length)
             show_shaft(sensors, exchange.sense[0], drive.pole_pairs)
         exchange.command[0] = exchange.fresh[0]
@@ -270,7 +270,7 @@ def _run(
             link,
             room.ratios[0],
             room.legs[0],
-            _alignment(drive.modulator.updates, k),
+            alignment_of(drive.modulator.updates, k),
             length,
             period,
         ):

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from drivegate.drives.pm_ac_trajectories import trajectories
 from drivegate.results.behaviour_section import BehaviourSection, EfficiencyPointSection
+from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
@@ -98,12 +99,12 @@ def _placed(name: str, title: str, drawn: Figure, alternative: str, caption: str
 def _row(point: EfficiencyPointSection) -> tuple[str, ...]:
     return (
         efficiency_points.name_of(point),
-        f"{point.torque_nm:.4g}",
+        figure(point.torque_nm),
         *_known(point.loss_w, point.least_loss_w, point.above_least_percent, point.efficiency_percent),
-        f"{point.direct_current_a:.3g}",
+        figure(point.direct_current_a),
         *_known(point.least_loss_direct_a),
     )
 
 
 def _known(*values: float | None) -> Sequence[str]:
-    return ["–" if value is None else f"{value:.4g}" for value in values]
+    return ["–" if value is None else figure(value) for value in values]

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from drivegate.results.behaviour_section import BehaviourSection
+from drivegate_cases.documents.wording import figure
 from drivegate_reports.conformance.behaviour import shown_behaviour
 from drivegate_reports.conformance.coverage import drive_of
 from drivegate_reports.conformance.figures import duty_envelope, efficiency_points, rotor_plane, step_response
@@ -41,9 +42,9 @@ def test_each_figure_stands_with_its_words(duty_result: Document, text: str) -> 
     told = section_of(duty_result)
     assert told.step is not None
     assert told.torque is not None
-    assert f"overshoots by {told.step.overshoot_percent:.3g} % of the step" in text
+    assert f"overshoots by {figure(told.step.overshoot_percent)} % of the step" in text
     assert f"90 % is reached after {told.step.rise_ms:.4g} ms" in text
-    assert f"a ripple of {told.torque.peak_to_peak_percent:.3g} % of rated torque" in text
+    assert f"a ripple of {figure(told.torque.peak_to_peak_percent)} % of rated torque" in text
     assert text.count(" % speed, ") >= 16, "eight operating points in the figure's words and in the table"
     assert "uses up the undistorted 55.43 V of a phase at 585.42 rpm" in text
     assert len(text) < 1_000_000
@@ -60,7 +61,7 @@ def test_overshoot_and_rise_time_are_marked(duty_result: Document) -> None:
         torque, _ = step_response.draw(step).axes
         slow, _ = step_response.draw(step.model_copy(update={"rise_ms": None})).axes
     written = [text.get_text() for text in torque.texts]
-    assert f"overshoot {step.overshoot_percent:.3g} %" in written
+    assert f"overshoot {figure(step.overshoot_percent)} %" in written
     assert f"90 % in {step.rise_ms:.4g} ms" in written
     assert not any(text.get_text().startswith("90 %") for text in slow.texts)
     assert "90 % is not reached" in step_response.alternative(step.model_copy(update={"rise_ms": None}))
@@ -70,7 +71,7 @@ def test_the_currents_stand_between_circle_and_ellipses(duty_result: Document) -
     drive = drive_of(duty_result)
     shown = shown_behaviour(duty_result, drive)
     assert shown is not None
-    plane = next(figure for figure in shown.figures if figure.name == "rotor-plane")
+    plane = next(drawn for drawn in shown.figures if drawn.name == "rotor-plane")
     assert "within a circle of 26 A" in plane.alternative
     assert "dashed at 550 rpm, dotted at 1650 rpm" in plane.caption
     assert "Through the range of speed: d current from" in plane.alternative

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from drivegate.results.behaviour_section import EfficiencyPointSection
+from drivegate_cases.documents.wording import figure
 from drivegate_reports.page.style import BLUE, VERMILION, label, new_figure
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def caption(limit_percent: float) -> str:
 
 def draw(points: Sequence[EfficiencyPointSection], limit_percent: float) -> Figure:
     """Draw a bar for each point."""
-    figure, (panel,) = new_figure(0.9 + 0.26 * len(points), 1)
+    drawn, (panel,) = new_figure(0.9 + 0.26 * len(points), 1)
     excess = [point.above_least_percent or 0.0 for point in points]
     places = range(len(points))
     colours = [BLUE if value <= limit_percent else VERMILION for value in excess]
@@ -51,9 +52,9 @@ def draw(points: Sequence[EfficiencyPointSection], limit_percent: float) -> Figu
     panel.set_xlim(0.0, end)
     panel.grid(visible=False, axis="y")
     panel.set_xlabel("loss above the least (%)")
-    return figure
+    return drawn
 
 
 def _excess(point: EfficiencyPointSection) -> str:
     value = point.above_least_percent
-    return "not known" if value is None else f"{value:.3g} %"
+    return "not known" if value is None else f"{figure(round(value, 3))} %"

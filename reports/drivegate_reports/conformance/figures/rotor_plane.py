@@ -18,6 +18,7 @@ TITLE: Final = "Currents of the rotor frame between their limits"
 _DASHED: Final = (0, (4, 3))
 _DOTTED: Final = (0, (1, 2))
 _ROOM: Final = 1.08
+_FURTHEST: Final = 2.0
 
 
 @dataclass(frozen=True)
@@ -76,8 +77,12 @@ def draw(
 ) -> Figure:
     """Draw the limits, what is best, and the ways beside each other; without ways the first alone."""
     figure = new_grid(3.7, 1, max(len(ways), 1))
+    reach = _reach(limit, ways)
     for panel in figure.axes:
         _draw_limits(panel, trajectories, limit)
+        panel.set_aspect("equal")
+        panel.set_xlim(*reach[0])
+        panel.set_ylim(*reach[1])
         panel.set_xlabel("d current (A)")
     figure.axes[0].set_ylabel("q current (A)")
     for panel, way in zip(figure.axes, ways, strict=False):
@@ -87,6 +92,20 @@ def draw(
     if dots:
         figure.axes[0].plot(*zip(*dots, strict=True), "x", color=PURPLE, markersize=5, zorder=5)
     return figure
+
+
+def _reach(limit: float, ways: Sequence[Way]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Give the ends of both axes: the circle where the magnet can be weakened, and the ways but for the furthest."""
+    furthest = _FURTHEST * limit
+    direct = [value for way in ways for value in way.direct]
+    quadrature = [value for way in ways for value in way.quadrature]
+    return (
+        (_ROOM * max(min([-limit, *direct]), -furthest), _ROOM * min(max([0.4 * limit, *direct]), furthest)),
+        (
+            _ROOM * max(min([-limit, *quadrature]), -furthest),
+            _ROOM * min(max([limit, *quadrature]), furthest),
+        ),
+    )
 
 
 def _draw_limits(panel: Axes, trajectories: Mapping[str, Any], limit: float) -> None:
@@ -102,6 +121,3 @@ def _draw_limits(panel: Axes, trajectories: Mapping[str, Any], limit: float) -> 
             color=colour,
             linewidth=2.2,
         )
-    panel.set_aspect("equal")
-    panel.set_xlim(-_ROOM * limit, 0.45 * limit)
-    panel.set_ylim(-_ROOM * limit, _ROOM * limit)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate.checks.duty.steps import REACHED
 from drivegate.results.behaviour_section import StepSection
+from drivegate_cases.documents.wording import figure
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label, label_ends, new_figure
 
 if TYPE_CHECKING:
@@ -22,8 +23,8 @@ def alternative(step: StepSection) -> str:
     risen = "90 % is not reached" if step.rise_ms is None else f"90 % is reached after {step.rise_ms:.4g} ms"
     return (
         f"Two panels over {step.time_ms[-1]:.3g} ms. The torque goes from {step.before_nm:.4g} to "
-        f"{step.after_nm:.4g} N·m: {risen}, and it overshoots by {step.overshoot_percent:.3g} % of the step. Below, "
-        f"the currents of the rotor frame end at {step.direct_current_a[-1]:.3g} A and "
+        f"{step.after_nm:.4g} N·m: {risen}, and it overshoots by {figure(step.overshoot_percent)} % of the step. "
+        f"Below, the currents of the rotor frame end at {step.direct_current_a[-1]:.3g} A and "
         f"{step.quadrature_current_a[-1]:.3g} A."
     )
 
@@ -39,7 +40,7 @@ def caption(step: StepSection) -> str:
 
 def draw(step: StepSection) -> Figure:
     """Draw torque and currents around a step."""
-    figure, panels = new_figure(3.6, 2, (1.4, 1.0), fitted=False, apart=0.14)
+    drawn, panels = new_figure(3.6, 2, (1.4, 1.0), fitted=False, apart=0.14)
     _draw_torque(panels[0], step)
     _draw_currents(panels[1], step)
     begin, end = step.time_ms[0], step.time_ms[-1]
@@ -49,7 +50,7 @@ def draw(step: StepSection) -> Figure:
         panel.set_xticks([tick for tick in panel.get_xticks() if begin <= tick <= 1.001 * end])
     panels[0].tick_params(labelbottom=False)
     panels[1].set_xlabel("time since the step (ms)")
-    return figure
+    return drawn
 
 
 def _draw_torque(panel: Axes, step: StepSection) -> None:
@@ -64,7 +65,7 @@ def _draw_torque(panel: Axes, step: StepSection) -> None:
     behind = [torque for time, torque in zip(step.time_ms, step.torque_nm, strict=True) if time > 0.0]
     furthest = max(behind, key=lambda torque: torque * size)
     if step.overshoot_percent > 0.0:
-        ends.append((f"overshoot {step.overshoot_percent:.3g} %", furthest, VERMILION))
+        ends.append((f"overshoot {figure(step.overshoot_percent)} %", furthest, VERMILION))
         panel.axhline(furthest, color=VERMILION, linewidth=0.8, xmax=1.0 / _WITH_LABELS)
     if step.rise_ms is not None:
         risen = step.before_nm + REACHED * size

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from drivegate.results.behaviour_section import TorqueSection
+from drivegate_cases.documents.wording import figure
 from drivegate_reports.page.style import BLUE, GREEN, GREY, SKY, label, label_ends, new_figure
 
 if TYPE_CHECKING:
@@ -24,8 +25,8 @@ def alternative(torque: TorqueSection) -> str:
     strongest = int(np.argmax(torque.amplitude_percent))
     return (
         f"Two panels. The torque stays between {min(torque.least_nm):.4g} and {max(torque.greatest_nm):.4g} N·m around "
-        f"{torque.mean_nm:.4g} N·m, a ripple of {torque.peak_to_peak_percent:.3g} % of rated torque. The strongest "
-        f"line of its spectrum is {torque.amplitude_percent[strongest]:.3g} %, at "
+        f"{torque.mean_nm:.4g} N·m, a ripple of {figure(torque.peak_to_peak_percent)} % of rated torque. The strongest "
+        f"line of its spectrum is {figure(torque.amplitude_percent[strongest])} %, at "
         f"{torque.frequency_hz[strongest]:.5g} Hz."
     )
 
@@ -42,7 +43,7 @@ def caption(torque: TorqueSection) -> str:
 
 def draw(torque: TorqueSection) -> Figure:
     """Draw the band of the torque, and the lines of its spectrum."""
-    figure, (band, lines) = new_figure(4.0, 2, fitted=False, apart=0.5)
+    drawn, (band, lines) = new_figure(4.0, 2, fitted=False, apart=0.5)
     band.fill_between(
         torque.angle_deg, torque.least_nm, torque.greatest_nm, color=SKY, alpha=0.5, linewidth=0
     )
@@ -73,8 +74,9 @@ def draw(torque: TorqueSection) -> Figure:
     for multiple in (1.0, 2.0):
         lines.axvline(multiple * carrier, color=GREY, linewidth=0.8, linestyle=_DASHED)
     strongest = int(np.argmax(torque.amplitude_percent))
-    words = f"{torque.amplitude_percent[strongest]:.3g} %"
-    label(lines, float(frequency[strongest]), 1.15 * float(amplitude[strongest]), words, BLUE, ha="center")
+    at, height = float(frequency[strongest]), 1.15 * float(amplitude[strongest])
+    side = "left" if at < 0.1 * float(frequency[-1]) else "center"
+    label(lines, at, height, f"{figure(torque.amplitude_percent[strongest])} %", BLUE, ha=side)
     lines.set_xlabel("frequency (kHz)")
     lines.set_ylabel("amplitude (%)")
-    return figure
+    return drawn
