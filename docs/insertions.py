@@ -218,7 +218,11 @@ def _left_out(required: bool, default: object) -> str:
 def sensor_keys(kind: str) -> str:
     """Every key of a kind of sensors."""
     rows = [
-        (f"`{key}`", _plain(field.description or ""), "–" if field.default is None else f"{field.default:g}")
+        (
+            f"`{key}`",
+            _plain(field.description or ""),
+            "–" if field.default is None else _left_out(False, field.default),
+        )
         for key, field in type(PLAIN[kind]).model_fields.items()
         if key != "kind"
     ]

@@ -28,6 +28,7 @@ _VEHICLE = "part of a vehicle's torque, which its mass, gear and grade vary"
 _PUBLISHED = "as in the published implementation; its errors vary with the seed"
 _HALL = "of Hall switches, which stars have; the error of each edge varies with the seed"
 _DRIVE = "the drive's, which `--drive` names; the plant's own varies by `scales`"
+_DUTY = "of PM AC drives, whose own runs vary it"
 
 NOT_VARIED: Final[Mapping[str, str]] = {
     "schema": _NO_PART,
@@ -58,7 +59,10 @@ NOT_VARIED: Final[Mapping[str, str]] = {
         ),
         _PUBLISHED,
     ),
-    "load.torque_reference_nm": "of PM AC drives, whose own runs vary it",
+    **dict.fromkeys(
+        ("sensors.shunts", "sensors.settling_s", "sensors.position", "sensors.encoder_error_deg"), _DUTY
+    ),
+    "load.torque_reference_nm": _DUTY,
     **dict.fromkeys(("sensors.placement_error_deg", "sensors.hysteresis_deg"), _HALL),
     **dict.fromkeys(
         (

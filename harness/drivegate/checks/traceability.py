@@ -44,6 +44,7 @@ DUTY_DRAWN: Final[Mapping[str, tuple[str, ...]]] = {
     "start": ("STA-1", "ACC-1", "FWK-2", "MTP-1"),
     "parameter": ("ROB-4",),
     "supply step": ("ACC-1", "FWK-2", "MTP-1"),
+    "sensor": ("ROB-5",),
 }
 """For each family of `scenarios.duty.drawn`, the checks that it is there for, beside those of every run."""
 SPECIAL: Final[Mapping[str, tuple[str, ...]]] = {

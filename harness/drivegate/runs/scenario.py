@@ -30,7 +30,7 @@ from drivegate_cases.scenario.load import (
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.profile import profile_arrays
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_cases.scenario.sensors import HallSensors, IdealSensors, Mcs96Sensors
+from drivegate_cases.scenario.sensors import HallSensors, IdealSensors, Mcs96Sensors, ShuntSensors
 from drivegate_models.contract.outer_loop.signals import Sense
 from drivegate_models.errors import HarnessFault
 from drivegate_models.loop.closed_loop import ClosedLoopRun, PreparedLoop
@@ -102,21 +102,24 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     for error in scenario.current_errors:
         gains[error.phase - 1], offsets[error.phase - 1] = error.gain, error.offset_a
     given = scenario.sensors
+    assert not isinstance(given, ShuntSensors), "such sensors are of drives that are given duty ratios"
     if isinstance(given, IdealSensors):
         return sensors.ideal_sensors(scenario.drive.machine.phases, dropouts, gains, offsets)
     generator = np.random.default_rng(scenario.seed)
-    converters = _plant_converters(given, generator, gains, offsets)
+    converters = plant_converters(given, generator, gains, offsets)
     if isinstance(given, HallSensors):
-        return sensors.real_sensors(converters, dropouts, hall=_plant_hall(scenario, given, generator))
-    return sensors.real_sensors(converters, dropouts, encoder=_plant_encoder(scenario, given))
+        return sensors.real_sensors(converters, dropouts, hall=plant_hall(scenario, given, generator))
+    return sensors.real_sensors(converters, dropouts, encoder=plant_encoder(scenario, given))
 
 
-def _plant_converters(
-    given: Mcs96Sensors | HallSensors,
+def plant_converters(
+    given: Mcs96Sensors | HallSensors | ShuntSensors,
     generator: np.random.Generator,
     gains: NDArray[np.float64],
     offsets: NDArray[np.float64],
+    sources: int = 1,
 ) -> Converters:
+    """Make the converters; a link of several sources is measured as a whole."""
     return real_converters(
         generator,
         gains,
@@ -125,13 +128,14 @@ def _plant_converters(
         current_gain_spread=given.current_gain_spread,
         current_offset=_stated(given.current_offset_a),
         current_noise=_stated(given.current_noise_a),
-        voltage_range=_stated(given.voltage_range_v),
-        voltage_noise=_stated(given.voltage_noise_v),
+        voltage_range=sources * _stated(given.voltage_range_v),
+        voltage_noise=sources * _stated(given.voltage_noise_v),
         converter_bits=given.converter_bits,
     )
 
 
-def _plant_encoder(scenario: Scenario, given: Mcs96Sensors) -> Encoder:
+def plant_encoder(scenario: Scenario, given: Mcs96Sensors | ShuntSensors) -> Encoder:
+    """Make the encoder of a scenario, as at its start."""
     glitches = np.array([(glitch.time_s, glitch.counts) for glitch in scenario.glitches], np.float64)
     return turning_encoder(
         lines=given.encoder_lines,
@@ -143,7 +147,8 @@ def _plant_encoder(scenario: Scenario, given: Mcs96Sensors) -> Encoder:
     )
 
 
-def _plant_hall(scenario: Scenario, given: HallSensors, generator: np.random.Generator) -> Hall:
+def plant_hall(scenario: Scenario, given: HallSensors | ShuntSensors, generator: np.random.Generator) -> Hall:
+    """Make the Hall switches of a scenario, as at its start."""
     greatest = math.radians(given.placement_error_deg)
     return turning_hall(
         pole_pairs=scenario.drive.machine.pole_pairs,

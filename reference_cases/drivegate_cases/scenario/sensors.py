@@ -1,4 +1,4 @@
-"""What stands between plant and controller: ideal sensors, those of the published implementation, or Hall switches."""
+"""What stands between plant and controller: ideal sensors, or those that a kind of drive has."""
 
 import math
 from collections.abc import Mapping
@@ -11,6 +11,30 @@ from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.converter_ranges import ConverterRanges, converter_ranges
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
 
+EncoderLines = Annotated[int, Field(ge=1, le=1_000_000, description="lines of the quadrature encoder a turn")]
+"""Lines of an encoder."""
+SpeedWindow = Annotated[
+    float, Field(ge=1e-5, le=1.0, description="time over which encoder edges are counted, in seconds")
+]
+"""Over what an encoder's speed is a mean."""
+PlacementError = Annotated[
+    float,
+    Field(
+        ge=0.0,
+        le=15.0,
+        description="greatest error of an edge's place, in electrical degrees; that of each of the six is drawn",
+    ),
+]
+"""How far Hall switches are off their places."""
+Hysteresis = Annotated[
+    float,
+    Field(
+        ge=0.0,
+        le=15.0,
+        description="by how much every edge comes later in the sense of rotation, in electrical degrees",
+    ),
+]
+"""Hysteresis of Hall switches."""
 ClockResolution = Annotated[
     float, Field(gt=0.0, le=1e-3, description="resolution of the edges' times, in seconds")
 ]
@@ -83,12 +107,8 @@ class Mcs96Sensors(Section):
     """
 
     kind: Literal["mcs96"] = Field(description="kind of sensors")
-    encoder_lines: int = Field(
-        default=500, ge=1, le=1_000_000, description="lines of the quadrature encoder a turn"
-    )
-    speed_window_s: float = Field(
-        default=0.005, ge=1e-5, le=1.0, description="time over which encoder edges are counted, in seconds"
-    )
+    encoder_lines: EncoderLines = 500
+    speed_window_s: SpeedWindow = 0.005
     clock_s: ClockResolution = 1e-6
     current_range_a: CurrentRange = None
     current_gain_spread: CurrentGainSpread = 0.005
@@ -108,18 +128,8 @@ class HallSensors(Section):
     """
 
     kind: Literal["hall"] = Field(description="kind of sensors")
-    placement_error_deg: float = Field(
-        default=1.5,
-        ge=0.0,
-        le=15.0,
-        description="greatest error of an edge's place, in electrical degrees; that of each of the six is drawn",
-    )
-    hysteresis_deg: float = Field(
-        default=1.0,
-        ge=0.0,
-        le=15.0,
-        description="by how much every edge comes later in the sense of rotation, in electrical degrees",
-    )
+    placement_error_deg: PlacementError = 1.5
+    hysteresis_deg: Hysteresis = 1.0
     clock_s: ClockResolution = 1e-6
     current_range_a: CurrentRange = None
     current_gain_spread: CurrentGainSpread = 0.005
@@ -130,13 +140,54 @@ class HallSensors(Section):
     converter_bits: ConverterBits = 10
 
 
+class ShuntSensors(Section):
+    """Shunts, an encoder or Hall switches, and converters, as drives have that are given duty ratios.
+
+    A shunt below a lower switch, or in the link, sees a phase's current only in part of a control period. Each phase's
+    gain and offset, and the errors of Hall switches, are drawn once a run from the scenario's seed.
+    """
+
+    kind: Literal["shunts"] = Field(description="kind of sensors")
+    shunts: Literal["in-line", "low-side", "link"] = Field(
+        default="in-line",
+        description="where the shunts are: one in each phase, below each lower switch, or one in the dc link",
+    )
+    settling_s: float = Field(
+        default=1e-6,
+        ge=0.0,
+        le=1e-3,
+        description="time that a current must have flowed through a shunt to be seen, in seconds",
+    )
+    position: Literal["exact", "encoder", "hall"] = Field(
+        default="encoder", description="what gives angle and speed of the shaft"
+    )
+    encoder_lines: EncoderLines = 1024
+    encoder_error_deg: float = Field(
+        default=0.0,
+        ge=-45.0,
+        le=45.0,
+        description="error of the encoder's alignment, in electrical degrees",
+    )
+    speed_window_s: SpeedWindow = 0.002
+    placement_error_deg: PlacementError = 1.5
+    hysteresis_deg: Hysteresis = 1.0
+    clock_s: ClockResolution = 1e-7
+    current_range_a: CurrentRange = None
+    current_gain_spread: CurrentGainSpread = 0.005
+    current_offset_a: CurrentOffset = None
+    current_noise_a: CurrentNoise = None
+    voltage_range_v: VoltageRange = None
+    voltage_noise_v: VoltageNoise = None
+    converter_bits: ConverterBits = 12
+
+
 def _by_kind(value: Any) -> Any:
     """Take a bare name for the sensors of that kind with all their defaults."""
     return {"kind": value} if isinstance(value, str) else value
 
 
 Sensors = Annotated[
-    Annotated[IdealSensors | Mcs96Sensors | HallSensors, Field(discriminator="kind")],
+    Annotated[IdealSensors | Mcs96Sensors | HallSensors | ShuntSensors, Field(discriminator="kind")],
     BeforeValidator(_by_kind),
 ]
 """Sensors of a run, also given as a bare name."""
@@ -144,7 +195,8 @@ Sensors = Annotated[
 IDEAL = IdealSensors(kind="ideal")
 MCS96 = Mcs96Sensors(kind="mcs96")
 HALL = HallSensors(kind="hall")
-PLAIN: Final[Mapping[str, Sensors]] = {plain.kind: plain for plain in (IDEAL, MCS96, HALL)}
+SHUNTS = ShuntSensors(kind="shunts")
+PLAIN: Final[Mapping[str, Sensors]] = {plain.kind: plain for plain in (IDEAL, MCS96, HALL, SHUNTS)}
 """The sensors of each kind with all their defaults."""
 _PHASES_OF_HALL = 3
 _OF_CONVERTERS = tuple(field.name for field in fields(ConverterRanges))
@@ -153,9 +205,11 @@ _OF_CONVERTERS = tuple(field.name for field in fields(ConverterRanges))
 def real_sensors(drive: DriveDocument) -> Sensors:
     """Choose the sensors that a drive has where they are not ideal.
 
-    A star of three phases is commutated by Hall switches, as conventional brushless DC drives are; any other drive has
-    the encoder of the published implementation.
+    A star of three phases is commutated by Hall switches, as conventional brushless DC drives are; a drive that is
+    given duty ratios has shunts and an encoder; any other has the encoder of the published implementation.
     """
+    if drive.kind == PM_AC:
+        return SHUNTS
     return HALL if drive.kind == "star" and drive.machine.phases == _PHASES_OF_HALL else MCS96
 
 
@@ -164,7 +218,7 @@ def has_encoder(sensors: Sensors) -> bool:
     return isinstance(sensors, Mcs96Sensors)
 
 
-def counted_s(sensors: Mcs96Sensors | HallSensors, electrical_speed: float) -> float:
+def counted_s(sensors: Mcs96Sensors | HallSensors | ShuntSensors, electrical_speed: float) -> float:
     """Give the time over which edges are counted for the speed (s): the encoder's own, or an electrical cycle."""
     return 2.0 * math.pi / electrical_speed if isinstance(sensors, HallSensors) else sensors.speed_window_s
 
@@ -175,8 +229,11 @@ def refusal(sensors: Sensors, drive: DriveDocument) -> str | None:
     Three switches tell the angle of any rotor to 60 degrees, which is where the windows of three phases open and close,
     whether they are connected in a star or not; those of any other number of phases lie between the edges.
     """
-    if drive.kind == PM_AC and not isinstance(sensors, IdealSensors):
-        return f"the sensors '{sensors.kind}' are for other kinds of drives; one of the kind \"{PM_AC}\" has ideal ones"
+    if isinstance(sensors, IdealSensors):
+        return None
+    if (drive.kind == PM_AC) != isinstance(sensors, ShuntSensors):
+        own = "ideal or shunts" if drive.kind == PM_AC else "ideal, mcs96 or hall"
+        return f"the sensors '{sensors.kind}' are for other kinds of drives; one of the kind \"{drive.kind}\" has {own}"
     phases = drive.machine.phases
     if not isinstance(sensors, HallSensors) or phases == _PHASES_OF_HALL:
         return None

@@ -10,7 +10,7 @@ from drivegate.checks.duty.accuracy import ACC_1
 from drivegate.checks.duty.commands import DUT_1
 from drivegate.checks.duty.current import EFF_1, MTP_1, OVC_1
 from drivegate.checks.duty.power import DUTY_PWR_1
-from drivegate.checks.duty.robustness import ROB_4
+from drivegate.checks.duty.robustness import ROB_4, ROB_5
 from drivegate.checks.duty.starting import STA_1
 from drivegate.checks.duty.steps import STP_1
 from drivegate.checks.duty.weakening import FWK_1, FWK_2, FWK_3
@@ -29,6 +29,7 @@ DUTY_CHECKS: Final[tuple[Check, ...]] = (
     OVC_1,
     STA_1,
     ROB_4,
+    ROB_5,
     DET_1,
     TIM_1,
 )

@@ -1,4 +1,4 @@
-"""Check of a plant that differs from the nameplate."""
+"""Checks of a plant that differs from the nameplate, and of sensors that show it with errors."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ GROWTH = 1.5
 def another_plant(record: RunRecord) -> Margin | None:
     """Judge runs of a speed reference whose plant the controller does not know."""
     judged = duty_record(record)
-    if judged.is_nominal:
+    if judged.has_nominal_plant:
         return None
     return worst(_margins(judged))
 
@@ -61,6 +61,15 @@ def _swing(record: DutyRecord, window: DutyWindow) -> Margin:
     return Margin("ROB-4", at_most(last / first, GROWTH), told)
 
 
+def through_sensors(record: RunRecord) -> Margin | None:
+    """Judge runs whose controller sees currents, link and shaft through sensors."""
+    judged = duty_record(record)
+    if not judged.is_sensed or not judged.has_nominal_plant:
+        return None
+    errors = (reference_error("ROB-5", judged, window, ERROR_FACTOR) for window in judged.steady)
+    return worst(error for error in errors if error is not None)
+
+
 ROB_4 = Check(
     id="ROB-4",
     requirement="On a plant that differs from the nameplate the speed is held, and nothing grows.",
@@ -72,4 +81,17 @@ ROB_4 = Check(
     formula="the least of 1 - speed error / 2 k1, 1 - overshoot / 25 % and 1 - growth of the swing / 1.5",
     why="Windings warm up, iron saturates, magnets age; the nameplate stays.",
     evaluate=another_plant,
+)
+
+ROB_5 = Check(
+    id="ROB-5",
+    requirement="Through shunts, converters and an encoder or Hall switches the reference is held.",
+    source="the contract",
+    subject="candidate",
+    level="required",
+    limit="torque 2 × {torque_error}, speed error 2 k1",
+    scenarios="steady stretches of runs with the sensors 'shunts', torques up to {weakening} of the greatest possible",
+    formula="1 - |mean - reference| / twice the limit of ACC-1",
+    why="Firmware sees the currents through amplifiers with offsets, and the shaft in edges.",
+    evaluate=through_sensors,
 )

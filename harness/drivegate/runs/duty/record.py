@@ -15,6 +15,7 @@ from drivegate.scenarios.duty.windows import DutyDwell, duty_windows
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
 from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.scenario.sensors import IdealSensors
 from drivegate_models.units import RADIANS_PER_RPM
 
 
@@ -93,8 +94,18 @@ class DutyRecord(RunRecord):
 
     @property
     def is_nominal(self) -> bool:
+        """Whether the plant is the one that the controller knows, and is seen as it is."""
+        return self.has_nominal_plant and not self.is_sensed
+
+    @property
+    def has_nominal_plant(self) -> bool:
         """Whether the plant is the one that the controller knows."""
         return self.scenario.scales == NOMINAL and self.scenario.drift is None
+
+    @property
+    def is_sensed(self) -> bool:
+        """Whether the controller sees the plant through sensors with errors."""
+        return not isinstance(self.scenario.sensors, IdealSensors)
 
     @cached_property
     def steady(self) -> tuple[DutyWindow, ...]:

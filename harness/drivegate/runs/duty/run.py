@@ -17,6 +17,7 @@ from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, 
 from drivegate.containment.contained_controller import ContainedController, PlayedCommands
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
+from drivegate.runs.duty.sensing import duty_sensors
 from drivegate.runs.scenario import plant_load, plant_schedule
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
@@ -142,6 +143,7 @@ def _options(scenario: Scenario) -> dict[str, Any]:
         "initial_speed": scenario.initial_speed_rpm * RADIANS_PER_RPM,
         "initial_angle": math.radians(scenario.initial_angle_deg),
         "torque_reference": torque,
+        "sensors": duty_sensors(scenario),
     }
 
 

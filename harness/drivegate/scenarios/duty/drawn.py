@@ -17,14 +17,17 @@ from drivegate.scenarios.duty.building import (
     torque_scenario,
 )
 from drivegate.scenarios.duty.fixed import START_ANGLES_DEG
+from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.reference import Reference
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import SHUNTS
 
 Family: TypeAlias = Callable[[PmAcDocument], st.SearchStrategy[Scenario]]
 """From a drive to scenarios of one kind."""
 
+_SEEDS: Final = 10_000
 SHARE_STEP: Final = 0.05
 """Step of drawn torques and loads over rated torque (1)."""
 
@@ -201,6 +204,37 @@ def supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
+def sensor_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw sensors.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios with steps of the speed or of the load at 10 % of base speed and more, seen through shunts in line
+        or below the lower switches, the latter up to base speed, and an encoder of 256 to 4096 lines.
+    """
+    return st.builds(
+        lambda run, shunts, lines, seed: titled(
+            run.replaced(
+                sensors=SHUNTS.model_copy(
+                    update={"shunts": _possible(drive, run, shunts), "encoder_lines": lines}
+                ),
+                seed=seed,
+            )
+        ),
+        _from_below(drive),
+        st.sampled_from(("in-line", "low-side")),
+        st.sampled_from((256, 512, 1024, 4096)),
+        st.integers(1, _SEEDS),
+    )
+
+
+def _possible(drive: PmAcDocument, run: Scenario, shunts: str) -> str:
+    """Choose shunts that see two phases at all times: below the lower switches none do at full voltage."""
+    fast = max(speed for _, speed in run.speed_rpm) > drive.rating.base_speed_rpm
+    return "in-line" if fast else shunts
+
+
 FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
     (torque_step_scenarios,),
     (weakening_scenarios,),
@@ -208,7 +242,7 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
     (load_step_scenarios,),
     (start_scenarios, torque_step_scenarios),
     (parameter_scenarios,),
-    (supply_step_scenarios,),
+    (supply_step_scenarios, sensor_scenarios),
     (weakening_scenarios, parameter_scenarios),
 )
 """Families of scenarios that a shard of the search draws from; shards take turns at them."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Final
 
-from drivegate.scenarios.changes import with_scales
+from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import tidy
 from drivegate.scenarios.duty.building import (
     load_step_scenario,
@@ -40,9 +40,19 @@ def fixed_scenarios(
         *efficiency_scenarios(drive),
         *_starts(drive),
         *_other_plants(drive),
+        *_sensed(drive),
     )
     followed = [scenario for scenario in reversed(every) if reference_of(scenario) in references]
     return tuple({scenario.name: scenario for scenario in followed}.values())[::-1]
+
+
+def _sensed(drive: PmAcDocument) -> list[Scenario]:
+    slow, fast = speed_of(drive, -0.5), speed_of(drive, 0.4)
+    runs = [
+        speed_scenario(drive, (slow, fast), torque_nm=torque_of(drive, fast, 0.5)),
+        torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.2, 0.8))),
+    ]
+    return [with_real_sensors(run, seed) for seed, run in enumerate(runs, start=1)]
 
 
 def speed_of(drive: PmAcDocument, share: float) -> float:

@@ -15,6 +15,7 @@ from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import IDEAL, PLAIN
 from drivegate_models.units import RADIANS_PER_RPM
 
 _KEPT: Final = (
@@ -55,6 +56,14 @@ def _nominal(scenario: Scenario) -> Iterator[Fields]:
     yield {"initial_angle_deg": 0.0}
 
 
+def _plainer_sensors(scenario: Scenario) -> Iterator[Fields]:
+    """See the plant as it is, through sensors with their defaults, or through those of the first seed."""
+    yield {"sensors": IDEAL, "seed": 0}
+    if scenario.sensors.kind != IDEAL.kind:
+        yield {"sensors": PLAIN[scenario.sensors.kind], "seed": 1}
+        yield {"sensors": PLAIN[scenario.sensors.kind]}
+
+
 def _fewer_torques(scenario: Scenario) -> Iterator[Fields]:
     """Ask for one torque, or for two one after the other."""
     if not isinstance(scenario.load, DynamometerLoad):
@@ -84,7 +93,9 @@ def _fewer_speeds(scenario: Scenario) -> Iterator[Fields]:
 
 def _with_own(scenario: Scenario, made: Scenario) -> Fields:
     """Keep what is not nominal about a run in a shorter one."""
-    own: dict[str, Any] = {"scales": scenario.scales, "initial_angle_deg": scenario.initial_angle_deg}
+    own: dict[str, Any] = {
+        key: getattr(scenario, key) for key in ("scales", "initial_angle_deg", "sensors", "seed")
+    }
     return _fields_of(made) | own
 
 
@@ -121,6 +132,7 @@ def _rounder_torque(scenario: Scenario) -> Iterator[Fields]:
 
 DUTY_SIMPLIFICATIONS: Final[tuple[Simplification, ...]] = (
     _nominal,
+    _plainer_sensors,
     _fewer_torques,
     _fewer_speeds,
     _rounder_speed,

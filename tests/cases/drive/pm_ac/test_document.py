@@ -130,7 +130,7 @@ def test_a_scenario_carries_the_whole_drive_and_its_control_period() -> None:
     ("changes", "words"),
     [
         ({"control_period_s": 2e-4}, "must be left out or 0.0001"),
-        ({"sensors": "mcs96"}, "has ideal ones"),
+        ({"sensors": "mcs96"}, 'one of the kind "pm-ac" has ideal or shunts'),
         ({"dropouts": [{"signal": "speed", "start_s": 0.1, "duration_s": 0.01}]}, "'dropouts' is for other"),
         ({"drive": "paper-5-phase"}, "the load 'dynamometer' is for drives of the kind"),
     ],

@@ -16,6 +16,7 @@ from drivegate.runs.duty.record import DutyRecord
 from drivegate.scenarios.changes import with_scales
 from drivegate.scenarios.duty.building import speed_scenario, torque_of, torque_scenario
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.machine import ledger
 
 
@@ -47,10 +48,24 @@ def other_plant(run: Run, interior: PmAcDocument) -> DutyRecord:
     return run(with_scales(speed_scenario(interior, (1000.0, 1500.0), torque_nm=0.8), emf_constant=0.8))
 
 
+@pytest.fixture(scope="session")
+def sensed(run: Run, interior: PmAcDocument) -> DutyRecord:
+    """Give torques below base speed, seen through shunts below the lower switches and an encoder."""
+    return run(through(interior, shunts="low-side"))
+
+
+def through(interior: PmAcDocument, **keys: Any) -> Scenario:
+    """Make steps of the torque below base speed, seen through sensors."""
+    speed = 0.4 * interior.rating.base_speed_rpm
+    torques = [torque_of(interior, speed, part) for part in (0.2, 0.8)]
+    return torque_scenario(interior, speed, torques).replaced(sensors={"kind": "shunts", **keys}, seed=7)
+
+
 RUNS = {
     "steps": ("PWR-1", "DUT-1", "ACC-1", "STP-1", "FWK-2", "MTP-1", "OVC-1"),
     "weakened": ("PWR-1", "DUT-1", "ACC-1", "FWK-1", "FWK-3", "OVC-1"),
     "start": ("PWR-1", "DUT-1", "ACC-1", "FWK-2", "MTP-1", "OVC-1", "STA-1"),
+    "sensed": ("PWR-1", "DUT-1", "OVC-1", "ROB-5"),
     "other_plant": ("PWR-1", "DUT-1", "OVC-1", "ROB-4"),
 }
 
@@ -153,3 +168,38 @@ def test_the_texts_tell_the_numbers_of_the_drive(interior: PmAcDocument) -> None
     assert on_drive(CHECKS["ACC-1"], strict).limit != on_drive(CHECKS["ACC-1"], interior).limit
     for check in CHECKS.values():
         assert "{" not in on_drive(check, interior).limit
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"encoder_error_deg": 40.0},
+        # Where no shunt ever sees a current, the regulators integrate until nothing is left.
+        {"shunts": "low-side", "settling_s": 9e-5},
+        {"current_gain_spread": 0.3},
+    ],
+    ids=["alignment", "blind shunts", "gains"],
+)
+def test_sensors_too_bad_for_any_controller_fail(
+    run: Run, interior: PmAcDocument, keys: dict[str, Any]
+) -> None:
+    margin = judged("ROB-5", run(through(interior, **keys)))
+    assert margin is not None
+    assert not margin.met, margin.measured
+
+
+@pytest.mark.parametrize("shunts", ["in-line", "low-side", "link"])
+@pytest.mark.parametrize("position", ["exact", "encoder", "hall"])
+def test_sensors_without_errors_show_the_plant_as_it_is(
+    run: Run, interior: PmAcDocument, shunts: str, position: str
+) -> None:
+    keys: dict[str, Any] = {"current_gain_spread": 0.0, "current_offset_a": 0.0, "current_noise_a": 0.0}
+    keys |= {"voltage_noise_v": 0.0, "converter_bits": 24, "encoder_lines": 100_000}
+    keys |= {"placement_error_deg": 0.0, "hysteresis_deg": 0.0, "shunts": shunts, "position": position}
+    record = run(through(interior, **keys))
+    ideal = run(through(interior).replaced(sensors="ideal"))
+    for seen, true in zip(record.steady, ideal.steady, strict=True):
+        assert seen.torque == pytest.approx(true.torque, rel=5e-3)
+        assert np.hypot(seen.direct, seen.quadrature) == pytest.approx(
+            np.hypot(true.direct, true.quadrature), rel=5e-3
+        )
