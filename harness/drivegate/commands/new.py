@@ -38,10 +38,10 @@ def command(kind: str, name: str, output: Path | None, drive: str | None) -> Out
     the values of the paper's drive, or of that of --drive, to be replaced by one's own; what follows from them is left
     out.
 
-    The kinds python, numba, c, rust and exec have the same algorithm: a speed regulator, and a line of angles. Those of
-    python-duty and embedded-coder (C as generated from Simulink) answer with duty ratios, by field-oriented control
-    without weakening. Each meets its contract and most checks; what it fails is waived for 90 days and is the exercise.
-    With --drive its manifest names that drive, whose file is copied into the folder.
+    The kinds python, numba, c, rust and exec have the same algorithm: a speed regulator, and a line of angles. It meets
+    the contract and most checks; what it fails is waived for 90 days and is the exercise. python-duty and
+    embedded-coder (C as generated from Simulink) answer with duty ratios, by field-oriented control. With --drive its
+    manifest names that drive, whose file is copied into the folder.
     """
     if kind == DRIVE:
         return _new_drive(Path(name), output, drive)

@@ -196,16 +196,18 @@ class _Server:
             progress=self._progress.steps,
             kept=memory.commands(order.commands),
         )
-        pending.append(_out_of_sight(prepared.arguments))
-        return prepared.loop, prepared.records
+        arguments = _out_of_sight(prepared.arguments)
+        pending.append(arguments)
+        return _entry_point(prepared.loop, arguments), prepared.records
 
     def _senses_given(self, pending: list[Any], memory: SharedMemory) -> Reply:
         from drivegate_models.loop.exchange import COMPLETED
         from drivegate_models.loop.given_steps import make_steps
 
         self._steps_made_ready(pending, memory)
+        steps = _entry_point(make_steps, pending[0])
         with self._progress.running():
-            status, answered = make_steps(*pending.pop())
+            status, answered = steps(*pending.pop())
         if status == COMPLETED:
             return Reply(Ending.DONE, int(status), int(answered))
         return self._stopped(int(status), int(answered))
@@ -222,15 +224,17 @@ class _Server:
                 progress=self._progress.steps,
             )
         self._progress.steps[0] = 0
-        pending.append((self._exchange._replace(kept=memory.commands(order.commands)), order.senses))
+        exchange = self._exchange._replace(kept=memory.commands(order.commands))
+        pending.append(_out_of_sight((exchange, order.senses)))
 
     def _duty_senses_given(self, pending: list[Any], memory: SharedMemory) -> Reply:
         from drivegate_models.loop.exchange import COMPLETED
         from drivegate_models.loop.given_duty_steps import make_duty_steps
 
         self._duty_steps_made_ready(pending, memory)
+        steps = _entry_point(make_duty_steps, pending[0])
         with self._progress.running():
-            status, answered = make_duty_steps(*pending.pop())
+            status, answered = steps(*pending.pop())
         if status == COMPLETED:
             return Reply(Ending.DONE, int(status), int(answered))
         return self._stopped(int(status), int(answered))
@@ -272,6 +276,21 @@ def check_of(records: Any) -> bytes:
     digest = hashlib.blake2b(records.totals.tobytes(), digest_size=CHECK_BYTES)
     digest.update(speed.hex().encode())
     return digest.digest()
+
+
+def _entry_point(function: Any, arguments: tuple[Any, ...]) -> Callable[..., Any]:
+    """Compile a function for arguments; called by its own name it would pass them on in a tuple that is in sight."""
+    compile_for = getattr(function, "compile", None)
+    if compile_for is None:
+        # Compilation is switched off.
+        plain: Callable[..., Any] = function
+        return plain
+    from numba import typeof
+
+    signature = tuple(map(typeof, arguments))
+    compile_for(signature)
+    entry: Callable[..., Any] = function.overloads[signature].entry_point
+    return entry
 
 
 def _out_of_sight(arguments: Any) -> Any:

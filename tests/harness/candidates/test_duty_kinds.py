@@ -178,8 +178,30 @@ def test_a_controller_of_the_other_contract_is_refused_in_one_sentence(tmp_path:
         ended(f"{tmp_path / 'plain.py'}:Other")
 
 
+@pytest.mark.parametrize(
+    ("imports", "contract"),
+    [
+        ("from drivegate import DutyCommand, DutySense", "duty"),
+        ("from drivegate import Command", "current"),
+        ("from drivegate import Command, DutyCommand", None),
+        ("import drivegate", None),
+        ("from elsewhere import DutyCommand", None),
+        ("this is no Python", None),
+    ],
+)
+def test_a_python_file_is_of_the_contract_whose_command_it_imports(
+    tmp_path: Path, imports: str, contract: str | None
+) -> None:
+    (tmp_path / "mine.py").write_text(f"{imports}\n", encoding="utf-8")
+    assert resolve_candidate(f"{tmp_path / 'mine.py'}:Mine").contract == contract
+
+
 def test_a_python_class_is_judged_on_the_drive_that_is_named_and_on_the_manifests(tmp_path: Path) -> None:
-    python_source(tmp_path)
+    told = resolve_candidate(python_source(tmp_path))
+    assert drive_for(told).name == "pm-ac-interior"
+    with pytest.raises(InputError, match="answers with duty ratios, but the drive 'paper-5-phase'"):
+        drive_for(told, load_drive("paper-5-phase"))
+    (tmp_path / "mine.py").write_text("import drivegate\n", encoding="utf-8")
     manifest = tmp_path / "candidate.toml"
     text = 'schema = 1\nname = "mine"\nkind = "python"\nentry = "mine.py:Mine"\n'
     manifest.write_text(text, encoding="utf-8")

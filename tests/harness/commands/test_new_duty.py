@@ -22,7 +22,7 @@ from drivegate.drives.running import recorded
 from drivegate.results.waivers import read_waivers
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.duty.building import speed_scenario, torque_of, torque_scenario
-from drivegate.studies.new.write import KINDS, WAIVED, write_candidate
+from drivegate.studies.new.write import KINDS, write_candidate
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
@@ -49,21 +49,22 @@ def written(tmp_path: Path):  # type: ignore[no-untyped-def]
     return write
 
 
-def below_base_speed(drive: str) -> tuple[Scenario, Scenario]:
-    """Give steps of torque and of speed where the voltage suffices."""
+def plain_runs(drive: str) -> tuple[Scenario, Scenario]:
+    """Give steps of torque below base speed, and a step of speed into weakening."""
     document = load_drive(drive)
     assert isinstance(document, PmAcDocument)
-    speed = 0.5 * document.rating.base_speed_rpm
-    levels = [torque_of(document, speed, share) for share in (0.0, 0.5, 0.3)]
-    loaded = speed_scenario(document, (0.4 * speed, 0.8 * speed), torque_nm=levels[2])
-    return torque_scenario(document, speed, levels), loaded
+    base, highest = document.rating.base_speed_rpm, document.rating.highest_speed_rpm
+    levels = [torque_of(document, 0.5 * base, share) for share in (0.0, 0.5, 0.3)]
+    above = 0.5 * (base + highest)
+    loaded = speed_scenario(document, (0.8 * base, above), torque_nm=torque_of(document, above, 0.5))
+    return torque_scenario(document, 0.5 * base, levels), loaded
 
 
 @pytest.mark.parametrize("kind", DUTY_KINDS)
 @pytest.mark.parametrize("drive", DRIVES)
-def test_it_follows_steps_below_base_speed_on_every_packaged_drive(written, kind: str, drive: str) -> None:  # type: ignore[no-untyped-def]
+def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: str, drive: str) -> None:  # type: ignore[no-untyped-def]
     candidate = resolve_candidate(str(written(kind) / "candidate.toml"))
-    torques, speeds = below_base_speed(drive)
+    torques, speeds = plain_runs(drive)
     with Judge(candidate) as judge:
         for scenario, required in (
             (torques, {"ACC-1", "DUT-1", "OVC-1"}),
@@ -77,7 +78,7 @@ def test_it_follows_steps_below_base_speed_on_every_packaged_drive(written, kind
 
 
 def test_both_templates_ask_for_nearly_the_same_duty_ratios(written) -> None:  # type: ignore[no-untyped-def]
-    torques, _ = below_base_speed("pm-ac-interior")
+    torques, _ = plain_runs("pm-ac-interior")
     answers = []
     for kind in DUTY_KINDS:
         with Judge(resolve_candidate(str(written(kind) / "candidate.toml"))) as judge:
@@ -96,9 +97,7 @@ def test_it_is_judged_on_the_drive_that_is_named(written, kind: str) -> None:  #
     assert (plain.contract, drive_for(plain).name) == ("duty", "pm-ac-interior")
     named = written(kind, "pm-ac-surface")
     assert drive_for(resolve_candidate(str(named / "candidate.toml"))).name == "pm-ac-surface"
-    waivers = read_waivers(named / "waivers.toml", ["mine"])
-    assert {waiver.expires for waiver in waivers} == {TODAY + WAIVED}
-    assert {waiver.check for waiver in waivers} == {"ACC-1", "FWK-1", "FWK-3", "OVC-1", "ROB-4"}
+    assert read_waivers(named / "waivers.toml", ["mine"]) == (), "none of its failures is known beforehand"
 
 
 def test_a_template_of_one_contract_is_not_written_for_a_drive_of_the_other(written) -> None:  # type: ignore[no-untyped-def]
@@ -178,7 +177,7 @@ def test_conversions_round_to_the_nearest_and_saturate(written) -> None:  # type
     assert printed[-1] == "5.283185 0.716815"
 
 
-def test_its_own_test_runs_and_its_waivers_are_all_needed(written) -> None:  # type: ignore[no-untyped-def]
+def test_its_own_test_runs_and_passes(written) -> None:  # type: ignore[no-untyped-def]
     ended = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "ignore"],
         cwd=written("embedded-coder"),

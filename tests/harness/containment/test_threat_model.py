@@ -292,6 +292,7 @@ def test_semaphores_and_shared_memory_go_with_the_candidate(attempt, honest):
 LOOKING = """
 secrets = {"Scenario", "Schedule", "Course", "Profile", "Dwell", "Check", "Timing", "SpeedRange"}
 found = {type(thing).__name__ for thing in gc.get_objects()} & secrets
+found |= {type(part).__name__ for thing in gc.get_objects() if type(thing) is tuple for part in thing} & secrets
 names = set()
 for frame in [*frames(), *sys._current_frames().values()]:
     for name, value in frame.f_locals.items():

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 from drivegate.candidates.candidate import Candidate, existing_file, hash_of
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.module_search import module_sources
+from drivegate.candidates.python.imported_contract import imported_contract
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
+    from drivegate.candidates.contract import ContractName
     from drivegate.candidates.manifest import Manifest
 
 
@@ -37,7 +39,15 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
             "but must be module:Class or file.py:Class"
         )
     sources = tuple(existing_file(folder / source) for source in manifest.sources)
-    return _candidate(manifest.name, specification, manifest.entry, folder, sources, manifest.declaration())
+    return _candidate(
+        manifest.name,
+        specification,
+        manifest.entry,
+        folder,
+        sources,
+        manifest.declaration(),
+        manifest.contract,
+    )
 
 
 def _short_name(specification: str) -> str:
@@ -53,6 +63,7 @@ def _candidate(
     folder: Path,
     further_sources: tuple[Path, ...] = (),
     declaration: Declaration | None = None,
+    contract: ContractName | None = None,
 ) -> Candidate:
     source, _, attribute = entry.rpartition(":")
     if not all(part.isidentifier() for part in attribute.split(".")):
@@ -76,6 +87,5 @@ def _candidate(
         sources,
         hash_of(sources, attribute),
         declaration or Declaration(),
-        # Only its code tells.
-        contract=None,
+        contract=contract or (imported_contract(found[0]) if len(found) == 1 else None),
     )

@@ -37,11 +37,15 @@ static struct {
     ROW(TorquePerCount, scale.torque) \
     ROW(PeriodCounts, scale.period_counts) \
     ROW(PolePairs, plate->pole_pairs) \
+    ROW(Resistance, plate->resistance) \
     ROW(DirectInductance, plate->direct_inductance) \
     ROW(QuadratureInductance, plate->quadrature_inductance) \
     ROW(MagnetFlux, plate->magnet_flux) \
     ROW(CurrentLimit, plate->current_limit) \
-    ROW(GreatestTorque, greatest_torque(plate)) \
+    ROW(GreatestTorque, most_torque(plate)) \
+    ROW(DeepestDirect, -fmin(0.999 * plate->current_limit, plate->magnet_flux / plate->direct_inductance)) \
+    ROW(WeakeningStep, \
+        0.02 * CURRENT_SHARE / ((double)plate->pole_pairs * plate->base_speed * plate->direct_inductance)) \
     ROW(Lead, ((double)plate->update_delay + 0.5) * plate->control_period) \
     ROW(DirectGain, bandwidth * plate->direct_inductance) \
     ROW(QuadratureGain, bandwidth * plate->quadrature_inductance) \
@@ -68,7 +72,7 @@ static double counts(double value, double worth, double lowest, double highest) 
 }
 
 /* Give the torque at the current limit where the voltage is free: the best of all angles of the current. */
-static double greatest_torque(const drivegate_duty_nameplate *plate) {
+static double most_torque(const drivegate_duty_nameplate *plate) {
     double saliency = plate->quadrature_inductance - plate->direct_inductance, greatest = 0.0;
     for (int degree = 0; degree < 90; ++degree) {
         double direct = -plate->current_limit * sin(degree * TURN / 360.0);
@@ -84,7 +88,7 @@ static void set_scales(const drivegate_duty_nameplate *plate) {
     scale.voltage = plate->supply_voltage / 2048.0;
     scale.angle = TURN / 65536.0;
     scale.speed = 2.0 * scale.pole_pairs * plate->highest_speed / 32768.0;
-    scale.torque = greatest_torque(plate) / 8192.0;
+    scale.torque = most_torque(plate) / 8192.0;
     scale.reference = plate->reference_kind == DRIVEGATE_TORQUE_REFERENCE ? scale.torque : 2.0 * plate->highest_speed / 32768.0;
     scale.period_counts = 8400.0;
 }

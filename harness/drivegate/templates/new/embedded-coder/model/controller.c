@@ -6,6 +6,10 @@
 
 #define ROOT_THREE 1.73205081F
 #define ANGLE_PER_COUNT 9.58737992e-5F
+/* Of the undistorted voltage, what references are made for, the rest being for the current regulators; and what is left
+ * of it where a speed is braked to, for a machine of less inductance than the parameters say. */
+#define VOLTAGE_SHARE 0.985F
+#define BRAKING_SHARE 0.185F
 
 ExtU rtU;
 ExtY rtY;
@@ -16,32 +20,61 @@ static real32_T saturate(real32_T value, real32_T lowest, real32_T highest) {
     return value < lowest ? lowest : value > highest ? highest : value;
 }
 
-/* Give the torque for an error of speed; the integral waits while the limit leaves nothing to do. */
-static real32_T regulate(real32_T error) {
-    real32_T integral = rtDW.SpeedIntegral + rtP.SpeedStep * error;
-    real32_T torque = rtP.SpeedGain * error + integral;
-    if (fabsf(torque) < rtP.GreatestTorque || torque * error < 0.0F) rtDW.SpeedIntegral = integral;
-    return saturate(torque, -rtP.GreatestTorque, rtP.GreatestTorque);
+/* Give the torque of an ampere across the magnet's axis. */
+static real32_T torque_per_ampere(real32_T direct) {
+    return 1.5F * rtP.PolePairs * (rtP.MagnetFlux + (rtP.DirectInductance - rtP.QuadratureInductance) * direct);
 }
 
-/* Give the currents of least magnitude for a torque, as far as their limit allows. */
-static void references(real32_T torque, real32_T *direct, real32_T *quadrature) {
-    real32_T saliency = rtP.QuadratureInductance - rtP.DirectInductance, magnitude;
+/* Give the direct current of least magnitude for a torque. */
+static real32_T least_current(real32_T torque) {
+    real32_T saliency = rtP.QuadratureInductance - rtP.DirectInductance, direct = 0.0F;
     int32_T round;
-    *direct = 0.0F;
-    *quadrature = torque / (1.5F * rtP.PolePairs * rtP.MagnetFlux);
-    if (saliency > 1e-3F * rtP.DirectInductance) {
-        for (round = 0; round < 6; round++) {
-            *direct = (rtP.MagnetFlux - hypotf(rtP.MagnetFlux, 2.0F * saliency * *quadrature)) / (2.0F * saliency);
-            *quadrature = torque / (1.5F * rtP.PolePairs * (rtP.MagnetFlux - saliency * *direct));
+    if (saliency < 1e-3F * rtP.DirectInductance) return 0.0F;
+    for (round = 0; round < 6; round++)
+        direct = (rtP.MagnetFlux - hypotf(rtP.MagnetFlux, 2.0F * saliency * torque / torque_per_ampere(direct)))
+                 / (2.0F * saliency);
+    return direct;
+}
+
+/* Give the greatest torque at a direct current within the limits of current and voltage; negative for none. */
+static real32_T greatest_torque(real32_T direct, real32_T electrical, real32_T voltage) {
+    real32_T room = rtP.CurrentLimit * rtP.CurrentLimit - direct * direct;
+    real32_T along = electrical * (rtP.DirectInductance * direct + rtP.MagnetFlux);
+    real32_T reactance = electrical * rtP.QuadratureInductance, resistance = rtP.Resistance;
+    /* The voltage is a quadratic in the quadrature current: a q^2 + 2 b q + c = 0 at its limit. */
+    real32_T a = reactance * reactance + resistance * resistance;
+    real32_T b = resistance * (along - reactance * direct);
+    real32_T c = resistance * resistance * direct * direct + along * along - voltage * voltage;
+    real32_T inside = b * b - a * c;
+    if (room < 0.0F || inside < 0.0F) return -1.0F;
+    return torque_per_ampere(direct) * fminf(sqrtf(room), a > 0.0F ? (sqrtf(inside) - b) / a : sqrtf(room));
+}
+
+/* Give the direct current for a torque, at least 0: that of least magnitude, weakened as far as the voltage asks for,
+ * or that of the greatest torque where the limits leave less. */
+static real32_T direct_for(real32_T torque, real32_T electrical, real32_T voltage) {
+    real32_T start = least_current(torque), chosen = start, last = start;
+    real32_T greatest = greatest_torque(start, electrical, voltage);
+    int32_T step;
+    for (step = 1; step <= 64 && greatest < torque; step++) {
+        real32_T direct = start + (rtP.DeepestDirect - start) * (real32_T)step / 64.0F;
+        real32_T possible = greatest_torque(direct, electrical, voltage);
+        if (possible >= torque) {
+            int32_T halving;
+            for (halving = 0; halving < 8; halving++) {
+                real32_T middle = 0.5F * (last + direct);
+                if (greatest_torque(middle, electrical, voltage) >= torque) direct = middle;
+                else last = middle;
+            }
+            return direct;
         }
+        if (possible > greatest) {
+            greatest = possible;
+            chosen = direct;
+        }
+        last = direct;
     }
-    /* Your weakening would add its own part to the direct current here (checks FWK-1 to FWK-3). */
-    magnitude = hypotf(*direct, *quadrature);
-    if (magnitude > rtP.CurrentLimit) {
-        *direct *= rtP.CurrentLimit / magnitude;
-        *quadrature *= rtP.CurrentLimit / magnitude;
-    }
+    return chosen;
 }
 
 /* Write the compare counts of a voltage in the frame that stands still, about the middle of the link. */
@@ -62,6 +95,7 @@ static void compare(real32_T along, real32_T across, real32_T supply) {
 void controller_step(void) {
     real32_T currents[3], angle, electrical, supply, limit, along, across, direct, quadrature, torque;
     real32_T direct_error, quadrature_error, direct_wanted, quadrature_wanted, direct_given, quadrature_given, room;
+    real32_T error = 0.0F, allowed, possible, used;
     int32_T leg;
     for (leg = 0; leg < 3; leg++) currents[leg] = (real32_T)rtU.PhaseCurrents[leg] * rtP.CurrentPerCount;
     angle = (real32_T)rtU.ElectricalAngle * ANGLE_PER_COUNT;
@@ -75,8 +109,22 @@ void controller_step(void) {
     quadrature = cosf(angle) * across - sinf(angle) * along;
 
     torque = (real32_T)rtU.Reference * rtP.ReferencePerCount;
-    if (!rtP.RegulatesTorque) torque = regulate(torque - electrical / rtP.PolePairs);
-    references(torque, &direct_error, &quadrature_error);
+    if (!rtP.RegulatesTorque) {
+        error = torque - electrical / rtP.PolePairs;
+        rtDW.SpeedIntegral += rtP.SpeedStep * error;
+        torque = rtP.SpeedGain * error + rtDW.SpeedIntegral;
+    }
+    allowed = VOLTAGE_SHARE * limit;
+    if (!rtP.RegulatesTorque && torque * electrical < 0.0F)
+        allowed -= BRAKING_SHARE * limit * fminf(1.0F, fabsf(torque) / (0.2F * rtP.GreatestTorque));
+    direct_error = direct_for(fminf(fabsf(torque), rtP.GreatestTorque), fabsf(electrical), allowed) + rtDW.Weakening;
+    direct_error = fmaxf(direct_error, rtP.DeepestDirect);
+    room = sqrtf(rtP.CurrentLimit * rtP.CurrentLimit - direct_error * direct_error);
+    possible = fmaxf(greatest_torque(direct_error, fabsf(electrical), allowed), 0.0F);
+    quadrature_error = saturate(saturate(torque, -possible, possible) / torque_per_ampere(direct_error), -room, room);
+    /* The integral of the speed waits while the limits leave less than it asks for. */
+    if (!rtP.RegulatesTorque && fabsf(torque) > possible && torque * error > 0.0F)
+        rtDW.SpeedIntegral -= rtP.SpeedStep * error;
     direct_error -= direct;
     quadrature_error -= quadrature;
 
@@ -84,19 +132,21 @@ void controller_step(void) {
     direct_wanted = rtP.DirectGain * direct_error + rtDW.DirectIntegral - electrical * rtP.QuadratureInductance * quadrature;
     quadrature_wanted = rtP.QuadratureGain * quadrature_error + rtDW.QuadratureIntegral
                         + electrical * (rtP.DirectInductance * direct + rtP.MagnetFlux);
-    direct_given = saturate(direct_wanted, -limit, limit);
+    direct_given = saturate(direct_wanted, -0.95F * limit, 0.95F * limit);
     room = sqrtf(fmaxf(limit * limit - direct_given * direct_given, 0.0F));
     quadrature_given = saturate(quadrature_wanted, -room, room);
     /* What the limit has taken does not enter the integrals. */
     rtDW.DirectIntegral += rtP.DirectStep * (direct_error + (direct_given - direct_wanted) / rtP.DirectGain);
     rtDW.QuadratureIntegral +=
         rtP.QuadratureStep * (quadrature_error + (quadrature_given - quadrature_wanted) / rtP.QuadratureGain);
+    /* Where the machine is not as the parameters say, the voltage that is asked for tells. */
+    used = hypotf(direct_wanted, quadrature_wanted);
+    rtDW.Weakening = saturate(rtDW.Weakening + rtP.WeakeningStep * (0.5F * (1.0F + VOLTAGE_SHARE) * limit - used), -0.3F * rtP.CurrentLimit, 0.0F);
 
     angle += electrical * rtP.Lead;
     compare(cosf(angle) * direct_given - sinf(angle) * quadrature_given,
             sinf(angle) * direct_given + cosf(angle) * quadrature_given, supply);
-    torque = 1.5F * rtP.PolePairs * quadrature;
-    torque *= rtP.MagnetFlux - (rtP.QuadratureInductance - rtP.DirectInductance) * direct;
+    torque = torque_per_ampere(direct) * quadrature;
     rtY.Torque = (int16_T)saturate(torque / rtP.TorquePerCount, -32768.0F, 32767.0F);
 }
 

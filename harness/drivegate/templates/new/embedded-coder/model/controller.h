@@ -28,11 +28,14 @@ typedef struct {
     real32_T TorquePerCount;
     real32_T PeriodCounts;
     real32_T PolePairs;
+    real32_T Resistance;
     real32_T DirectInductance;
     real32_T QuadratureInductance;
     real32_T MagnetFlux;
     real32_T CurrentLimit;
     real32_T GreatestTorque;
+    real32_T DeepestDirect;
+    real32_T WeakeningStep;
     real32_T Lead;
     real32_T DirectGain;
     real32_T QuadratureGain;
@@ -48,6 +51,7 @@ typedef struct {
     real32_T SpeedIntegral;
     real32_T DirectIntegral;
     real32_T QuadratureIntegral;
+    real32_T Weakening;
 } DW;
 
 extern ExtU rtU;
