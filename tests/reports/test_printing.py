@@ -99,7 +99,9 @@ def whole_pass(tmp_path_factory: pytest.TempPathFactory, recorded: dict[str, Any
 
 
 @pytest.mark.parametrize("paper", ["A4", "Letter"])
-@pytest.mark.parametrize("name", ["whole", "conformance", "reproduction", "comparison", "drives", "campaign"])
+@pytest.mark.parametrize(
+    "name", ["whole", "conformance", "duty", "reproduction", "comparison", "ratios", "drives", "campaign"]
+)
 def test_paper_shows_it_as_a_review_would_want(
     browser: Browser, pages: dict[str, Path], whole_pass: Path, name: str, paper: str
 ) -> None:

@@ -13,6 +13,7 @@ from drivegate.checks.duty.current import EFFICIENCY_POINTS, efficiency_windows,
 from drivegate.checks.duty.judged import duty_record
 from drivegate.checks.duty.steps import decisive_step
 from drivegate.drives.fourier_integrals import amplitudes
+from drivegate.drives.pm_ac_points import efficiency
 from drivegate.drives.pm_ac_torque import torque_course
 from drivegate.runs.duty.record import DutyRecord
 from drivegate.runs.record import RunRecord
@@ -96,6 +97,7 @@ def _points(record: DutyRecord) -> Iterator[dict[str, Any]]:
         own, least = losses(record, window)
         wanted = window.dwell.speed_rpm / base, (window.torque_reference or 0.0) / rated
         speed, torque = min(EFFICIENCY_POINTS, key=lambda point: _distance(point, wanted))
+        reached = efficiency(own, window.speed)
         known = isfinite(least.loss) and least.loss > 0.0
         yield {
             "speed_share": speed,
@@ -109,16 +111,12 @@ def _points(record: DutyRecord) -> Iterator[dict[str, Any]]:
             "least_loss_direct_a": _rounded(least.direct) if known else None,
             "least_loss_quadrature_a": _rounded(least.quadrature) if known else None,
             "above_least_percent": round(100.0 * (own.loss / least.loss - 1.0), 3) + 0.0 if known else None,
-            "efficiency_percent": _efficiency(own.torque * window.speed, own.loss),
+            "efficiency_percent": None if reached is None else _rounded(reached),
         }
 
 
 def _distance(point: tuple[float, float], other: tuple[float, float]) -> float:
     return max(abs(point[0] - other[0]), abs(point[1] - other[1]))
-
-
-def _efficiency(power: float, loss: float) -> float | None:
-    return _rounded(100.0 * power / (power + loss)) if power > 0.0 else None
 
 
 def _torque(record: DutyRecord) -> dict[str, Any] | None:

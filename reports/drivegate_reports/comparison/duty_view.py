@@ -150,8 +150,8 @@ def _ranking(document: Mapping[str, Any]) -> Sheet:
             )
         )
     caption = (
-        "Means and worst values over the operating points that a candidate holds; ripple over rated torque, rise time "
-        "over the longest that is allowed."
+        "How many required checks are failed and how many operating points held; then means and worst values over the "
+        "points that a candidate holds, ripple over rated torque, rise time over the longest that is allowed."
     )
     return Sheet("ranking", caption, heads, tuple(rows))
 

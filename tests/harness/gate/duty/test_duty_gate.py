@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
@@ -13,11 +15,14 @@ from drivegate.containment.messages import Job
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.drives.running import recorded
+from drivegate.gate.behaviour import behaviour_job
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished
 from drivegate.gate.focus import Focus
+from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.gate.step_timing import TimedSteps, time_steps
+from drivegate.results.verdict import check_outcomes
 from drivegate.scenarios.duty.building import speed_scenario, torque_of, torque_scenario
 from drivegate.scenarios.facts import facts_of
 from drivegate_cases.drive.drive_document import load_drive
@@ -117,9 +122,22 @@ def test_a_fault_is_made_simple_recorded_and_told_on_the_page() -> None:
     assert len(facts_of(failed["counterexample"])) <= 3
     assert {"direct_current_a", "voltage_v"} <= set(document["traces"][failed["recording"]["trace"]])
     assert document["envelope"] is None
+    assert document["behaviour"] is None, "a check that was confined shows nothing beside it"
     text = page(document)
     assert "Run " in text
     assert "along the magnet" in text, "the account of the run is told"
+
+
+def test_how_a_candidate_behaves_is_measured_where_it_is_judged() -> None:
+    outcome = next(iter(check_outcomes([], NOTHING_DECLARED, INTERIOR, complete=True)))
+    step = replace(outcome, id="STP-1", scenario=telling_runs()[0].to_mapping(), counterexample=None)
+    job = behaviour_job(INTERIOR, [step])
+    assert job is not None
+    with Judge(resolve_candidate("foc")) as judge:
+        told = judge.run(job)
+    assert told["step"]["speed_rpm"] == 1200.0
+    assert len(told["points"]) == 8
+    assert behaviour_job(load_drive("paper-5-phase"), [step]) is None
 
 
 def test_a_rating_out_of_reach_is_refused_in_one_sentence() -> None:
