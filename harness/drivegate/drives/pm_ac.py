@@ -78,11 +78,12 @@ def _simplifications() -> tuple[Simplification, ...]:
 def _record(
     declaration: Declaration, scenario: Scenario, controller: AnyController, kept: NDArray[Any] | None
 ) -> RunRecord:
+    from drivegate.drives.pm_ac_sensing import duty_sensors
     from drivegate.runs.duty.record import DutyRecord
     from drivegate.runs.duty.run import run_duty
     from drivegate_models.pm_ac.closed_loop import TRACE, prepared_duty_loop
 
-    run = run_duty(prepared_duty_loop, TRACE, scenario, controller)
+    run = run_duty(prepared_duty_loop, TRACE, scenario, controller, duty_sensors(scenario))
     if kept is not None:
         kept[:] = run.commands
     return DutyRecord(scenario, run, declaration)

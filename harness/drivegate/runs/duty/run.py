@@ -17,7 +17,6 @@ from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, 
 from drivegate.containment.contained_controller import ContainedController, PlayedCommands
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
-from drivegate.runs.duty.sensing import duty_sensors
 from drivegate.runs.scenario import plant_load, plant_schedule
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
@@ -95,15 +94,19 @@ def duty_nameplate(scenario: Scenario) -> DutyNameplate:
 
 
 def run_duty(
-    prepare: PrepareDutyLoop, columns: tuple[str, ...], scenario: Scenario, controller: AnyController
+    prepare: PrepareDutyLoop,
+    columns: tuple[str, ...],
+    scenario: Scenario,
+    controller: AnyController,
+    sensors: Any = None,
 ) -> DutyClosedLoopRun:
     """Reset a controller and run it through a scenario; a fault of its own is raised.
 
     A candidate's instance runs in its own process, beside a plant that is there to close the loop; what is observed is
-    what the plant here comes to by the same commands.
+    what the plant here comes to by the same commands. Without sensors it sees the plant as it is.
     """
     plant = (scenario.drive.plant(scenario.scales), plant_load(scenario), plant_schedule(scenario))
-    options = _options(scenario)
+    options = _options(scenario, sensors)
     nameplate: Any = duty_nameplate(scenario)
     controller.reset(nameplate)
     if isinstance(controller, ContainedController):
@@ -132,7 +135,7 @@ def run_duty(
     )
 
 
-def _options(scenario: Scenario) -> dict[str, Any]:
+def _options(scenario: Scenario, sensors: Any) -> dict[str, Any]:
     """Give what a run is made of besides drive, load and schedule."""
     torque = None
     if isinstance(scenario.load, DynamometerLoad):
@@ -143,7 +146,7 @@ def _options(scenario: Scenario) -> dict[str, Any]:
         "initial_speed": scenario.initial_speed_rpm * RADIANS_PER_RPM,
         "initial_angle": math.radians(scenario.initial_angle_deg),
         "torque_reference": torque,
-        "sensors": duty_sensors(scenario),
+        "sensors": sensors,
     }
 
 
