@@ -187,6 +187,11 @@ DUTY_FAULTS: Final = {
         "Never weakens by more than 30 % of what the machine bears.",
         alter=_scaled(0.3, "deepest"),
     ),
+    "delay-overcompensated": DutyFault(
+        "DEC-1",
+        "Turns its voltages ahead by six times the delay.",
+        alter=_scaled(6.0, "lead"),
+    ),
     "shrunken-ratios": DutyFault(
         "FWK-1",
         "Gives 85 % of the voltage that it counts on.",

@@ -60,25 +60,27 @@ def torque_steps(record: DutyRecord) -> Iterator[TorqueStep]:
         yield TorqueStep(second.start, second.speed_rpm, before, after, rows)
 
 
-def step_response(record: RunRecord) -> Margin | None:
-    """Judge overshoot and rise time of the torque where the voltage leaves room for both."""
-    judged = duty_record(record)
-    if not judged.is_nominal:
-        return None
-    return worst(_response(judged, step) for step in torque_steps(judged) if _is_judged(judged, step))
-
-
-def _is_judged(record: DutyRecord, step: TorqueStep) -> bool:
+def is_free(record: DutyRecord, step: TorqueStep) -> bool:
+    """Tell whether a step is great enough to be judged, and leaves voltage for its own response."""
     smallest = SMALLEST_SHARE * record.limits.rated_torque_nm
     speed, link = step.speed_rpm * RADIANS_PER_RPM, record.document.inverter.link_voltage_v
     reach = record.limits.weakening_share * greatest_at(plant_of(record), speed, link).torque
     if record.scenario.supply_v is not None or not max(abs(step.before), abs(step.after)) <= reach:
         return False
-    used = max(_state(record, step, torque).voltage for torque in (step.before, step.after))
+    used = max(least_state(record, step, torque).voltage for torque in (step.before, step.after))
     return abs(step.after - step.before) >= smallest and used <= VOLTAGE_SHARE * undistorted(link)
 
 
-def _state(record: DutyRecord, step: TorqueStep, torque: float) -> SteadyState:
+def step_response(record: RunRecord) -> Margin | None:
+    """Judge overshoot and rise time of the torque where the voltage leaves room for both."""
+    judged = duty_record(record)
+    if not judged.is_nominal:
+        return None
+    return worst(_response(judged, step) for step in torque_steps(judged) if is_free(judged, step))
+
+
+def least_state(record: DutyRecord, step: TorqueStep, torque: float) -> SteadyState:
+    """Find the steady state of least current for a torque at the speed of a step, whatever voltage it takes."""
     return least_free(plant_of(record), step.speed_rpm * RADIANS_PER_RPM, torque)
 
 
@@ -105,14 +107,19 @@ def _response(record: DutyRecord, step: TorqueStep) -> Margin:
 
 def allowed_rise_s(record: DutyRecord, step: TorqueStep) -> float:
     """Give the longest time of a step: what is stated, and what the voltage takes to move the current."""
+    return float(record.limits.rise_time_s + voltage_time_s(record, step))
+
+
+def voltage_time_s(record: DutyRecord, step: TorqueStep) -> float:
+    """Give the time in which the voltage that both ends leave moves the currents from one to the other."""
     drive = plant_of(record)
-    first, last = (_state(record, step, torque) for torque in (step.before, step.after))
+    first, last = (least_state(record, step, torque) for torque in (step.before, step.after))
     flux = hypot(
         drive.direct_inductance * (last.direct - first.direct),
         drive.quadrature_inductance * (last.quadrature - first.quadrature),
     )
     room = undistorted(drive.link_voltage) - max(first.voltage, last.voltage)
-    return float(record.limits.rise_time_s + flux / room)
+    return flux / room
 
 
 STP_1 = Check(

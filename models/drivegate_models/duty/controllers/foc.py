@@ -100,8 +100,28 @@ def _currents_for(
     if state.aim != UNWEAKENED:
         direct, wanted = within_voltage(state, wanted, electrical, voltage, direct)
     if state.aim == SEARCHED_LOSS:
-        direct += searched_offset(state, torque, electrical / state.pole_pairs, power)
+        direct = _searched_direct(state, torque, wanted, electrical, power, direct)
     return with_torque(state, direct, wanted, torque < 0.0)
+
+
+@inlined
+def _searched_direct(
+    state: Any, torque: float, possible: float, electrical: float, power: float, direct: float
+) -> float:
+    """Return the current along the magnet's axis with what the search for least power adds to it (A).
+
+    Where the limits give less torque than is wanted there is nothing to search for: less power is less torque.
+    """
+    speed = electrical / state.pole_pairs
+    if possible < _GIVEN * min(abs(torque), state.greatest_torque):
+        forget_search(state, torque, speed)
+        return direct
+    searched: float = direct + searched_offset(state, torque, speed, power)
+    found, quadrature = with_torque(state, searched, possible, False)
+    if torque_per_quadrature(state, found) * quadrature < _GIVEN * possible:
+        forget_search(state, torque, speed)
+        return direct
+    return searched
 
 
 @inlined

@@ -32,10 +32,10 @@ KIND = kind_of(INTERIOR)
 
 
 def telling_runs() -> tuple[Scenario, ...]:
-    """Give runs that show every fault: torque steps below base speed, weakening and its end, a free shaft."""
+    """Give runs that show every fault: great and small torque steps, weakening and its end, a free shaft."""
     assert isinstance(INTERIOR, PmAcDocument)
     below, top = 1200.0, INTERIOR.rating.highest_speed_rpm
-    levels = [torque_of(INTERIOR, below, share) for share in (0.0, 0.5, 0.3)]
+    levels = [torque_of(INTERIOR, below, share) for share in (0.0, 0.5, 0.3, 0.15)]
     return (
         torque_scenario(INTERIOR, below, levels),
         torque_scenario(INTERIOR, top, (0.0, torque_of(INTERIOR, top, 3.0), 0.0)),
@@ -63,6 +63,16 @@ def test_a_correct_controller_passes_the_same_runs_and_repeats_itself() -> None:
     assert [margin.measured for margin in margins if margin.check == "DET-1"] == [
         "2 repetitions are the same"
     ]
+
+
+@pytest.mark.parametrize("name", ["foc-loss-model", "foc-loss-search"])
+def test_controllers_of_least_loss_give_all_torque_that_the_limits_leave(name: str) -> None:
+    loaded = own_candidate(resolve_candidate(name))
+    weakened = telling_runs()[1]
+    margins = judged(recorded(loaded, weakened, loaded.controller()), KIND.checks()).margins
+    assert "FWK-1" in {margin.check for margin in margins}
+    failed = [margin for margin in margins if not margin.met]
+    assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
 
 
 def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> None:
