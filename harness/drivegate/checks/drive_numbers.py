@@ -73,6 +73,7 @@ def duty_numbers(drive: PmAcDocument) -> dict[str, str]:
         "current_excess": _percent(limits.current_excess),
         "loss_excess": _percent(limits.loss_excess),
         "overshoot": _percent(limits.overshoot),
+        "coupling": _percent(limits.coupled_current),
         "rise": f"90 % within {tidy(_KILO * limits.rise_time_s):g} ms and what the voltage takes",
     }
 

@@ -37,7 +37,7 @@ DRAWN: Final[Mapping[str, tuple[str, ...]]] = {
 DUTY_EVERY_RUN: Final = ("PWR-1", "DUT-1", "OVC-1")
 """Checks that judge every run of a controller of duty ratios."""
 DUTY_DRAWN: Final[Mapping[str, tuple[str, ...]]] = {
-    "torque step": ("ACC-1", "STP-1", "FWK-2", "FWK-3", "MTP-1"),
+    "torque step": ("ACC-1", "STP-1", "DEC-1", "FWK-2", "FWK-3", "MTP-1"),
     "weakening": ("FWK-1", "FWK-2", "FWK-3"),
     "speed step": ("ACC-1", "FWK-2", "MTP-1"),
     "load step": ("ACC-1", "FWK-2", "MTP-1"),

@@ -77,9 +77,9 @@ for descriptor in map(int, os.listdir("/proc/self/fd")):
     except OSError: pass
 """
 OPEN_INSTEAD = "os.closerange(0, 4096); files = [open('/dev/zero', 'r+b', buffering=0) for _ in range(20)]"
-DAEMON = (
-    "subprocess.Popen(['setsid', 'sh', '-c', 'sleep 54321 & sleep 54321'], env={}, start_new_session=True)"
-)
+# Their own in each process that runs tests, since others may run these tests beside it.
+SLEEP = f"sleep {10**9 + os.getpid()}"
+DAEMON = f"subprocess.Popen(['setsid', 'sh', '-c', '{SLEEP} & {SLEEP}'], env={{}}, start_new_session=True)"
 COPIES = "os.fork(); os.fork()"
 LEFTOVERS = """
 folder = tempfile.mkdtemp()
@@ -178,7 +178,7 @@ HARMLESS = {
     "prints megabytes": "for _ in range(3000): print('x' * 1000); os.write(2, b'\\xff\\x1b[2J' * 200)",
     "closes its streams": "[os.close(number) for number in (0, 1, 2)]",
     "closes its Python streams": "sys.stdin.close(); sys.stdout.close(); sys.stderr.close()",
-    "forks a process that outlives it": "subprocess.Popen(['sleep', '54321'])",
+    "forks a process that outlives it": f"subprocess.Popen({SLEEP.split()})",
     "forks a daemon": DAEMON,
     "forks copies of itself": COPIES,
     "leaves files": LEFTOVERS,
@@ -357,8 +357,9 @@ def processes_of(scratch: Path) -> list[str]:
     found = []
     for place in Path("/proc").glob("[0-9]*"):
         try:
-            if mark in (place / "environ").read_bytes() or b"54321" in (place / "cmdline").read_bytes():
-                found.append((place / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace"))
+            command = (place / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
+            if mark in (place / "environ").read_bytes() or SLEEP in command:
+                found.append(command)
         except OSError:
             continue
     return found

@@ -38,11 +38,6 @@ class DutyFault:
     spoilt: Callable[[DutyNameplate], dict[str, float]] | None = None
 
 
-def _stuck(state: Any) -> None:
-    state["weakening"] = -STUCK_SHARE * state["current_limit"]
-    state["weakening_step"] = 0.0
-
-
 def _scaled(factor: float, *fields: str) -> Callable[[Any], None]:
     def alter(state: Any) -> None:
         for field in fields:
@@ -55,12 +50,15 @@ DUTY_FAULTS: Final = {
     "stuck-weakening": DutyFault(
         "FWK-2",
         "Weakens by 30 % of the current limit at all times, whatever the voltage, also at standstill without torque.",
-        alter=_stuck,
+        spoilt=lambda plate: {
+            "direct_added": STUCK_SHARE * plate.current_limit,
+            "pole_pairs": float(plate.pole_pairs),
+        },
     ),
-    "delay-not-compensated": DutyFault(
+    "delay-turned-back": DutyFault(
         "FWK-3",
-        "Turns its voltages by the angle of the sample, not by that at which they act.",
-        alter=_scaled(0.0, "lead"),
+        "Turns its voltages back by the angle of the delay instead of ahead.",
+        alter=_scaled(-1.0, "lead"),
     ),
     "wrong-pole-pairs": DutyFault(
         "ACC-1",
@@ -99,8 +97,8 @@ DUTY_FAULTS: Final = {
     ),
     "angle-offset": DutyFault(
         "ACC-1",
-        "Has an angle that is 10 electrical degrees off.",
-        spoilt=lambda plate: {"angle_added": radians(10.0) / plate.pole_pairs},
+        "Has an angle that is 5 electrical degrees off.",
+        spoilt=lambda plate: {"angle_added": radians(5.0) / plate.pole_pairs},
     ),
     "current-sensor-offset": DutyFault(
         "ACC-1",
@@ -113,10 +111,10 @@ DUTY_FAULTS: Final = {
     "speed-misread": DutyFault(
         "ACC-1", "Reads the speed 3 % too high.", spoilt=lambda _plate: {"speed_factor": 1.03}
     ),
-    "supply-overestimated": DutyFault(
-        "FWK-3",
-        "Takes the link for 25 % more than it has, and weakens too late.",
-        spoilt=lambda _plate: {"supply_factor": 1.25},
+    "supply-underestimated": DutyFault(
+        "FWK-1",
+        "Takes the link for 20 % less than it has, and weakens too early.",
+        spoilt=lambda _plate: {"supply_factor": 0.8},
     ),
     "late-samples": DutyFault(
         "STP-1", "Regulates with the currents of the step before.", spoilt=lambda _plate: {"is_late": 1.0}
@@ -135,6 +133,69 @@ DUTY_FAULTS: Final = {
         "DUT-1",
         "Asks for a control period that is half as long again.",
         spoilt=lambda plate: {"next_period": 1.5 * plate.control_period},
+    ),
+    "swapped-axes": DutyFault(
+        "MTP-1",
+        "Takes the inductances of the two axes for each other, and strengthens the field for reluctance torque.",
+        told=lambda plate: plate._replace(
+            direct_inductance=plate.quadrature_inductance, quadrature_inductance=plate.direct_inductance
+        ),
+    ),
+    "reversed-currents": DutyFault(
+        "OVC-1", "Reads its currents with the wrong sign.", spoilt=lambda _plate: {"current_factor": -1.0}
+    ),
+    "eager-integrals": DutyFault(
+        "STP-1",
+        "Regulates its currents with ten times the integral gain.",
+        alter=_scaled(10.0, "direct_integral_step", "quadrature_integral_step"),
+    ),
+    "shy-current-limit": DutyFault(
+        "FWK-1",
+        "Takes a current limit that is 30 % too low.",
+        told=lambda plate: plate._replace(current_limit=0.7 * plate.current_limit),
+    ),
+    "strong-magnets-assumed": DutyFault(
+        "FWK-2",
+        "Counts on 30 % more of the magnet's flux, and weakens where the voltage is free.",
+        told=lambda plate: plate._replace(magnet_flux=1.3 * plate.magnet_flux),
+    ),
+    "resistance-overestimated": DutyFault(
+        "FWK-1",
+        "Takes five times the resistance, and leaves voltage unused for it.",
+        told=lambda plate: plate._replace(resistance=5.0 * plate.resistance),
+    ),
+    "direct-inductance-doubled": DutyFault(
+        "ACC-1",
+        "Takes twice the inductance of the magnet's axis.",
+        told=lambda plate: plate._replace(direct_inductance=2.0 * plate.direct_inductance),
+    ),
+    "slow-torque": DutyFault(
+        "ACC-1",
+        "Lets its torque follow the speed regulator at a hundredth of the rate.",
+        alter=_scaled(0.01, "torque_step"),
+    ),
+    "field-strengthened": DutyFault(
+        "FWK-2",
+        "Holds a current of 10 % of the limit along the magnet's axis that strengthens the field.",
+        spoilt=lambda plate: {
+            "direct_added": -0.1 * plate.current_limit,
+            "pole_pairs": float(plate.pole_pairs),
+        },
+    ),
+    "shallow-weakening": DutyFault(
+        "FWK-1",
+        "Never weakens by more than 30 % of what the machine bears.",
+        alter=_scaled(0.3, "deepest"),
+    ),
+    "delay-overcompensated": DutyFault(
+        "DEC-1",
+        "Turns its voltages ahead by six times the delay.",
+        alter=_scaled(6.0, "lead"),
+    ),
+    "shrunken-ratios": DutyFault(
+        "FWK-1",
+        "Gives 85 % of the voltage that it counts on.",
+        spoilt=lambda _plate: {"stretch": 0.85},
     ),
 }
 """All of them, by the name behind ``faulty:``."""

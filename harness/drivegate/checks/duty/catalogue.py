@@ -9,6 +9,7 @@ from drivegate.checks.determinism import DET_1
 from drivegate.checks.duty.accuracy import ACC_1
 from drivegate.checks.duty.commands import DUT_1
 from drivegate.checks.duty.current import EFF_1, MTP_1, OVC_1
+from drivegate.checks.duty.decoupling import DEC_1
 from drivegate.checks.duty.power import DUTY_PWR_1
 from drivegate.checks.duty.robustness import ROB_4, ROB_5
 from drivegate.checks.duty.starting import STA_1
@@ -21,6 +22,7 @@ DUTY_CHECKS: Final[tuple[Check, ...]] = (
     DUT_1,
     ACC_1,
     STP_1,
+    DEC_1,
     FWK_1,
     FWK_2,
     FWK_3,

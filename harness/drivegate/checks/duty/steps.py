@@ -99,20 +99,22 @@ def decisive_step(record: DutyRecord) -> StepResponse | None:
 def step_responses(record: DutyRecord) -> Iterator[StepResponse]:
     """Measure the steps that are judged."""
     if record.is_nominal:
-        yield from (_response(record, step) for step in torque_steps(record) if _is_judged(record, step))
+        yield from (_response(record, step) for step in torque_steps(record) if is_free(record, step))
 
 
-def _is_judged(record: DutyRecord, step: TorqueStep) -> bool:
+def is_free(record: DutyRecord, step: TorqueStep) -> bool:
+    """Tell whether a step is great enough to be judged, and leaves voltage for its own response."""
     smallest = SMALLEST_SHARE * record.limits.rated_torque_nm
     speed, link = step.speed_rpm * RADIANS_PER_RPM, record.document.inverter.link_voltage_v
     reach = record.limits.weakening_share * greatest_at(plant_of(record), speed, link).torque
     if record.scenario.supply_v is not None or not max(abs(step.before), abs(step.after)) <= reach:
         return False
-    used = max(_state(record, step, torque).voltage for torque in (step.before, step.after))
+    used = max(least_state(record, step, torque).voltage for torque in (step.before, step.after))
     return abs(step.after - step.before) >= smallest and used <= VOLTAGE_SHARE * undistorted(link)
 
 
-def _state(record: DutyRecord, step: TorqueStep, torque: float) -> SteadyState:
+def least_state(record: DutyRecord, step: TorqueStep, torque: float) -> SteadyState:
+    """Find the steady state of least current for a torque at the speed of a step, whatever voltage it takes."""
     return least_free(plant_of(record), step.speed_rpm * RADIANS_PER_RPM, torque)
 
 
@@ -140,14 +142,19 @@ def _response(record: DutyRecord, step: TorqueStep) -> StepResponse:
 
 def allowed_rise_s(record: DutyRecord, step: TorqueStep) -> float:
     """Give the longest time of a step: what is stated, and what the voltage takes to move the current."""
+    return float(record.limits.rise_time_s + voltage_time_s(record, step))
+
+
+def voltage_time_s(record: DutyRecord, step: TorqueStep) -> float:
+    """Give the time in which the voltage that both ends leave moves the currents from one to the other."""
     drive = plant_of(record)
-    first, last = (_state(record, step, torque) for torque in (step.before, step.after))
+    first, last = (least_state(record, step, torque) for torque in (step.before, step.after))
     flux = hypot(
         drive.direct_inductance * (last.direct - first.direct),
         drive.quadrature_inductance * (last.quadrature - first.quadrature),
     )
     room = undistorted(drive.link_voltage) - max(first.voltage, last.voltage)
-    return float(record.limits.rise_time_s + flux / room)
+    return flux / room
 
 
 STP_1 = Check(

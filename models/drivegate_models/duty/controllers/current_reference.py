@@ -78,9 +78,9 @@ def _greatest_quadrature(state: Any, electrical: float, voltage: float, direct: 
 
 @inlined
 def _greatest_torque_at(state: Any, electrical: float, voltage: float, direct: float) -> float:
-    """Return the greatest torque within both limits at a current along the magnet's axis (N m)."""
+    """Return the greatest torque within both limits at a current along the magnet's axis (N m), -1 for none."""
     quadrature = _greatest_quadrature(state, electrical, voltage, direct)
-    return torque_per_quadrature(state, direct) * quadrature
+    return torque_per_quadrature(state, direct) * quadrature if quadrature >= 0.0 else -1.0
 
 
 @inlined

@@ -14,8 +14,6 @@ BANDWIDTH: Final = 0.2
 """Bandwidth of the currents over the sampling rate, which a delay of one and a half periods bears."""
 
 _INTEGRAL = 0.1
-# Of the voltage: what is left for the current across the magnet's axis holds it against the back-EMF in a step of both.
-_MOST_ALONG = 0.95
 _ROOT_THREE = sqrt(3.0)
 
 
@@ -63,12 +61,21 @@ def voltage_limit(sense: Any) -> float:
 
 
 @inlined
-def _limited(along: float, across: float, limit: float) -> tuple[float, float]:
-    """Return voltages within a limit, that along the magnet's axis first, but never all of it."""
-    most = _MOST_ALONG * limit
-    direct = min(max(along, -most), most)
-    room = sqrt(max(limit * limit - direct * direct, 0.0))
-    return direct, min(max(across, -room), room)
+def _limited(
+    along: float, across: float, added_along: float, added_across: float, limit: float
+) -> tuple[float, float]:
+    """Return a voltage with as much of what may be added to it as the limit bears; the nearest one beyond the limit."""
+    square = limit * limit
+    outside = along * along + across * across - square
+    if outside >= 0.0:
+        share = limit / sqrt(outside + square)
+        return share * along, share * across
+    whole = added_along * added_along + added_across * added_across
+    both = along * added_along + across * added_across
+    if outside + 2.0 * both + whole <= 0.0:
+        return along + added_along, across + added_across
+    share = -outside / (both + sqrt(both * both - whole * outside))
+    return along + share * added_along, across + share * added_across
 
 
 @inlined
@@ -115,19 +122,38 @@ def regulate_currents(
     -------
     float
         Peak voltage of a phase that was asked for (V).
+
+    Notes
+    -----
+    With the error ``x`` of the flux linkage, ``x' = v - v_r - j w x - R (i - i_r)``, where ``v_r`` is the voltage that
+    holds the references. The rotation ``j w x`` does no work on ``|x|**2``, so decoupling it is worth having and may be
+    left out, and ``v_r - K x`` brought to the nearest voltage within the limit takes the error down wherever ``v_r`` is
+    within it: ``(P(y) - v_r) . (y - P(y)) >= 0`` of a projection ``P`` onto a convex set. A limit that prefers one axis
+    does not: braking, it holds currents far beyond their references. Forces that do no work: Ortega, Loria, Nicklasson
+    and Sira-Ramirez, "Passivity-based Control of Euler-Lagrange Systems", Springer, 1998.
     """
     limit = voltage_limit(sense)
     electrical = state.pole_pairs * sense.speed
     direct_error = direct_reference - direct
     quadrature_error = quadrature_reference - quadrature
-    opposed = electrical * (state.direct_inductance * direct + state.magnet_flux)
-    direct_voltage = (
+    direct_flux = state.direct_inductance * direct_error
+    quadrature_flux = state.quadrature_inductance * quadrature_error
+    # The voltage that holds the references and leads to them; decoupling is added as far as the limit bears it.
+    along = (
         state.direct_gain * direct_error
         + state.direct_integral
-        - electrical * state.quadrature_inductance * quadrature
+        - electrical * state.quadrature_inductance * quadrature_reference
     )
-    quadrature_voltage = state.quadrature_gain * quadrature_error + state.quadrature_integral + opposed
-    direct_given, quadrature_given = _limited(direct_voltage, quadrature_voltage, limit)
+    across = (
+        state.quadrature_gain * quadrature_error
+        + state.quadrature_integral
+        + electrical * (state.direct_inductance * direct_reference + state.magnet_flux)
+    )
+    direct_voltage = along + electrical * quadrature_flux
+    quadrature_voltage = across - electrical * direct_flux
+    direct_given, quadrature_given = _limited(
+        along, across, electrical * quadrature_flux, -electrical * direct_flux, limit
+    )
     # What the limit has taken does not enter the integrals.
     state.direct_integral += state.direct_integral_step * (
         direct_error + (direct_given - direct_voltage) / state.direct_gain

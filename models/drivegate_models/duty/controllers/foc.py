@@ -37,9 +37,16 @@ VOLTAGE_SHARE: Final = 0.98
 # Bandwidth of the speed over that of the currents.
 _SPEED_SHARE = 0.02
 _SPEED_INTEGRAL = 0.25
-# Rate at which the voltage asks for further weakening, over that of the currents, and how far (of the current limit).
+# Rate at which the voltage used asks for weakening, over that of the currents; the least share of the undistorted
+# voltage that references are then made for, and the most that counts as used, since a step's voltage is soon over.
 _WEAKENING_RATE = 0.02
-_MOST_WEAKENING = 0.3
+_LEAST_SHARE = 0.5
+_MOST_USED = 1.5
+# Voltage that a speed regulator leaves in hand braking, and the braking over the greatest from which on it does so.
+_BRAKING_ROOM = 0.1
+_WHOLE_ROOM_FROM = 0.2
+# Control periods in which a speed regulator may change its torque by the greatest.
+_FULL_TORQUE_PERIODS = 80.0
 # Share of the wanted torque below which it counts as limited.
 _GIVEN = 0.999999
 
@@ -67,11 +74,11 @@ def reset_state(state: Any, nameplate: Any) -> None:
     )
     state.speed_gain = nameplate.inertia * speed_bandwidth
     state.speed_integral_step = state.speed_gain * _SPEED_INTEGRAL * speed_bandwidth * period
-    # A volt too much at base speed is worth this current along the magnet's axis.
-    per_volt = 1.0 / (nameplate.pole_pairs * nameplate.base_speed * nameplate.direct_inductance)
-    state.weakening_step = _WEAKENING_RATE * BANDWIDTH * per_volt
+    state.weakening_step = _WEAKENING_RATE * BANDWIDTH
+    state.torque_step = state.greatest_torque / _FULL_TORQUE_PERIODS
     state.speed_integral = 0.0
-    state.weakening = 0.0
+    state.torque = 0.0
+    state.voltage_share = VOLTAGE_SHARE
     state.search_settling = int(SETTLING / period)
     state.search_looking = max(int(LOOKING / period), 1)
     forget_search(state, 0.0, 0.0)
@@ -83,15 +90,38 @@ def _currents_for(
 ) -> tuple[float, float]:
     """Return the currents for a torque, or for as much of it as the limits allow, by the controller's aim."""
     wanted = min(abs(torque), state.greatest_torque)
+    if state.regulates_speed == 1 and torque * electrical < 0.0:
+        # Currents that brake lead further away where they exceed the voltage limit.
+        braking = min(wanted / (_WHOLE_ROOM_FROM * state.greatest_torque), 1.0)
+        voltage *= 1.0 - _BRAKING_ROOM * braking
     direct = least_current_direct(state, wanted)
     if state.aim == MODELLED_LOSS:
         direct = least_loss_direct(state, wanted, electrical, direct)
     if state.aim != UNWEAKENED:
         direct, wanted = within_voltage(state, wanted, electrical, voltage, direct)
-        direct += state.weakening
     if state.aim == SEARCHED_LOSS:
-        direct += searched_offset(state, torque, electrical / state.pole_pairs, power)
+        direct = _searched_direct(state, torque, wanted, electrical, power, direct)
     return with_torque(state, direct, wanted, torque < 0.0)
+
+
+@inlined
+def _searched_direct(
+    state: Any, torque: float, possible: float, electrical: float, power: float, direct: float
+) -> float:
+    """Return the current along the magnet's axis with what the search for least power adds to it (A).
+
+    Where the limits give less torque than is wanted there is nothing to search for: less power is less torque.
+    """
+    speed = electrical / state.pole_pairs
+    if possible < _GIVEN * min(abs(torque), state.greatest_torque):
+        forget_search(state, torque, speed)
+        return direct
+    searched: float = direct + searched_offset(state, torque, speed, power)
+    found, quadrature = with_torque(state, searched, possible, False)
+    if torque_per_quadrature(state, found) * quadrature < _GIVEN * possible:
+        forget_search(state, torque, speed)
+        return direct
+    return searched
 
 
 @inlined
@@ -105,11 +135,34 @@ def _wanted_torque(state: Any, reference: float, speed: float) -> float:
 
 
 @inlined
+def _ramped(state: Any, wanted: float) -> float:
+    """Return the torque that is gone for in this period: a speed regulator's changes at a limited rate (N m)."""
+    if state.regulates_speed == 0:
+        return wanted
+    within = min(max(wanted, -state.greatest_torque), state.greatest_torque)
+    state.torque = min(max(within, state.torque - state.torque_step), state.torque + state.torque_step)
+    return float(state.torque)
+
+
+@inlined
 def _unwind_speed(state: Any, reference: float, speed: float, wanted: float, given: float) -> None:
     """Let the speed regulator's integral stand where the limits give less torque than it wants."""
     error = reference - speed
     if state.regulates_speed == 1 and abs(given) < _GIVEN * abs(wanted) and wanted * error > 0.0:
         state.speed_integral -= state.speed_integral_step * error
+
+
+@inlined
+def _share_voltage(state: Any, used: float) -> None:
+    """Make the next references for less voltage while more is used than they were made for, and for more else.
+
+    After Kim and Sul, "Speed control of interior permanent magnet synchronous motor drive for the flux weakening
+    operation", IEEE Transactions on Industry Applications 33(1), 1997: what the regulators ask for tells how much the
+    field must be weakened on a machine that is not the nominal one.
+    """
+    spare = 0.5 * (1.0 + VOLTAGE_SHARE) - min(used, _MOST_USED)
+    share = state.voltage_share + state.weakening_step * spare
+    state.voltage_share = min(max(share, _LEAST_SHARE), VOLTAGE_SHARE)
 
 
 @inlined
@@ -130,7 +183,11 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     limit = voltage_limit(sense)
     wanted = _wanted_torque(state, sense.reference, sense.speed)
     direct_reference, quadrature_reference = _currents_for(
-        state, wanted, electrical, VOLTAGE_SHARE * limit, sense.supply_voltage * sense.supply_current
+        state,
+        _ramped(state, wanted),
+        electrical,
+        state.voltage_share * limit,
+        sense.supply_voltage * sense.supply_current,
     )
     given = torque_per_quadrature(state, direct_reference) * quadrature_reference
     _unwind_speed(state, sense.reference, sense.speed, wanted, given)
@@ -138,8 +195,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     used = regulate_currents(
         state, sense, command, direct, quadrature, direct_reference, quadrature_reference
     )
-    state.weakening += state.weakening_step * (0.5 * (1.0 + VOLTAGE_SHARE) * limit - used)
-    state.weakening = min(max(state.weakening, -_MOST_WEAKENING * state.current_limit), 0.0)
+    _share_voltage(state, used / max(limit, 1e-9))
     command.torque = torque_per_quadrature(state, direct) * quadrature
     command.angle = sense.angle
     command.speed = sense.speed

@@ -45,6 +45,7 @@ FOC_STATE: Final = np.dtype(
         ("lead", np.float64),
         ("speed_gain", np.float64),
         ("speed_integral_step", np.float64),
+        ("torque_step", np.float64),
         ("direct_gain", np.float64),
         ("quadrature_gain", np.float64),
         ("direct_integral_step", np.float64),
@@ -52,9 +53,12 @@ FOC_STATE: Final = np.dtype(
         ("weakening_step", np.float64),
         # Regulators.
         ("speed_integral", np.float64),
+        # Torque that is gone for.
+        ("torque", np.float64),
         ("direct_integral", np.float64),
         ("quadrature_integral", np.float64),
-        ("weakening", np.float64),
+        # Share of the undistorted voltage that references are made for.
+        ("voltage_share", np.float64),
         # Search for the least power: its periods, what it adds to the current along the magnet's axis and by how much
         # that changes, how far it is in one place, what it has seen there and before, and where it began.
         ("search_settling", np.int64),

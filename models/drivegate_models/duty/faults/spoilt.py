@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from math import sqrt
 from typing import Any, Final
 
 import numba
@@ -13,6 +14,9 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.calling import call_step, double_at, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
+from drivegate_models.machine.sine import cosine_sine
+
+_ROOT_THREE = sqrt(3.0)
 
 SPOILT_STATE: Final = np.dtype(
     [
@@ -28,6 +32,9 @@ SPOILT_STATE: Final = np.dtype(
         # What is added to the shaft's angle (rad) and to the first current (A), and what scales other senses (1).
         ("angle_added", np.float64),
         ("current_added", np.float64),
+        # What is added to the current along the magnet's axis (A), and the pole pairs by which it turns.
+        ("direct_added", np.float64),
+        ("pole_pairs", np.float64),
         ("current_factor", np.float64),
         ("speed_factor", np.float64),
         ("supply_factor", np.float64),
@@ -76,8 +83,12 @@ def spoilt_state(step_address: int, state_address: int, spoilt: dict[str, float]
 @inlined
 def _show(state: Any, sense: Any) -> None:
     """Write what the controller is shown."""
+    cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
     for phase in range(3):
-        seen = state.current_factor * double_at(sense.phase_currents, phase)
+        # The phases' axes lie a third of a turn apart.
+        across = (0.0, 0.5 * _ROOT_THREE, -0.5 * _ROOT_THREE)[phase]
+        turned = (1.0 if phase == 0 else -0.5) * cosine + across * sine
+        seen = state.current_factor * double_at(sense.phase_currents, phase) + state.direct_added * turned
         if phase == 0:
             seen += state.current_added
         state.currents[phase] = state.before[phase] if state.is_late == 1 else seen

@@ -32,6 +32,8 @@ class DutyLimits:
         Greatest error of the mean torque (N·m).
     overshoot : float
         Greatest overshoot of the torque over the reference's step (1).
+    coupled_current : float
+        Greatest movement of the d current over the q current's step (1).
     rise_time_s : float
         Longest time of a torque step to 90 %, beside what the voltage takes to move the current (s).
     peak_current_a : float
@@ -53,6 +55,7 @@ class DutyLimits:
     rated_torque_nm: float
     torque_error_nm: float
     overshoot: float
+    coupled_current: float
     rise_time_s: float
     peak_current_a: float
     current_excess: float
@@ -85,6 +88,7 @@ def duty_limits_of(drive: PmAcDocument) -> DutyLimits:
         rated_torque_nm=torque,
         torque_error_nm=_PERCENT * stated.torque_tolerance_percent * torque,
         overshoot=_PERCENT * stated.overshoot_percent,
+        coupled_current=_PERCENT * stated.coupled_current_percent,
         rise_time_s=stated.rise_periods * drive.inverter.control_period_s,
         peak_current_a=_PERCENT * stated.peak_current_percent * rating.current_limit_a,
         current_excess=_PERCENT * stated.least_current_percent,

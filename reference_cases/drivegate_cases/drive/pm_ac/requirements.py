@@ -32,6 +32,10 @@ class PmAcRequirements(Section):
     overshoot_percent: _Percent = Field(
         default=10.0, description="greatest overshoot of the torque, in percent of the reference's step"
     )
+    coupled_current_percent: _Percent = Field(
+        default=10.0,
+        description="greatest movement of the d current by a step of the torque, in percent of the q current's step",
+    )
     rise_periods: Annotated[float, Field(ge=1.0, le=1e6)] = Field(
         default=7.0,
         description="longest time of a torque step to 90 %, in control periods beside what the link's voltage takes to "

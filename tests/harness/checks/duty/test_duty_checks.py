@@ -25,7 +25,7 @@ def steps(run: Run, interior: PmAcDocument) -> DutyRecord:
     """Give steps of the torque below base speed, where the voltage is free."""
     speed = 0.6 * interior.rating.base_speed_rpm
     return run(
-        torque_scenario(interior, speed, [torque_of(interior, speed, part) for part in (0.0, 0.5, 0.25)])
+        torque_scenario(interior, speed, [torque_of(interior, speed, part) for part in (0.0, 0.5, 0.35)])
     )
 
 
@@ -62,7 +62,7 @@ def through(interior: PmAcDocument, **keys: Any) -> Scenario:
 
 
 RUNS = {
-    "steps": ("PWR-1", "DUT-1", "ACC-1", "STP-1", "FWK-2", "MTP-1", "OVC-1"),
+    "steps": ("PWR-1", "DUT-1", "ACC-1", "STP-1", "DEC-1", "FWK-2", "MTP-1", "OVC-1"),
     "weakened": ("PWR-1", "DUT-1", "ACC-1", "FWK-1", "FWK-3", "OVC-1"),
     "start": ("PWR-1", "DUT-1", "ACC-1", "FWK-2", "MTP-1", "OVC-1", "STA-1"),
     "sensed": ("PWR-1", "DUT-1", "OVC-1", "ROB-5"),
@@ -80,9 +80,18 @@ def test_a_correct_controller_meets_what_a_run_is_judged_by(
     assert {check: margin for check, margin in margins.items() if not margin.met} == {}
 
 
+def _bumped(direct: Any) -> Any:
+    """Move a current for half a millisecond behind the last step, the smaller one."""
+    changed = direct.copy()
+    last = 2 * len(direct) // 3
+    changed[last + 10 : last + 15] -= 1.5
+    return changed
+
+
 FAULTS: list[tuple[str, str, str, Callable[[Any], Any]]] = [
     ("ACC-1", "steps", "torque", lambda torque: 1.2 * torque),
     ("STP-1", "steps", "torque", lambda torque: np.convolve(torque, np.ones(60) / 60.0)[: len(torque)]),
+    ("DEC-1", "steps", "direct", _bumped),
     ("FWK-2", "steps", "direct", lambda direct: direct - 0.5),
     ("MTP-1", "steps", "quadrature", lambda quadrature: 1.1 * quadrature),
     ("FWK-1", "weakened", "torque", lambda torque: 0.9 * torque),

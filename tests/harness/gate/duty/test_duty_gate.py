@@ -23,6 +23,7 @@ from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.verdict import check_outcomes
+from drivegate.scenarios.changes import with_scales
 from drivegate.scenarios.duty.building import speed_scenario, torque_of, torque_scenario
 from drivegate.scenarios.facts import facts_of
 from drivegate_cases.drive.drive_document import load_drive
@@ -36,10 +37,10 @@ KIND = kind_of(INTERIOR)
 
 
 def telling_runs() -> tuple[Scenario, ...]:
-    """Give runs that show every fault: torque steps below base speed, weakening and its end, a free shaft."""
+    """Give runs that show every fault: great and small torque steps, weakening and its end, a free shaft."""
     assert isinstance(INTERIOR, PmAcDocument)
     below, top = 1200.0, INTERIOR.rating.highest_speed_rpm
-    levels = [torque_of(INTERIOR, below, share) for share in (0.0, 0.5, 0.3)]
+    levels = [torque_of(INTERIOR, below, share) for share in (0.0, 0.5, 0.3, 0.15)]
     return (
         torque_scenario(INTERIOR, below, levels),
         torque_scenario(INTERIOR, top, (0.0, torque_of(INTERIOR, top, 3.0), 0.0)),
@@ -69,6 +70,16 @@ def test_a_correct_controller_passes_the_same_runs_and_repeats_itself() -> None:
     ]
 
 
+@pytest.mark.parametrize("name", ["foc-loss-model", "foc-loss-search"])
+def test_controllers_of_least_loss_give_all_torque_that_the_limits_leave(name: str) -> None:
+    loaded = own_candidate(resolve_candidate(name))
+    weakened = telling_runs()[1]
+    margins = judged(recorded(loaded, weakened, loaded.controller()), KIND.checks()).margins
+    assert "FWK-1" in {margin.check for margin in margins}
+    failed = [margin for margin in margins if not margin.met]
+    assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
+
+
 def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> None:
     loaded = own_candidate(resolve_candidate("foc-mtpa"))
     weakened = telling_runs()[1]
@@ -78,14 +89,29 @@ def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> 
     assert "at 6000 rpm" in failed["FWK-1"].measured
 
 
-def test_braking_in_weakening_leaves_voltage_to_hold_the_current_across_the_magnets_axis() -> None:
-    surface = load_drive("pm-ac-surface").replaced(settling_s=0.3)
-    scenario = speed_scenario(surface, (800.0, 600.0), torque_nm=2.0)
+@pytest.mark.parametrize(
+    ("drive", "speeds", "torque", "scales"),
+    [
+        ("pm-ac-surface", (800.0, 600.0), 2.0, {}),
+        # What locked up generating at 16 A, and again nearly so at the end of the reluctance torque.
+        ("pm-ac-interior", (6000.0, 5000.0), 0.5, {"inductance": 0.7}),
+        ("pm-ac-interior", (2330.0, 1260.0), 0.6148, {"inductance": 1.3, "emf_constant": 0.85}),
+        # Less voltage than any torque takes, on a salient machine.
+        ("pm-ac-2kw", (2040.0, 2560.0), 0.0, {"resistance": 2.0, "inductance": 0.7, "emf_constant": 1.05}),
+    ],
+)
+def test_the_voltage_limit_locks_no_current_up(
+    drive: str, speeds: tuple[float, float], torque: float, scales: dict[str, float]
+) -> None:
+    document = load_drive(drive).replaced(settling_s=0.4)
+    begin = None if not scales else document.rating.base_speed_rpm
+    plain = speed_scenario(document, speeds, torque_nm=torque, initial_speed_rpm=begin)
+    scenario = with_scales(plain, **scales)
     loaded = own_candidate(resolve_candidate("foc"))
     failed = [
         margin
         for margin in judged(
-            recorded(loaded, scenario, loaded.controller()), kind_of(surface).checks()
+            recorded(loaded, scenario, loaded.controller()), kind_of(document).checks()
         ).margins
         if not margin.met
     ]
