@@ -1,6 +1,7 @@
 """Candidates that do harm: each gets its verdict and a clear message, and leaves nothing behind."""
 
 import json
+import os
 import re
 import sys
 import tempfile
