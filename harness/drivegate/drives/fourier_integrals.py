@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import fsum
-from typing import Final
+from math import fsum, pi
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate_models.machine.sine import cosine_sine
+
 _SMALL: Final = 1e-2
-_AT_ONCE: Final = 256
+_Phasors: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -59,29 +61,53 @@ def amplitudes(signal: Stretches, orders: int) -> NDArray[np.float64]:
     ``1 - cos(2 pi t / T)``, adds the halves of the integrals at the neighbouring frequencies.
     """
     length = float(signal.starts[-1] + signal.lengths[-1] - signal.starts[0])
-    plain = _integrals(replace(signal, means=signal.means - signal.mean), length, orders + 2)
-    windowed = plain[1:-1] - 0.5 * (plain[:-2] + plain[2:])
-    found: NDArray[np.float64] = 2.0 / length * np.abs(windowed)
+    real, imaginary = _integrals(replace(signal, means=signal.means - signal.mean), length, orders + 2)
+    squares = [part * part for part in (_windowed(real), _windowed(imaginary))]
+    found: NDArray[np.float64] = 2.0 / length * np.sqrt(squares[0] + squares[1])
     return found
 
 
-def _integrals(signal: Stretches, length: float, count: int) -> NDArray[np.complex128]:
-    """Integrate the signal times a turning phasor, at the multiples of 1/T from 0 on, shape (count,)."""
-    middles = signal.starts - signal.starts[0] + 0.5 * signal.lengths
-    found = np.empty(count, dtype=np.complex128)
-    for first in range(0, count, _AT_ONCE):
-        frequencies = 2.0 * np.pi / length * np.arange(first, min(first + _AT_ONCE, count))[:, np.newaxis]
-        half = 0.5 * frequencies * signal.lengths
-        flat = np.sinc(half / np.pi) * signal.means * signal.lengths
-        sloping = -0.5j * _of_slope(half) * signal.rises * signal.lengths
-        found[first : first + _AT_ONCE] = np.sum(
-            np.exp(-1j * frequencies * middles) * (flat + sloping), axis=1
-        )
-    return found
+def _windowed(plain: NDArray[np.float64]) -> NDArray[np.float64]:
+    return plain[1:-1] - 0.5 * (plain[:-2] + plain[2:])
 
 
-def _of_slope(half: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Give ``(sin x - x cos x) / x**2``, by its series where that cancels."""
-    safe = np.where(half < _SMALL, 1.0, half)
-    whole = (np.sin(safe) - safe * np.cos(safe)) / (safe * safe)
-    return np.where(half < _SMALL, half / 3.0 * (1.0 - half * half / 10.0), whole)
+def _integrals(
+    signal: Stretches, length: float, count: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Integrate the signal times a turning phasor, at the multiples of 1/T from 0 on, both parts of shape (count,)."""
+    turn = 2.0 * pi / length
+    step = _phasors(turn * (signal.starts - signal.starts[0] + 0.5 * signal.lengths))
+    half_step = _phasors(0.5 * turn * signal.lengths)
+    here = half = (np.ones(len(signal.starts)), np.zeros(len(signal.starts)))
+    real, imaginary = np.empty(count), np.empty(count)
+    for order in range(count):
+        flat, sloping = _parts(0.5 * turn * order * signal.lengths, *half)
+        flat, sloping = flat * signal.means * signal.lengths, -0.5 * sloping * signal.rises * signal.lengths
+        # One after the other, in an order that no processor chooses.
+        real[order] = np.add.accumulate(here[0] * flat + here[1] * sloping)[-1]
+        imaginary[order] = np.add.accumulate(here[0] * sloping - here[1] * flat)[-1]
+        here, half = _turned(here, step), _turned(half, half_step)
+    return real, imaginary
+
+
+def _parts(
+    half: NDArray[np.float64], cosine: NDArray[np.float64], sine: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Give ``sin x / x`` and ``(sin x - x cos x) / x**2``, by their series where that cancels."""
+    small = half < _SMALL
+    safe = np.where(small, 1.0, half)
+    square = half * half
+    flat = np.where(small, 1.0 - square / 6.0 * (1.0 - square / 20.0), sine / safe)
+    sloping = np.where(small, half / 3.0 * (1.0 - square / 10.0), (sine - safe * cosine) / (safe * safe))
+    return flat, sloping
+
+
+def _phasors(angles: NDArray[np.float64]) -> _Phasors:
+    """Give cosines and sines by operations that every processor rounds alike."""
+    pairs = np.array([cosine_sine(angle) for angle in angles.tolist()])
+    return pairs[:, 0], pairs[:, 1]
+
+
+def _turned(phasors: _Phasors, step: _Phasors) -> _Phasors:
+    """Turn phasors by angles, which costs less than finding them anew."""
+    return phasors[0] * step[0] - phasors[1] * step[1], phasors[1] * step[0] + phasors[0] * step[1]

@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.checks.catalogue import CHECKS_OF
 from drivegate.drives.drive_kind import DriveKind
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_KIND, DRIVE_KINDS, kind_of
@@ -35,10 +36,10 @@ def test_a_kind_is_found_by_its_drive(kind: DriveKind) -> None:
 
 def test_its_scenarios_are_fair_and_on_its_drive(kind: DriveKind) -> None:
     drive = load_drive(kind.default_drive)
-    fixed = kind.fixed_scenarios(drive, None)
+    fixed = kind.fixed_scenarios(drive, Declaration())
     assert fixed
     assert all(scenario.drive == drive and kind.is_fair(scenario) for scenario in fixed)
-    assert not kind.drawn_scenarios(drive, None, 0).is_empty
+    assert not kind.drawn_scenarios(drive, Declaration(), 0).is_empty
     assert kind.checks() == CHECKS_OF[drive.contract]
 
 

@@ -157,13 +157,14 @@ def test_a_fault_is_made_simple_recorded_and_told_on_the_page() -> None:
 def test_how_a_candidate_behaves_is_measured_where_it_is_judged() -> None:
     outcome = next(iter(check_outcomes([], NOTHING_DECLARED, INTERIOR, complete=True)))
     step = replace(outcome, id="STP-1", scenario=telling_runs()[0].to_mapping(), counterexample=None)
-    job = behaviour_job(INTERIOR, [step])
+    job = behaviour_job(INTERIOR, NOTHING_DECLARED, [step])
     assert job is not None
     with Judge(resolve_candidate("foc")) as judge:
         told = judge.run(job)
     assert told["step"]["speed_rpm"] == 1200.0
     assert len(told["points"]) == 8
-    assert behaviour_job(load_drive("paper-5-phase"), [step]) is None
+    assert behaviour_job(load_drive("paper-5-phase"), NOTHING_DECLARED, [step]) is None
+    assert behaviour_job(INTERIOR, replace(NOTHING_DECLARED, references=("speed",)), [step]) is None
 
 
 def test_a_rating_out_of_reach_is_refused_in_one_sentence() -> None:
