@@ -2,8 +2,6 @@
 
 from typing import Any
 
-from numpy.typing import NDArray
-
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.containment.candidate_process import Answered, CandidateProcess
 from drivegate.containment.orders import CloseLoop, GiveDutySenses, GiveSenses, Reset
@@ -12,7 +10,7 @@ from drivegate_models.contract.duty.records import DUTY_COMMAND
 from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.loop.command_playing import player_of, playing_step, rows_of
-from drivegate_models.loop.duty_command_playing import duty_player_of, duty_playing_step
+from drivegate_models.loop.duty_command_playing import duty_playing_step
 from drivegate_models.loop.exchange import COMPLETED
 
 
@@ -30,11 +28,10 @@ class PlayedCommands:
     def __init__(self, answered: Answered) -> None:
         self._answered = answered
         if answered.commands.dtype == DUTY_COMMAND:
-            self._commands: NDArray[Any] = answered.commands
-            self._step, self._state = duty_playing_step(), duty_player_of(self._commands)
+            self._step, self._commands = duty_playing_step(), answered.commands
         else:
-            self._commands = rows_of(answered.commands)
-            self._step, self._state = playing_step(), player_of(self._commands)
+            self._step, self._commands = playing_step(), rows_of(answered.commands)
+        self._state = player_of(self._commands)
         self.step_address: int = self._step.address
         self.state_address: int = self._state.ctypes.data
         self.fault: Fault | None = answered.fault

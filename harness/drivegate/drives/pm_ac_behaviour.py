@@ -13,7 +13,7 @@ from drivegate.checks.duty.current import EFFICIENCY_POINTS, efficiency_windows,
 from drivegate.checks.duty.judged import duty_record
 from drivegate.checks.duty.steps import decisive_step
 from drivegate.drives.fourier_integrals import amplitudes
-from drivegate.drives.pm_ac_points import efficiency
+from drivegate.drives.pm_ac_efficiency import efficiency
 from drivegate.drives.pm_ac_torque import torque_course
 from drivegate.runs.duty.record import DutyRecord
 from drivegate.runs.record import RunRecord

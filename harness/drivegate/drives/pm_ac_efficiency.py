@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import Any, Final
 
-from drivegate.drives.pm_ac_trajectories import limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_models.pm_ac.oracle import LOSS, Limits, greatest_torque, least_at
+from drivegate_models.pm_ac.fundamental import SteadyState
+from drivegate_models.pm_ac.oracle import LOSS, Limits, greatest_torque, least_at, undistorted_limits
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -24,13 +24,13 @@ Rows = list[list[float]]
 def efficiency_map(drive: PmAcDocument) -> dict[str, Any]:
     """Compute the efficiency at least loss, of copper and core alone, at shares of the greatest torque over speed."""
     plant, rating = drive.plant(), drive.rating
-    limits = limits_of(plant)
+    limits = undistorted_limits(plant)
     speeds = [rating.overspeed_rpm * (k + 1) / MAP_SPEEDS for k in range(MAP_SPEEDS)]
     shares = [(k + 1) / MAP_TORQUES for k in range(MAP_TORQUES)]
     most = [greatest_torque(plant, limits, speed * RADIANS_PER_RPM).torque for speed in speeds]
     return {
         "speed_rpm": speeds,
-        "torque_nm": [[_finite(share * greatest) for share in shares] for greatest in most],
+        "torque_nm": [[known(share * greatest) for share in shares] for greatest in most],
         "efficiency_percent": [
             [_efficiency(plant, limits, speed * RADIANS_PER_RPM, share * greatest) for share in shares]
             for speed, greatest in zip(speeds, most, strict=True)
@@ -38,18 +38,21 @@ def efficiency_map(drive: PmAcDocument) -> dict[str, Any]:
     }
 
 
-def _finite(value: float) -> float | None:
+def known(value: float) -> float | None:
+    """Give a number of the oracle, or None for what is out of reach."""
     return value if isfinite(value) else None
+
+
+def efficiency(state: SteadyState, speed: float) -> float | None:
+    """Give the mechanical power over that and the losses (%); None where no power is given to the shaft."""
+    power = state.torque * speed
+    return 100.0 * power / (power + state.loss) if power > 0.0 else None
 
 
 def _efficiency(plant: PmAcDrive, limits: Limits, speed: float, torque: float) -> float | None:
     if not (isfinite(torque) and torque > 0.0):
         return None
-    state = least_at(plant, limits, speed, torque, LOSS)
-    if not isfinite(state.torque):
-        return None
-    power = torque * speed
-    return 100.0 * power / (power + state.copper_loss + state.core_loss)
+    return efficiency(least_at(plant, limits, speed, torque, LOSS), speed)
 
 
 def known_map(charted: Mapping[str, Any]) -> tuple[Rows, Rows, Rows]:

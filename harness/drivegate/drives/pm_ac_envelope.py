@@ -7,12 +7,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from drivegate.drives.pm_ac_efficiency import efficiency_map
+from drivegate.drives.pm_ac_efficiency import efficiency_map, known
 from drivegate.drives.pm_ac_reach import unreachable_duty
 from drivegate.drives.pm_ac_trajectories import trajectories
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
-from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, SIX_STEPS, SteadyState, base_speed
+from drivegate_models.pm_ac.fundamental import SIX_STEPS, base_speed
 from drivegate_models.pm_ac.oracle import (
     CURRENT,
     LOSS,
@@ -20,6 +20,7 @@ from drivegate_models.pm_ac.oracle import (
     constant_power_end,
     greatest_torque,
     least_at,
+    undistorted_limits,
 )
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -32,7 +33,7 @@ CONSTANT_POWER: Final = 8
 def pm_ac_envelope(drive: PmAcDocument) -> dict[str, Any]:
     """Compute what a drive can do, as plain data in people's units; None where something is out of reach."""
     rating, plant = drive.rating, drive.plant()
-    limits = Limits(plant.current_limit, LINEAR_LIMIT * plant.link_voltage)
+    limits = undistorted_limits(plant)
     begin = base_speed(plant, *limits)
     end = constant_power_end(plant, limits, rating.rated_power_w)
     missing = unreachable_duty(drive)
@@ -77,23 +78,15 @@ def _point(drive: PmAcDocument, limits: Limits, speed_rpm: float) -> dict[str, f
     return {
         "speed_rpm": speed_rpm,
         "rated_torque_nm": rated,
-        "greatest_torque_nm": _known(most.torque),
-        "greatest_power_w": _known(most.torque * speed),
-        "greatest_direct_a": _known(most.direct),
-        "greatest_quadrature_a": _known(most.quadrature),
-        "least_current_a": _known(least.current),
-        "direct_a": _known(least.direct),
-        "quadrature_a": _known(least.quadrature),
-        "voltage_v": _known(least.voltage),
-        "loss_w": _known(_loss(least)),
-        "least_loss_w": _known(_loss(cool)),
-        "least_loss_direct_a": _known(cool.direct),
+        "greatest_torque_nm": known(most.torque),
+        "greatest_power_w": known(most.torque * speed),
+        "greatest_direct_a": known(most.direct),
+        "greatest_quadrature_a": known(most.quadrature),
+        "least_current_a": known(least.current),
+        "direct_a": known(least.direct),
+        "quadrature_a": known(least.quadrature),
+        "voltage_v": known(least.voltage),
+        "loss_w": known(least.loss),
+        "least_loss_w": known(cool.loss),
+        "least_loss_direct_a": known(cool.direct),
     }
-
-
-def _loss(state: SteadyState) -> float:
-    return state.copper_loss + state.core_loss
-
-
-def _known(value: float) -> float | None:
-    return value if isfinite(value) else None

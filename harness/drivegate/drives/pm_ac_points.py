@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import ceil, fsum, isfinite, pi
+from math import ceil, isfinite, pi
 from typing import Any, Final
 
 from drivegate.checks.duty.current import losses
 from drivegate.checks.duty.judged import plant_of
 from drivegate.checks.duty.optimum import CURRENT, least_within, undistorted
 from drivegate.checks.duty.steps import step_responses
+from drivegate.drives.pm_ac_efficiency import efficiency
 from drivegate.drives.pm_ac_torque import torque_course
-from drivegate.runs.duty.record import DutyRecord, DutyWindow
+from drivegate.runs.duty.record import DutyRecord, DutyWindow, exact_mean
 from drivegate_cases.scenario.load import LockedLoad
-from drivegate_models.pm_ac.fundamental import SteadyState
 from drivegate_models.units import RADIANS_PER_RPM
 
 Row = dict[str, Any]
@@ -70,13 +70,7 @@ def _input_power(record: DutyRecord, window: DutyWindow) -> float:
     """Give the mean power that the link gives (W)."""
     period = record.scenario.control_period_s
     power = record.run.column("input_power")[round(window.start_s / period) : round(window.end_s / period)]
-    return fsum(power.tolist()) / len(power)
-
-
-def efficiency(state: SteadyState, speed: float) -> float | None:
-    """Give the mechanical power over that and the losses (%); None where no power is given to the shaft."""
-    power = state.torque * speed
-    return 100.0 * power / (power + state.loss) if power > 0.0 else None
+    return exact_mean(power)
 
 
 def _above(own: float, least: float) -> float | None:

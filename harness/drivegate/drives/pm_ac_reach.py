@@ -11,8 +11,7 @@ from drivegate.scenarios.duty.feasibility import IN_HAND
 from drivegate.scenarios.duty.windows import run_up_s
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.errors import InputError
-from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT
-from drivegate_models.pm_ac.oracle import Limits, greatest_torque
+from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
 from drivegate_models.units import RADIANS_PER_RPM
 
 SPEEDS: Final = 13
@@ -52,7 +51,6 @@ def unreachable_duty(drive: PmAcDocument) -> str | None:
 def _greatest_power(drive: PmAcDocument, speed_rpm: float) -> float:
     """Give the power that the limits leave for a load (W)."""
     plant, speed = drive.plant(), speed_rpm * RADIANS_PER_RPM
-    limits = Limits(plant.current_limit, LINEAR_LIMIT * plant.link_voltage)
-    torque = greatest_torque(plant, limits, speed).torque
+    torque = greatest_torque(plant, undistorted_limits(plant), speed).torque
     drag = plant.friction + plant.viscous_friction * speed
     return (IN_HAND * torque - drag) * speed if isfinite(torque) else 0.0

@@ -25,6 +25,7 @@ PIECES: Final = 12
 """Even parts of a control period, besides those at the instants of switching."""
 _LEGS_OF: Final = {UPPER: LEG_HIGH, LOWER: LEG_LOW}
 _AT_ONCE: Final = Modulator()
+_NO_RATIOS: Final = np.zeros(3)
 
 
 @dataclass(frozen=True)
@@ -160,6 +161,3 @@ class _Replay:
             entry = int(np.searchsorted(gates.times[leg, : gates.counts[leg]], time, side="right")) - 1
             legs[leg] = _LEGS_OF.get(int(gates.gates[leg, entry]), LEG_OFF)
         return legs
-
-
-_NO_RATIOS: Final = np.zeros(3)

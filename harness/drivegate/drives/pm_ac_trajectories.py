@@ -9,8 +9,8 @@ import numpy as np
 
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.machine.sine import cosine_sine
-from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, base_speed, most_torque_per_ampere, steady_state
-from drivegate_models.pm_ac.oracle import Limits, greatest_torque
+from drivegate_models.pm_ac.fundamental import base_speed, most_torque_per_ampere, steady_state
+from drivegate_models.pm_ac.oracle import Limits, greatest_torque, undistorted_limits
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -25,7 +25,7 @@ ANGLES: Final = 72
 def trajectories(drive: PmAcDocument) -> dict[str, Any]:
     """Compute most torque per ampere, greatest torque over speed, and the limits of voltage at two speeds."""
     plant, rating = drive.plant(), drive.rating
-    limits = limits_of(plant)
+    limits = undistorted_limits(plant)
     speeds = (rating.base_speed_rpm, rating.highest_speed_rpm)
     return {
         "most_torque_per_ampere": [
@@ -34,11 +34,6 @@ def trajectories(drive: PmAcDocument) -> dict[str, Any]:
         "greatest_torque": _greatest(plant, limits, rating.overspeed_rpm),
         "voltage_limits": [_voltage_limit(plant, limits.voltage, speed) for speed in speeds],
     }
-
-
-def limits_of(plant: PmAcDrive) -> Limits:
-    """Give the limits of current and of undistorted voltage."""
-    return Limits(plant.current_limit, LINEAR_LIMIT * plant.link_voltage)
 
 
 def _least(plant: PmAcDrive, current: float) -> dict[str, float]:

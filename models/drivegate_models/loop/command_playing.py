@@ -16,7 +16,7 @@ from drivegate_models.loop.exchange import OUTPUTS
 PLAYER: Final = np.dtype(
     [("commands_address", np.int64), ("count", np.int64), ("given", np.int64)], align=True
 )
-"""State of the playing step: the address of `count` commands of three doubles each, and how many were given."""
+"""State of the playing step: the address of `count` commands, and how many were given."""
 
 
 @cache
@@ -65,13 +65,13 @@ def rows_of(commands: NDArray[Any]) -> NDArray[np.float64]:
     return np.stack([commands[name] for name in OUTPUTS], axis=1)
 
 
-def player_of(commands: NDArray[np.float64]) -> NDArray[Any]:
-    """Make the state of a playing step.
+def player_of(commands: NDArray[Any]) -> NDArray[Any]:
+    """Make the state of a playing step of either contract.
 
     Parameters
     ----------
-    commands : ndarray, shape (n, 3)
-        The commands, `exchange.OUTPUTS` in each row, contiguous; they have to outlive the state.
+    commands : ndarray, shape (n, 3), or of DUTY_COMMAND, shape (n,)
+        The commands, `exchange.OUTPUTS` in each row or as they were given, contiguous; they have to outlive the state.
 
     Returns
     -------

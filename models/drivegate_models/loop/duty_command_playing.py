@@ -5,9 +5,6 @@ from __future__ import annotations
 from functools import cache
 from typing import Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivegate_models.compilation.calling import copy_bytes, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
@@ -42,19 +39,3 @@ def duty_playing_step() -> Any:
         state.given += 1
 
     return numba.cfunc(signature, cache=KEEPS_CACHE)(play_duty_step)
-
-
-def duty_player_of(commands: NDArray[Any]) -> NDArray[Any]:
-    """Make the state of a playing step.
-
-    Parameters
-    ----------
-    commands : ndarray of DUTY_COMMAND, shape (n,)
-        The commands; they have to outlive the state.
-
-    Returns
-    -------
-    ndarray of PLAYER, shape (1,)
-        The state, before the first command.
-    """
-    return np.array([(commands.ctypes.data, len(commands), 0)], PLAYER)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.calling import call_step, copy_bytes
+from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import unallocating
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
 from drivegate_models.loop.duty_command import duty_command_status
@@ -52,9 +52,8 @@ def make_duty_steps(given: GivenDutySteps) -> tuple[int, int]:
         Number of steps that were answered; the next one is what another status is about.
     """
     senses, command, kept = given.senses, given.command, given.kept
-    size = command.itemsize
     for k in range(senses.size):
-        copy_bytes(given.fresh.ctypes.data, command.ctypes.data, size)
+        command[0] = given.fresh[0]
         # Counted before the call, so that whoever watches knows in which step a controller hangs.
         given.progress[0] = k + 1
         call_step(
@@ -64,7 +63,7 @@ def make_duty_steps(given: GivenDutySteps) -> tuple[int, int]:
             command.ctypes.data,
         )
         if k < kept.size:
-            copy_bytes(command.ctypes.data, kept.ctypes.data + k * size, size)
+            kept[k] = command[0]
         status = duty_command_status(command[0])
         if status != COMPLETED:
             return status, k

@@ -12,6 +12,7 @@ from typing import Final, NamedTuple
 
 from drivegate_models.compilation.kernels import inlined, kernel
 from drivegate_models.pm_ac.fundamental import (
+    LINEAR_LIMIT,
     SteadyState,
     base_speed,
     core_loss,
@@ -41,6 +42,24 @@ class Limits(NamedTuple):
     """Greatest peak current of a phase (A)."""
     voltage: float
     """Greatest peak voltage of a phase (V)."""
+
+
+def undistorted_limits(drive: PmAcDrive, link: float | None = None) -> Limits:
+    """Give the limits of a drive's current and of the voltage that a link gives without distortion.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    link : float, optional
+        Voltage of the link (V); the drive's nominal one by default.
+
+    Returns
+    -------
+    Limits
+        Of both.
+    """
+    return Limits(drive.current_limit, LINEAR_LIMIT * (drive.link_voltage if link is None else link))
 
 
 @inlined

@@ -7,11 +7,11 @@ from math import hypot, sqrt
 import pytest
 
 from drivegate.drives.pm_ac_efficiency import efficiency_map, known_map
-from drivegate.drives.pm_ac_trajectories import limits_of, trajectories
+from drivegate.drives.pm_ac_trajectories import trajectories
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.pm_ac.fundamental import steady_state
-from drivegate_models.pm_ac.oracle import greatest_torque
+from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
 from drivegate_models.units import RADIANS_PER_RPM
 
 
@@ -36,7 +36,7 @@ def test_most_torque_per_ampere_is_the_closed_form() -> None:
 def test_the_ellipses_take_the_voltage_and_weakening_stays_within(name: str) -> None:
     drive = drive_of(name)
     plant = drive.plant()
-    limits = limits_of(plant)
+    limits = undistorted_limits(plant)
     told = trajectories(drive)
     assert [row["speed_rpm"] for row in told["voltage_limits"]] == [
         drive.rating.base_speed_rpm,
@@ -60,7 +60,7 @@ def test_the_efficiency_reaches_up_to_the_greatest_torque() -> None:
     speeds, torques, values = known_map(charted)
     assert len(speeds) == len(charted["speed_rpm"]), "torque is in reach at every speed"
     for speed, row, efficiencies in zip(speeds, torques, values, strict=True):
-        state = greatest_torque(plant, limits_of(plant), speed[0] * RADIANS_PER_RPM)
+        state = greatest_torque(plant, undistorted_limits(plant), speed[0] * RADIANS_PER_RPM)
         assert row[-1] == pytest.approx(state.torque, rel=1e-12)
         power = state.torque * speed[0] * RADIANS_PER_RPM
         # At the greatest torque there is one choice of currents alone.

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
+from drivegate_models.loop.command_playing import player_of
 from drivegate_models.loop.duty_command import BAD_LEG
-from drivegate_models.loop.duty_command_playing import duty_player_of, duty_playing_step
+from drivegate_models.loop.duty_command_playing import duty_playing_step
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.given_duty_steps import given_duty_steps, make_duty_steps
 
@@ -87,7 +88,7 @@ def test_kept_commands_are_given_again_bit_for_bit_and_then_it_stops() -> None:
     commands["second_leg"] = (0, 1, 2, 3)
     commands["torque"] = np.nan
     commands["fault"] = (5, 6, 7, 8)
-    player, step = duty_player_of(commands), duty_playing_step()
+    player, step = player_of(commands), duty_playing_step()
     kept = np.zeros(5, DUTY_COMMAND)
     given = given_duty_steps(step.address, player.ctypes.data, senses(), CURRENTS, kept=kept)
     status, answered = make_duty_steps(given)

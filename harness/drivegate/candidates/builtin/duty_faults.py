@@ -46,14 +46,20 @@ def _scaled(factor: float, *fields: str) -> Callable[[Any], None]:
     return alter
 
 
+def _unseen_along(share: float) -> Callable[[DutyNameplate], dict[str, float]]:
+    """Hide a current along the magnet's axis from the controller, of a share of the limit against the magnet."""
+
+    def spoilt(plate: DutyNameplate) -> dict[str, float]:
+        return {"direct_added": share * plate.current_limit, "pole_pairs": float(plate.pole_pairs)}
+
+    return spoilt
+
+
 DUTY_FAULTS: Final = {
     "stuck-weakening": DutyFault(
         "FWK-2",
         "Weakens by 30 % of the current limit at all times, whatever the voltage, also at standstill without torque.",
-        spoilt=lambda plate: {
-            "direct_added": STUCK_SHARE * plate.current_limit,
-            "pole_pairs": float(plate.pole_pairs),
-        },
+        spoilt=_unseen_along(STUCK_SHARE),
     ),
     "delay-turned-back": DutyFault(
         "FWK-3",
@@ -177,10 +183,7 @@ DUTY_FAULTS: Final = {
     "field-strengthened": DutyFault(
         "FWK-2",
         "Holds a current of 10 % of the limit along the magnet's axis that strengthens the field.",
-        spoilt=lambda plate: {
-            "direct_added": -0.1 * plate.current_limit,
-            "pole_pairs": float(plate.pole_pairs),
-        },
+        spoilt=_unseen_along(-0.1),
     ),
     "shallow-weakening": DutyFault(
         "FWK-1",

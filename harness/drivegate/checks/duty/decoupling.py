@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from math import fsum
-
 import numpy as np
-from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
 from drivegate.checks.duty.judged import duty_record, worst
 from drivegate.checks.duty.steps import TorqueStep, is_free, least_state, torque_steps, voltage_time_s
 from drivegate.checks.margin import Margin, at_most
-from drivegate.runs.duty.record import DutyRecord
+from drivegate.runs.duty.record import DutyRecord, exact_mean
 from drivegate.runs.record import RunRecord
 
 TRANSIENT_PERIODS = 100
@@ -37,7 +34,7 @@ def _moved(record: DutyRecord, step: TorqueStep) -> Margin:
     begin = step.rows.start
     end = min(begin + TRANSIENT_PERIODS, step.rows.stop)
     direct = record.run.column("direct")
-    levels = [_mean(direct[place - _LEVEL_PERIODS : place]) for place in (begin, end)]
+    levels = [exact_mean(direct[place - _LEVEL_PERIODS : place]) for place in (begin, end)]
     rows = direct[begin:end]
     moved = max(min(levels) - float(np.min(rows)), float(np.max(rows)) - max(levels), 0.0)
     first, last = (least_state(record, step, torque).quadrature for torque in (step.before, step.after))
@@ -48,11 +45,6 @@ def _moved(record: DutyRecord, step: TorqueStep) -> Margin:
         f"at {step.speed_rpm:.5g} rpm"
     )
     return Margin("DEC-1", at_most(moved, allowed), told)
-
-
-def _mean(values: NDArray[np.float64]) -> float:
-    """Give a mean whose sum is exact, so that no processor's way of adding shows in it."""
-    return fsum(values.tolist()) / len(values)
 
 
 DEC_1 = Check(

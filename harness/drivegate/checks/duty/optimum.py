@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import Final
 
 from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, SteadyState
-from drivegate_models.pm_ac.oracle import CURRENT, LOSS, Limits, greatest_torque, least_at
+from drivegate_models.pm_ac.oracle import CURRENT, LOSS, Limits, greatest_torque, least_at, undistorted_limits
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
 __all__ = ["CURRENT", "LOSS", "greatest_at", "least_free", "least_within", "undistorted"]
@@ -23,13 +23,13 @@ def undistorted(link: float) -> float:
 @lru_cache(maxsize=_KEPT)
 def greatest_at(drive: PmAcDrive, speed: float, link: float) -> SteadyState:
     """Find the steady state of the greatest torque within the limits of current and link."""
-    return greatest_torque(drive, Limits(drive.current_limit, undistorted(link)), speed)
+    return greatest_torque(drive, undistorted_limits(drive, link), speed)
 
 
 @lru_cache(maxsize=_KEPT)
 def least_within(drive: PmAcDrive, speed: float, link: float, torque: float, purpose: int) -> SteadyState:
     """Find the steady state of least current or loss that gives a torque within the limits of current and link."""
-    return least_at(drive, Limits(drive.current_limit, undistorted(link)), speed, torque, purpose)
+    return least_at(drive, undistorted_limits(drive, link), speed, torque, purpose)
 
 
 @lru_cache(maxsize=_KEPT)

@@ -114,8 +114,8 @@ class DutyRecord(RunRecord):
         found = []
         for dwell, start, end in duty_windows(self.scenario):
             rows = slice(round(start / period), round(end / period))
-            mean = {name: _mean(self.run.column(name)[rows]) for name in _MEANS}
-            voltage = _mean(self.run.voltages[rows])
+            mean = {name: exact_mean(self.run.column(name)[rows]) for name in _MEANS}
+            voltage = exact_mean(self.run.voltages[rows])
             found.append(DutyWindow(dwell, start, end, voltage=voltage, **mean))
         return tuple(found)
 
@@ -123,6 +123,6 @@ class DutyRecord(RunRecord):
 _MEANS = ("speed", "torque", "direct", "quadrature", "link")
 
 
-def _mean(values: NDArray[np.float64]) -> float:
+def exact_mean(values: NDArray[np.float64]) -> float:
     """Give a mean whose sum is exact, so that no processor's way of adding shows in it."""
     return math.fsum(values.tolist()) / len(values)

@@ -10,8 +10,7 @@ from drivegate.scenarios.duty.windows import DutyDwell, duty_dwells
 from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT
-from drivegate_models.pm_ac.oracle import Limits, greatest_torque
+from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -59,5 +58,5 @@ def _plant(scenario: Scenario, scales: Scales) -> PmAcDrive:
 @lru_cache(maxsize=_KEPT)
 def _greatest(plant: PmAcDrive, speed: float, link: float) -> float:
     """Find the greatest torque (N·m); below every load where the limits leave none."""
-    torque = greatest_torque(plant, Limits(plant.current_limit, LINEAR_LIMIT * link), speed).torque
+    torque = greatest_torque(plant, undistorted_limits(plant, link), speed).torque
     return torque if isfinite(torque) else -1.0

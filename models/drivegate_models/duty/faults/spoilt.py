@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from math import sqrt
 from typing import Any, Final
 
 import numba
@@ -14,9 +13,8 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.calling import call_step, double_at, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
+from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
 from drivegate_models.machine.sine import cosine_sine
-
-_ROOT_THREE = sqrt(3.0)
 
 SPOILT_STATE: Final = np.dtype(
     [
@@ -84,11 +82,9 @@ def spoilt_state(step_address: int, state_address: int, spoilt: dict[str, float]
 def _show(state: Any, sense: Any) -> None:
     """Write what the controller is shown."""
     cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
+    added = RotorFrame(state.direct_added, 0.0, cosine, sine)
     for phase in range(3):
-        # The phases' axes lie a third of a turn apart.
-        across = (0.0, 0.5 * _ROOT_THREE, -0.5 * _ROOT_THREE)[phase]
-        turned = (1.0 if phase == 0 else -0.5) * cosine + across * sine
-        seen = state.current_factor * double_at(sense.phase_currents, phase) + state.direct_added * turned
+        seen = state.current_factor * double_at(sense.phase_currents, phase) + phase_current(added, phase)
         if phase == 0:
             seen += state.current_added
         state.currents[phase] = state.before[phase] if state.is_late == 1 else seen
