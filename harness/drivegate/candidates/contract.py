@@ -16,6 +16,8 @@ ANSWERS: Final = MappingProxyType(
     {"current": "a current reference and an advance angle", "duty": "duty ratios"}
 )
 """What a controller of each contract answers with."""
+HEADERS: Final = MappingProxyType({"current": "drivegate.h", "duty": "drivegate_duty.h"})
+"""The header that a compiled controller of each contract is written by."""
 
 
 def contract_of(nameplate: AnyNameplate) -> ContractName:

@@ -6,11 +6,12 @@ Everything in it is bounded text and numbers, whatever the candidate raised, pri
 import re
 import traceback
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, Final, Literal
 
 from drivegate_cases.documents.wording import one_line
+from drivegate_models.contract.duty.signals import DutySense
 from drivegate_models.contract.outer_loop.signals import Sense
 
 Phase = Literal["loading", "reset", "step"]
@@ -96,6 +97,13 @@ def refused_command(command: Any, *, finite: bool, step: int, sense: Sense) -> F
     values = ", ".join(f"{name} = {command[name]}" for name in (command.dtype.names or ())[1:])
     message = OVERWRITTEN_SIZE if finite else f"the command is not finite: {values}"
     return Fault(FaultKind.INVALID_OUTPUT, message, "step", step=step, time=sense.time, sense=sense._asdict())
+
+
+def placed(fault: Fault, step: int, sense: Sense | DutySense) -> Fault:
+    """Add to a fault where in a run it happened, unless that was before the first step."""
+    if fault.phase != "step":
+        return fault
+    return replace(fault, step=step, time=sense.time, sense=sense._asdict())
 
 
 def bounded_line(text: str) -> str:

@@ -78,18 +78,17 @@ def command(
     The exit code is 0 when the report is complete, whatever the candidates do, 2 when one is refused, 3 after a
     fault of drivegate.
     """
-    from drivegate.drives.choice import require_angles
     from drivegate.studies.compare.compare_all import compare_all
     from drivegate.studies.compare.options import ComparisonOptions
 
     named = [found for drive in drives if (found := named_drive(drive)) is not None]
-    if len(named) > 1:
-        for found in named:
-            require_angles(found)
     options = ComparisonOptions(effort, seed, workers, checks, cycle, named[0] if named else None)
     if len(named) > 1:
+        from drivegate.drives.choice import require_angles
         from drivegate.studies.compare.compare_drives import compare_drives
 
+        for found in named:
+            require_angles(found)
         ending = compare_drives(candidates, named, output, options)
     else:
         ending = compare_all(candidates, output, options)

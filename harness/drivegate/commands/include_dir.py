@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 SCHEMA = 1
-HEADERS = ("drivegate.h", "drivegate_duty.h")
 
 
 @click.command("include-dir")
 @json_option
 def command() -> Outcome:
     """Print the folder of the headers, as in: cc -shared -fPIC -I"$(drivegate include-dir)" mine.c -o mine.so."""
+    from drivegate.candidates.contract import HEADERS
     from drivegate.candidates.native.compiler import include_folder
 
     folder = include_folder()
@@ -27,8 +27,8 @@ def command() -> Outcome:
         "schema": SCHEMA,
         "kind": "include-dir",
         "folder": str(folder),
-        "header": str(folder / HEADERS[0]),
-        "headers": [str(folder / header) for header in HEADERS],
+        "header": str(folder / HEADERS["current"]),
+        "headers": [str(folder / header) for header in HEADERS.values()],
     }
 
     def show(console: Console) -> None:

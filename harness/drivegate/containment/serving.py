@@ -201,10 +201,15 @@ class _Server:
         return _entry_point(prepared.loop, arguments), prepared.records
 
     def _senses_given(self, pending: list[Any], memory: SharedMemory) -> Reply:
-        from drivegate_models.loop.exchange import COMPLETED
         from drivegate_models.loop.given_steps import make_steps
 
         self._steps_made_ready(pending, memory)
+        return self._stepped(make_steps, pending)
+
+    def _stepped(self, make_steps: Any, pending: list[Any]) -> Reply:
+        """Make steps through Senses that are ready."""
+        from drivegate_models.loop.exchange import COMPLETED
+
         steps = _entry_point(make_steps, pending[0])
         with self._progress.running():
             status, answered = steps(*pending.pop())
@@ -228,16 +233,10 @@ class _Server:
         pending.append(_out_of_sight((exchange, order.senses)))
 
     def _duty_senses_given(self, pending: list[Any], memory: SharedMemory) -> Reply:
-        from drivegate_models.loop.exchange import COMPLETED
         from drivegate_models.loop.given_duty_steps import make_duty_steps
 
         self._duty_steps_made_ready(pending, memory)
-        steps = _entry_point(make_duty_steps, pending[0])
-        with self._progress.running():
-            status, answered = steps(*pending.pop())
-        if status == COMPLETED:
-            return Reply(Ending.DONE, int(status), int(answered))
-        return self._stopped(int(status), int(answered))
+        return self._stepped(make_duty_steps, pending)
 
     def _duty_steps_made_ready(self, pending: list[Any], memory: SharedMemory) -> None:
         from drivegate_models.loop.given_duty_steps import given_duty_steps

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
-from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
@@ -12,6 +11,7 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.drives.kinds import DEFAULT_KIND, DRIVE_KINDS
 from drivegate.drives.running import recorded
+from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate.runs.record import rated_torque
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
@@ -89,4 +89,4 @@ def _judge_a_run(loaded: JudgedCandidate, kind: str) -> None:
 
 def _plain_scenario(kind: str) -> Scenario:
     drive_kind = DRIVE_KINDS[kind]
-    return drive_kind.fixed_scenarios(load_drive(drive_kind.default_drive), Declaration())[1]
+    return drive_kind.fixed_scenarios(load_drive(drive_kind.default_drive), NOTHING_DECLARED)[1]

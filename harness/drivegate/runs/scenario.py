@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller, show_drive
-from drivegate.candidates.fault import CandidateFault, refused_command
-from drivegate.containment.contained_controller import ContainedController, PlayedCommands
+from drivegate.candidates.fault import CandidateFault, placed, refused_command
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
 from drivegate.containment.restarting import Restarter
+from drivegate.runs.playback import require_same_plant, stepped_here
 from drivegate.scenarios.windows import observed_windows
 from drivegate_cases.drive.limits import mean_time
 from drivegate_cases.scenario.disturbance import Dropout
@@ -203,12 +202,9 @@ def run_in_closed_loop(
     restarts = [round(time / scenario.control_period_s) for time in scenario.restarts_s]
     show_drive(controller, scenario.drive)
     controller.reset(nameplate)
-    if isinstance(controller, ContainedController):
-        by_address: Controller = controller.run(
-            CloseLoop(prepare, plant, options, restarts), scenario.control_periods
-        )
-    else:
-        by_address = controller
+    by_address = stepped_here(
+        controller, CloseLoop(prepare, plant, options, restarts), scenario.control_periods
+    )
     stepped = by_address if wrap is None else wrap(by_address)
     restarter = Restarter(stepped, nameplate)
     prepared = prepare(
@@ -229,11 +225,7 @@ def run_in_closed_loop(
         raise restarter.failures.pop()
     if run.status != COMPLETED:
         _raise_ending(run, by_address)
-    if (
-        isinstance(by_address, PlayedCommands)
-        and (fault := by_address.disturbed(prepared.records)) is not None
-    ):
-        raise CandidateFault(fault)
+    require_same_plant(by_address, prepared.records)
     return run
 
 
@@ -242,11 +234,7 @@ def _raise_ending(run: ClosedLoopRun, controller: Controller) -> None:
     step = int(run.steps)
     fault = controller.fault
     if run.status == STOPPED and fault is not None:
-        # A step before the first one was no step.
-        placed = fault.phase == "step"
-        raise CandidateFault(
-            replace(fault, step=step, time=sense.time, sense=sense._asdict()) if placed else fault
-        )
+        raise CandidateFault(placed(fault, step, sense))
     if run.status in (STOPPED, NOT_FINITE):
         finite = run.status != NOT_FINITE
         raise CandidateFault(refused_command(run.last_command[0], finite=finite, step=step, sense=sense))

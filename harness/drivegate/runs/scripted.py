@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.fault import CandidateFault, Fault, refused_command
+from drivegate.candidates.fault import CandidateFault, Fault, placed, refused_command
 from drivegate.containment.candidate_process import Answered
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController
@@ -83,9 +83,7 @@ def _placed(answered: Answered, row: NDArray[np.float64], step: int) -> Fault:
             command[list(OUTPUTS)] = tuple(answered.commands[-1])
         finite = answered.status != NOT_FINITE
         return refused_command(command[0], finite=finite, step=step, sense=sense)
-    if fault.phase != "step":
-        return fault
-    return replace(fault, step=step, time=sense.time, sense=sense._asdict())
+    return placed(fault, step, sense)
 
 
 def scripted_angles(

@@ -38,7 +38,7 @@ def run_once(loaded: JudgedCandidate, scenario: Scenario) -> RunRecord:
 
 
 @pytest.fixture
-def written(tmp_path: Path):  # type: ignore[no-untyped-def]
+def written(tmp_path: Path):
     """Write a candidate."""
 
     def write(kind: str, drive: str | None = None) -> Path:
@@ -62,7 +62,7 @@ def plain_runs(drive: str) -> tuple[Scenario, Scenario]:
 
 @pytest.mark.parametrize("kind", DUTY_KINDS)
 @pytest.mark.parametrize("drive", DRIVES)
-def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: str, drive: str) -> None:  # type: ignore[no-untyped-def]
+def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: str, drive: str) -> None:
     candidate = resolve_candidate(str(written(kind) / "candidate.toml"))
     torques, speeds = plain_runs(drive)
     with Judge(candidate) as judge:
@@ -77,7 +77,7 @@ def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: 
             assert missed == {}, f"{kind} on {drive}: {missed}"
 
 
-def test_both_templates_ask_for_nearly_the_same_duty_ratios(written) -> None:  # type: ignore[no-untyped-def]
+def test_both_templates_ask_for_nearly_the_same_duty_ratios(written) -> None:
     torques, _ = plain_runs("pm-ac-interior")
     answers = []
     for kind in DUTY_KINDS:
@@ -92,7 +92,7 @@ def test_both_templates_ask_for_nearly_the_same_duty_ratios(written) -> None:  #
 
 
 @pytest.mark.parametrize("kind", DUTY_KINDS)
-def test_it_is_judged_on_the_drive_that_is_named(written, kind: str) -> None:  # type: ignore[no-untyped-def]
+def test_it_is_judged_on_the_drive_that_is_named(written, kind: str) -> None:
     plain = resolve_candidate(str(written(kind) / "candidate.toml"))
     assert (plain.contract, drive_for(plain).name) == ("duty", "pm-ac-interior")
     named = written(kind, "pm-ac-surface")
@@ -100,7 +100,7 @@ def test_it_is_judged_on_the_drive_that_is_named(written, kind: str) -> None:  #
     assert read_waivers(named / "waivers.toml", ["mine"]) == (), "none of its failures is known beforehand"
 
 
-def test_a_template_of_one_contract_is_not_written_for_a_drive_of_the_other(written) -> None:  # type: ignore[no-untyped-def]
+def test_a_template_of_one_contract_is_not_written_for_a_drive_of_the_other(written) -> None:
     with pytest.raises(
         InputError, match=r"'pm-ac-surface' .* takes duty ratios, .* take one of python-duty, embedded"
     ):
@@ -124,7 +124,7 @@ def test_a_template_of_one_contract_is_not_written_for_a_drive_of_the_other(writ
     ],
 )
 def test_what_the_models_structures_do_not_have_is_told_by_its_name(
-    written,  # type: ignore[no-untyped-def]
+    written,
     file: str,
     line: str,
     sentence: str,
@@ -153,7 +153,7 @@ int main(void) {
 """
 
 
-def test_conversions_round_to_the_nearest_and_saturate(written) -> None:  # type: ignore[no-untyped-def]
+def test_conversions_round_to_the_nearest_and_saturate(written) -> None:
     from drivegate.candidates.native.compiler import include_folder
 
     folder = written("embedded-coder")
@@ -177,7 +177,7 @@ def test_conversions_round_to_the_nearest_and_saturate(written) -> None:  # type
     assert printed[-1] == "5.283185 0.716815"
 
 
-def test_its_own_test_runs_and_passes(written) -> None:  # type: ignore[no-untyped-def]
+def test_its_own_test_runs_and_passes(written) -> None:
     ended = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "ignore"],
         cwd=written("embedded-coder"),

@@ -53,7 +53,7 @@ def digest_of(loaded: JudgedCandidate, scenario: Scenario) -> int:
 
 
 @pytest.fixture
-def attempt(tmp_path: Path, no_process_left: None):  # type: ignore[no-untyped-def]
+def attempt(tmp_path: Path, no_process_left: None):
     """Run a candidate that does something in its fiftieth step, or when it is imported."""
 
     def made(step: str = "pass", top: str = "pass") -> int | Fault:
@@ -66,14 +66,14 @@ def attempt(tmp_path: Path, no_process_left: None):  # type: ignore[no-untyped-d
     return made
 
 
-def test_an_honest_one_is_judged(attempt) -> None:  # type: ignore[no-untyped-def]
+def test_an_honest_one_is_judged(attempt) -> None:
     assert isinstance(attempt(), int)
 
 
 LAYOUT = "from drivegate_models.contract.duty.records import DUTY_COMMAND"
 
 
-def test_commands_written_over_are_what_is_judged(attempt) -> None:  # type: ignore[no-untyped-def]
+def test_commands_written_over_are_what_is_judged(attempt) -> None:
     fault = attempt(f"{LAYOUT}\nshared().commands(DUTY_COMMAND)['first_duty'][:9] = 0.9")
     assert isinstance(fault, Fault)
     assert fault.kind is FaultKind.MEMORY, "the plant there has had other commands than are kept"
@@ -88,7 +88,7 @@ there.prepared_duty_loop = easier
 """
 
 
-def test_another_plant_in_the_candidates_process_is_noticed(attempt) -> None:  # type: ignore[no-untyped-def]
+def test_another_plant_in_the_candidates_process_is_noticed(attempt) -> None:
     fault = attempt(top=CHANGED_PLANT)
     assert isinstance(fault, Fault)
     assert fault.kind is FaultKind.MEMORY, fault.message
@@ -112,7 +112,7 @@ if any(map(holds, seen)):
 """
 
 
-def test_what_is_to_come_in_a_run_is_nowhere_to_be_seen(attempt) -> None:  # type: ignore[no-untyped-def]
+def test_what_is_to_come_in_a_run_is_nowhere_to_be_seen(attempt) -> None:
     ended = attempt(LOOK.replace("1.2345", "float('1.23' + '45')"))
     assert isinstance(ended, int), f"{ended}: the reference of a later step lies in the candidate's sight"
 
@@ -125,7 +125,7 @@ def test_what_is_to_come_in_a_run_is_nowhere_to_be_seen(attempt) -> None:  # typ
         ("os.kill(os.getpid(), 11)", FaultKind.CRASH),
     ],
 )
-def test_what_ends_or_holds_its_process_is_a_verdict(attempt, step: str, kind: FaultKind) -> None:  # type: ignore[no-untyped-def]
+def test_what_ends_or_holds_its_process_is_a_verdict(attempt, step: str, kind: FaultKind) -> None:
     fault = attempt(step)
     assert isinstance(fault, Fault)
     assert (fault.kind, fault.step) == (kind, 49), fault

@@ -90,7 +90,7 @@ def test_the_spectrum_shows_the_carriers_sidebands() -> None:
 def test_needless_weakening_shows_in_the_losses() -> None:
     drive = drive_of("pm-ac-interior")
     told, other = (
-        behaviour(lambda scenario, name=name: run(scenario, name), drive, None)["points"]  # type: ignore[misc]
+        behaviour(lambda scenario, name=name: run(scenario, name), drive, None)["points"]
         for name in ("foc", "faulty:stuck-weakening")
     )
     assert told[0]["above_least_percent"] < 1.0 < other[0]["above_least_percent"]

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate, NativeBuild
-from drivegate.candidates.contract import ContractName
+from drivegate.candidates.contract import HEADERS, ContractName
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.native.controller import RESETS, STEPS, NativeController, same_arithmetic
@@ -18,7 +18,6 @@ LARGEST_STATE: Final = 64 * 2**20
 """Greatest size of a candidate's state (bytes)."""
 
 _COMMON: Final = ("drivegate_abi_version", "drivegate_state_size")
-_HEADERS: Final[dict[ContractName, str]] = {"current": "drivegate.h", "duty": "drivegate_duty.h"}
 _VERSIONS_IN_ONE: Final = 1000
 
 
@@ -82,7 +81,7 @@ def _loaded(library: Path, name: str) -> tuple[Any, ContractName]:
     if missing:
         raise InputError(
             f"{name} does not export {', '.join(missing)}; a controller exports the functions that "
-            f"{_HEADERS[contract]} declares"
+            f"{HEADERS[contract]} declares"
         )
     functions.drivegate_abi_version.restype = ctypes.c_int64
     functions.drivegate_state_size.restype = ctypes.c_int64

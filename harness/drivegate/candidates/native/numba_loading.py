@@ -18,9 +18,9 @@ from numba.core.ccallback import CFunc
 from numba.core.dispatcher import Dispatcher
 from numba.np.numpy_support import carray
 
-from drivegate.candidates.contract import ContractName
+from drivegate.candidates.contract import HEADERS, ContractName
 from drivegate.candidates.fault import Fault, bounded_line, exception_fault
-from drivegate.candidates.native.controller import NativeController, ResetFunction
+from drivegate.candidates.native.controller import RESETS, STEPS, NativeController, ResetFunction
 from drivegate.candidates.native.loading import LARGEST_STATE
 from drivegate.candidates.native.numba_controller import NumbaController
 from drivegate_cases.documents.wording import shown_path
@@ -35,13 +35,7 @@ _RECORDS: Final = {
     "current": (NAMEPLATE, SENSE, COMMAND),
     "duty": (DUTY_NAMEPLATE, DUTY_SENSE, DUTY_COMMAND),
 }
-_NAMES: Final = {
-    "current": {"reset": "drivegate_reset in drivegate.h", "step": "drivegate_step in drivegate.h"},
-    "duty": {
-        "reset": "drivegate_duty_reset in drivegate_duty.h",
-        "step": "drivegate_duty_step in drivegate_duty.h",
-    },
-}
+_FUNCTIONS: Final = {"reset": RESETS, "step": STEPS}
 _RESET: Final = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
 _COLOUR: Final = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE: Final = re.compile(
@@ -160,7 +154,7 @@ def _from_callbacks(definition: NumbaController, name: str) -> CompiledControlle
         if signature.return_type != answer or len(signature.args) != count:
             raise InputError(
                 f"{name}: {role} has the type {_bounded(str(signature))}, but must return {answer} and take {count} "
-                f"pointers, as {_NAMES[definition.contract][role]}"
+                f"pointers, as {_FUNCTIONS[role][definition.contract]} in {HEADERS[definition.contract]}"
             )
     step: Any = definition.step
     reset: Any = definition.reset

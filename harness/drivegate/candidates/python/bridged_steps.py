@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import replace
 from numbers import Real
@@ -38,7 +39,7 @@ class InvalidOutput(Exception):
     """What a candidate's step returned is not a command that the plant could take."""
 
 
-class BridgedSteps:
+class BridgedSteps(ABC):
     """What a callback works on; `step` is the C function's body.
 
     Attributes
@@ -58,9 +59,9 @@ class BridgedSteps:
         self.refusal: InputError | None = None
         self.candidate_step = candidate_step
 
+    @abstractmethod
     def step(self, state: int | None, sense_address: int, command_address: int) -> None:
         """Step the candidate on what lies at an address, and write its answer to another."""
-        raise NotImplementedError
 
     def stop(self, error: BaseException, sense: AnySense | None, command_address: int) -> None:
         """End the run. Memory may be exhausted, so the loop is stopped first and the fault may stay terse."""

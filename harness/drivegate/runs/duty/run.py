@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final, TypeAlias
 
@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller
-from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, FaultKind
-from drivegate.containment.contained_controller import ContainedController, PlayedCommands
+from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, FaultKind, placed
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
+from drivegate.runs.playback import require_same_plant, stepped_here
 from drivegate.runs.scenario import plant_load, plant_schedule
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
@@ -109,22 +109,15 @@ def run_duty(
     options = _options(scenario, sensors)
     nameplate: Any = duty_nameplate(scenario)
     controller.reset(nameplate)
-    if isinstance(controller, ContainedController):
-        order = CloseLoop(prepare, plant, options, commands=DUTY_COMMAND)
-        by_address: Controller = controller.run(order, scenario.control_periods)
-    else:
-        by_address = controller
+    order = CloseLoop(prepare, plant, options, commands=DUTY_COMMAND)
+    by_address = stepped_here(controller, order, scenario.control_periods)
     prepared = prepare(
         *plant, **options, step_address=by_address.step_address, state_address=by_address.state_address
     )
     run = prepared.run()
     if run.status != COMPLETED:
         _raise_ending(run, prepared.exchange, by_address)
-    if (
-        isinstance(by_address, PlayedCommands)
-        and (fault := by_address.disturbed(prepared.records)) is not None
-    ):
-        raise CandidateFault(fault)
+    require_same_plant(by_address, prepared.records)
     return DutyClosedLoopRun(
         columns=columns,
         trace=run.trace,
@@ -160,10 +153,7 @@ def _raise_ending(run: Any, exchange: Any, controller: Controller) -> None:
     step = int(run.steps)
     fault = controller.fault
     if run.status == STOPPED and fault is not None:
-        placed = fault.phase == "step"
-        raise CandidateFault(
-            replace(fault, step=step, time=sense.time, sense=sense._asdict()) if placed else fault
-        )
+        raise CandidateFault(placed(fault, step, sense))
     if run.status not in (STOPPED, NOT_FINITE, BAD_LEG):
         raise HarnessFault(f"the plant ended with status {run.status} at step {step}, {sense.time:g} s")
     message = refusal_of(run.commands[step], run.status)

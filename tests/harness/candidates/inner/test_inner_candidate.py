@@ -20,7 +20,7 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
 SURFACE = load_drive("pm-ac-surface")
-LOADED = load_step_scenario(SURFACE, 100.0, 3.0, (1.0,))  # type: ignore[arg-type]
+LOADED = load_step_scenario(SURFACE, 100.0, 3.0, (1.0,))
 PYTHON = """
 from drivegate import Command
 
@@ -71,7 +71,7 @@ def test_a_fault_behind_the_loop_is_the_candidates(tmp_path: Path) -> None:
 
 def test_a_torque_reference_is_refused_since_such_a_controller_follows_a_speed() -> None:
     with pytest.raises(InputError, match="follows a speed, but this run gives a torque reference"):
-        ended("inner:pi:reference", torque_scenario(SURFACE, 100.0, (1.0,)))  # type: ignore[arg-type]
+        ended("inner:pi:reference", torque_scenario(SURFACE, 100.0, (1.0,)))
 
 
 def test_it_is_judged_on_speed_references_alone() -> None:

@@ -60,7 +60,7 @@ def ended(tmp_path: Path, written: Callable[..., Path], short: Scenario) -> Call
     return run
 
 
-def test_its_commands_are_played_back_to_the_end(ended, tmp_path: Path, short: Scenario) -> None:  # type: ignore[no-untyped-def]
+def test_its_commands_are_played_back_to_the_end(ended, tmp_path: Path, short: Scenario) -> None:
     record = ended()
     assert isinstance(record, DutyRecord), record
     assert len(record.run.commands) == short.control_periods
@@ -70,7 +70,7 @@ def test_its_commands_are_played_back_to_the_end(ended, tmp_path: Path, short: S
     assert own.run.digest == record.run.digest
 
 
-def test_it_is_repeated_judged_and_timed(written, tmp_path: Path, short: Scenario) -> None:  # type: ignore[no-untyped-def]
+def test_it_is_repeated_judged_and_timed(written, tmp_path: Path, short: Scenario) -> None:
     with Judge(resolve_candidate(str(written(tmp_path, duty_source())))) as judge:
         outcome = judge.run(Job(run_fixed, FixedRuns((short,), repeat=True)))
         timed = judge.run(Job(time_steps, TimedSteps(torque_scenario(INTERIOR, 600.0, (0.0,)))))
@@ -81,7 +81,7 @@ def test_it_is_repeated_judged_and_timed(written, tmp_path: Path, short: Scenari
     assert "(native)" in timing.measured
 
 
-def test_a_duty_ratio_beyond_its_range_fails_its_check(ended) -> None:  # type: ignore[no-untyped-def]
+def test_a_duty_ratio_beyond_its_range_fails_its_check(ended) -> None:
     record = ended(fifth_step="command->duty_ratios[1] = 1.2;")
     margins = {margin.check: margin for margin in judged(record, kind_of(INTERIOR).checks()).margins}
     assert not margins["DUT-1"].met
@@ -97,7 +97,7 @@ def test_a_duty_ratio_beyond_its_range_fails_its_check(ended) -> None:  # type: 
         ("command->struct_size = -1;", "the command's struct_size was overwritten with a negative number"),
     ],
 )
-def test_an_answer_that_is_none_is_reported_with_its_inputs(ended, statement: str, message: str) -> None:  # type: ignore[no-untyped-def]
+def test_an_answer_that_is_none_is_reported_with_its_inputs(ended, statement: str, message: str) -> None:
     fault = ended(fifth_step=statement)
     assert (fault.kind, fault.phase, fault.step) == (FaultKind.INVALID_OUTPUT, "step", 4), fault
     assert message in fault.message
@@ -119,7 +119,7 @@ def test_an_answer_that_is_none_is_reported_with_its_inputs(ended, statement: st
         ),
     ],
 )
-def test_what_ends_its_process_or_its_reset_is_reported(ended, parts, kind: FaultKind, message: str) -> None:  # type: ignore[no-untyped-def]
+def test_what_ends_its_process_or_its_reset_is_reported(ended, parts, kind: FaultKind, message: str) -> None:
     fault = ended(**parts)
     assert fault.kind is kind, fault
     assert message in fault.message
@@ -145,7 +145,7 @@ BOTH = (
         ),
     ],
 )
-def test_a_library_that_cannot_be_used_is_refused(ended, parts, sentence: str) -> None:  # type: ignore[no-untyped-def]
+def test_a_library_that_cannot_be_used_is_refused(ended, parts, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence) as caught:
         ended(**parts)
     assert str(caught.value).isprintable()
