@@ -82,11 +82,8 @@ def command(
             write_plot(frame, plot, f"{resolved.name}: {scenario.name}")
     written = [str(path) for path in (csv, parquet, plot) if path is not None]
     document["files"] = written
-    hint = (
-        ""
-        if plot is not None
-        else f"drivegate simulate {quote(candidate)} {_named(case, report, run)} --plot run.png"
-    )
+    again = f"drivegate simulate {quote(candidate)} {_named(case, report, run)}{_on(drive, settings)}"
+    hint = "" if plot is not None else f"{again} --plot run.png"
 
     def show(console: Console) -> None:
         from drivegate.studies.simulate.display import show_run
@@ -103,3 +100,9 @@ def _named(case: str | None, report: Path | None, run: str | None) -> str:
         if case is not None
         else f"--from {quote(str(report))} --run {quote(str(run))}"
     )
+
+
+def _on(drive: str | None, settings: tuple[str, ...]) -> str:
+    """Write again what named the drive and set values of it, with the space before it."""
+    named = "" if drive is None else f" --drive {quote(drive)}"
+    return named + "".join(f" --set {quote(setting)}" for setting in settings)

@@ -12,11 +12,11 @@ import numpy as np
 from drivegate.studies.campaign.summary import KIND, SCHEMA
 from drivegate.studies.campaign.wording import interval_text, probability_text, share_text, told_margins
 from drivegate_cases.documents.wording import counted
-from drivegate_models.errors import InputError
 from drivegate_reports.campaign import distributions
 from drivegate_reports.campaign.distributions import CheckDistribution
 from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.printable import clean, plain_number
+from drivegate_reports.page.readable import require_document
 from drivegate_reports.page.style import house_style, inline_svg
 
 Row = Mapping[str, Any]
@@ -134,11 +134,7 @@ class CampaignView:
 
 def view_of(document: Row) -> CampaignView:
     """Prepare a summary for the page."""
-    if document.get("kind") != KIND:
-        raise InputError(f"the document is of kind {document.get('kind')!r}, but must be of kind '{KIND}'")
-    schema = document.get("schema")
-    if not isinstance(schema, int) or schema > SCHEMA:
-        raise InputError(f"the summary has the schema {schema!r}, but this version reads up to {SCHEMA}")
+    require_document(document, KIND, SCHEMA, "the summary")
     confidence = f"{100.0 * document['confidence']:g} %"
     shares = document["quantiles"]
     with house_style():

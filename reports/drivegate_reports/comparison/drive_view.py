@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from drivegate.studies.compare.drive_comparison import KIND, SCHEMA
-from drivegate_models.errors import InputError
 from drivegate_reports.comparison.cells import Sheet, name
 from drivegate_reports.comparison.drive_sheets import drive_point_sheet, drive_sheet, spread, summary_sheet
 from drivegate_reports.page.printable import clean
+from drivegate_reports.page.readable import require_document
 
 _MOST_SENTENCES: Final = 6
 
@@ -52,13 +52,7 @@ class DriveView:
 
 def drive_view_of(document: Mapping[str, Any]) -> DriveView:
     """Prepare the document of a comparison of drives for the page."""
-    if document.get("kind") != KIND:
-        raise InputError(f"the document is of kind {document.get('kind')!r}, but must be of kind '{KIND}'")
-    schema = document.get("schema")
-    if not isinstance(schema, int) or schema > SCHEMA:
-        raise InputError(
-            f"the comparison of drives has the schema {schema!r}, but this version reads up to {SCHEMA}"
-        )
+    require_document(document, KIND, SCHEMA, "the comparison of drives")
     drives = [name(entry["label"]) for entry in document["drives"]]
     return DriveView(
         headline=f"{', '.join(drives[:-1])} and {drives[-1]} under the same controllers",

@@ -8,11 +8,11 @@ from typing import Any
 
 from drivegate.studies.compare.duty.document import DUTY_KIND, SCHEMA
 from drivegate_cases.documents.wording import counted
-from drivegate_models.errors import InputError
 from drivegate_reports.comparison.cells import Cell, Sheet, absolute, figure, name, written
 from drivegate_reports.comparison.run_sheets import check_sheet
 from drivegate_reports.comparison.view import Trouble, provenance_rows, troubles_of
 from drivegate_reports.page.printable import clean
+from drivegate_reports.page.readable import require_document
 
 Row = Mapping[str, Any]
 
@@ -58,13 +58,7 @@ class DutyComparisonView:
 
 def duty_view_of(document: Mapping[str, Any]) -> DutyComparisonView:
     """Prepare the document for the page."""
-    if document.get("kind") != DUTY_KIND:
-        raise InputError(
-            f"the document is of kind {document.get('kind')!r}, but must be of kind '{DUTY_KIND}'"
-        )
-    schema = document.get("schema")
-    if not isinstance(schema, int) or schema > SCHEMA:
-        raise InputError(f"the comparison has the schema {schema!r}, but this version reads up to {SCHEMA}")
+    require_document(document, DUTY_KIND, SCHEMA, "the comparison")
     drive = document["drive"]
     return DutyComparisonView(
         candidates=tuple(name(entry["label"]) for entry in document["candidates"]),

@@ -8,7 +8,6 @@ from typing import Any, Final
 
 from drivegate.studies.compare.document import KIND, SCHEMA
 from drivegate_cases.documents.wording import counted
-from drivegate_models.errors import InputError
 from drivegate_reports.comparison.cells import Sheet, name, written
 from drivegate_reports.comparison.curves import held_rpm
 from drivegate_reports.comparison.run_sheets import (
@@ -20,6 +19,7 @@ from drivegate_reports.comparison.run_sheets import (
 )
 from drivegate_reports.comparison.sheets import difference_sheet, ranking_sheet, region_sheet
 from drivegate_reports.page.printable import clean
+from drivegate_reports.page.readable import require_document
 
 _MOST_SENTENCES: Final = 6
 _LONGEST_BLOCK: Final = 4_000
@@ -102,11 +102,7 @@ class ComparisonView:
 
 def view_of(document: Mapping[str, Any]) -> ComparisonView:
     """Prepare a comparison document for the page."""
-    if document.get("kind") != KIND:
-        raise InputError(f"the document is of kind {document.get('kind')!r}, but must be of kind '{KIND}'")
-    schema = document.get("schema")
-    if not isinstance(schema, int) or schema > SCHEMA:
-        raise InputError(f"the comparison has the schema {schema!r}, but this version reads up to {SCHEMA}")
+    require_document(document, KIND, SCHEMA, "the comparison")
     return ComparisonView(
         candidates=tuple(name(entry["label"]) for entry in document["candidates"]),
         headline=_headline(document),

@@ -16,7 +16,6 @@ from drivegate.results.result import RESULT_SCHEMA, counted_levels
 from drivegate.results.signature import fingerprint
 from drivegate.results.waivers import DAY_VARIABLE, present_day
 from drivegate.results.wording import drive_option
-from drivegate_models.errors import InputError
 from drivegate_reports.conformance.rows import (
     TONES,
     CheckRow,
@@ -27,6 +26,7 @@ from drivegate_reports.conformance.rows import (
     fault_row,
 )
 from drivegate_reports.page.printable import clean
+from drivegate_reports.page.readable import require_document
 
 MOST_FAULTS: Final = 20
 """Most faults that are shown one by one."""
@@ -112,15 +112,7 @@ class ResultView:
 
 def view_of(document: Mapping[str, Any]) -> ResultView:
     """Prepare a result document for the page."""
-    if document.get("kind") != "check":
-        raise InputError(
-            f"the document is of kind {document.get('kind')!r}, but must be a result of kind 'check'"
-        )
-    schema = document.get("schema")
-    if not isinstance(schema, int) or schema > RESULT_SCHEMA:
-        raise InputError(
-            f"the result has the schema {schema!r}, but this version reads up to {RESULT_SCHEMA}"
-        )
+    require_document(document, "check", RESULT_SCHEMA, "the result")
     candidate = document["candidate"]
     times = _shown_times(document)
     checks = tuple(check_row(_with_timed_numbers(check, times)) for check in document["checks"])

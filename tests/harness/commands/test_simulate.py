@@ -37,10 +37,12 @@ def test_a_run_is_summarised_and_its_trace_written(command, short, tmp_path):
 
 
 def test_people_get_tables_and_the_way_to_a_plot(command, short):
-    ended = command("simulate", "initial", "--case", short)
+    drive = ("--drive", "paper-5-phase", "--set", "resistance_ohm=0.09")
+    ended = command("simulate", "initial", "--case", short, *drive)
     assert ended.code == 0
     assert "steady from" in ended.out
-    assert "--plot" in ended.out
+    told = " ".join(ended.out.split())
+    assert f"next: drivegate simulate initial --case {short} {' '.join(drive)} --plot run.png" in told
 
 
 def test_commands_out_of_range_and_a_wrong_unit_are_told(command, short, tmp_path):

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.gate.events import CheckStarted, Event
 from drivegate.output.event_loop import followed
 from drivegate.output.progress import Display
 from drivegate.results.waivers import present_day
+from drivegate.studies.compare.candidate_runs import run_candidates, titled
 from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.engine import (
     Compared,
@@ -19,7 +19,6 @@ from drivegate.studies.compare.engine import (
     named_candidates,
     prepared,
     refused_of,
-    run_plan,
     solve_plan,
 )
 from drivegate.studies.compare.options import ComparisonOptions
@@ -70,18 +69,10 @@ def compared_on(
     all_compared = named_candidates(specifications, resolved)
     followed(prepared(drive), display)
     plan = planned_runs(drive, cycle, options.effort, options.seed)
-    for compared in all_compared:
-        if compared.error is not None:
-            continue
-        try:
-            runs = run_plan(compared, plan, seed=options.seed, workers=options.workers, checks=options.checks)
-            followed(_titled(runs, place), display)
-        except Exception as error:
-            compared.error = error
-    if all(compared.error is not None for compared in all_compared):
+    if not run_candidates(all_compared, plan, options, display, place=place):
         return ComparedDrive(drive, plan, all_compared, None)
     oracle: dict[str, Any] = {}
-    followed(_titled(solve_plan(plan, options.workers, oracle), place), display)
+    followed(titled(solve_plan(plan, options.workers, oracle), place), display)
     document = comparison_document(
         all_compared,
         plan,
@@ -94,12 +85,3 @@ def compared_on(
         timing={"started_utc": started, "seconds": round(time.monotonic() - began, 3)},
     )
     return ComparedDrive(drive, plan, all_compared, document)
-
-
-def _titled(events: Iterable[Event], place: str) -> Iterator[Event]:
-    """Add to the title of what begins."""
-    for event in events:
-        if place and isinstance(event, CheckStarted):
-            yield replace(event, candidate_name=f"{event.candidate_name}{place}")
-        else:
-            yield event

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from drivegate.checks.feasible_angles import FEASIBLE
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rich.console import Console
+    from rich.text import Text
 
 
 def show_comparison(console: Console, document: dict[str, Any], pages: Sequence[Path]) -> None:
@@ -25,12 +26,9 @@ def show_comparison(console: Console, document: dict[str, Any], pages: Sequence[
     )
     listed = table("place", "candidate", *figures, right=("place", *figures))
     for row in document["tables"]["ranking"]:
-        failed = row["required_failed"]
         listed.add_row(
-            plain(row["status"] if row["rank"] is None else row["rank"]),
-            plain(row["candidate"]),
-            "–" if failed is None else str(failed),
-            f"{row['points_held']} of {row['points_feasible']}",
+            *ranked(row),
+            *failed_and_held(row, "points_feasible"),
             without_negative_zero(row["power_above_first_w"], 1),
             without_negative_zero(row["current_above_first_a"], 2),
             number(row["gap_current_percent"], 2),
@@ -40,6 +38,17 @@ def show_comparison(console: Console, document: dict[str, Any], pages: Sequence[
     console.print(plain(f"rule: {document['rule']}"))
     console.print(plain(f"points and the best possible are of feasible angles: {FEASIBLE}"))
     show_faults_and_pages(console, document, pages)
+
+
+def ranked(row: Mapping[str, Any]) -> tuple[Text, Text]:
+    """Write the place of a candidate, or why it has none, and its name."""
+    return plain(row["status"] if row["rank"] is None else row["rank"]), plain(row["candidate"])
+
+
+def failed_and_held(row: Mapping[str, Any], points: str = "points") -> tuple[str, str]:
+    """Write how many required checks a candidate fails, and how many operating points it holds of those there are."""
+    failed = row["required_failed"]
+    return "–" if failed is None else str(failed), f"{row['points_held']} of {row[points]}"
 
 
 def show_faults_and_pages(console: Console, document: dict[str, Any], pages: Sequence[Path]) -> None:

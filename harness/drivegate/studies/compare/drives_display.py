@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from drivegate.output.console import number, plain, table
+from drivegate.studies.compare.display import failed_and_held
 from drivegate_cases.documents.wording import figure
 
 if TYPE_CHECKING:
@@ -30,12 +31,10 @@ def show_drive_comparison(console: Console, document: dict[str, Any], pages: Seq
     )
     listed = table("candidate", "drive", *figures, right=figures)
     for row in document["tables"]["summary"]:
-        failed = row["required_failed"]
         listed.add_row(
             plain(row["candidate"]),
             plain(row["drive"] if row["status"] == "compared" else f"{row['drive']}: {row['status']}"),
-            "–" if failed is None else str(failed),
-            f"{row['points_held']} of {row['points']}",
+            *failed_and_held(row),
             str(row["points_shared"]),
             number(row["efficiency_percent"], 2),
             number(row["losses_pu"], 4),

@@ -10,6 +10,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.output.event_loop import followed
 from drivegate.output.progress import Display
 from drivegate.results.waivers import present_day
+from drivegate.studies.compare.candidate_runs import run_candidates
 from drivegate.studies.compare.duty.document import duty_document
 from drivegate.studies.compare.duty.plan import planned_duty_runs
 from drivegate.studies.compare.duty.run import measured_duty
@@ -19,7 +20,6 @@ from drivegate.studies.compare.engine import (
     named_candidates,
     prepared,
     refused_of,
-    run_plan,
 )
 from drivegate.studies.compare.options import ComparisonOptions
 from drivegate_cases.documents.wording import one_line
@@ -41,23 +41,7 @@ def duty_compared_on(
     followed(prepared(drive), display)
     reference = _common_reference(all_compared)
     plan = planned_duty_runs(drive, options.effort, reference)
-    for compared in all_compared:
-        if compared.error is not None:
-            continue
-        try:
-            runs = run_plan(
-                compared,
-                plan,
-                seed=options.seed,
-                workers=options.workers,
-                checks=options.checks,
-                measure=measured_duty,
-                time_step=None,
-            )
-            followed(runs, display)
-        except Exception as error:
-            compared.error = error
-    if all(compared.error is not None for compared in all_compared):
+    if not run_candidates(all_compared, plan, options, display, measure=measured_duty, time_step=None):
         return None, refused_of(all_compared)
     document = duty_document(
         all_compared,

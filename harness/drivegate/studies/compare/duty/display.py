@@ -6,7 +6,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.output.console import plain, table
-from drivegate.studies.compare.display import show_faults_and_pages, without_negative_zero
+from drivegate.studies.compare.display import (
+    failed_and_held,
+    ranked,
+    show_faults_and_pages,
+    without_negative_zero,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -27,12 +32,9 @@ def show_duty_comparison(console: Console, document: dict[str, Any], pages: Sequ
     figures = ("required failed", "points held", *(head for _, head, _ in _COLUMNS))
     listed = table("place", "candidate", *figures, right=("place", *figures))
     for row in document["tables"]["ranking"]:
-        failed = row["required_failed"]
         listed.add_row(
-            plain(row["status"] if row["rank"] is None else row["rank"]),
-            plain(row["candidate"]),
-            "–" if failed is None else str(failed),
-            f"{row['points_held']} of {row['points']}",
+            *ranked(row),
+            *failed_and_held(row),
             *(without_negative_zero(row[key], digits) for key, _, digits in _COLUMNS),
         )
     console.print(listed)
