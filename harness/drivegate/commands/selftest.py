@@ -113,7 +113,7 @@ def command(
         _refuse(given, f"does not go with {'--faults' if faults and every_fault else '--drives'}")
     from drivegate.studies.selftest.selftest import chosen_mutations, selftested
 
-    mutations = chosen_mutations(faults)
+    mutations = () if drives is None else chosen_mutations(faults)
 
     from drivegate.drives.choice import drive_for
     from drivegate.studies.selftest.display import show_matrix
@@ -131,10 +131,10 @@ def command(
         )
         return _on_drives(request)
     amount = SelftestEffort(effort or "default", seeds, workers, search, drawn_only, named_drive(drive))
-    matrix = selftested(mutations, amount, designs=not faults and not drawn_only)
+    matrix = selftested(faults, amount, designs=not faults and not drawn_only)
     code = ExitCode.PASSED if matrix.passed else ExitCode.FAILED
     document = matrix.document() | {"drive": drive_for(None, amount.drive).identity()}
-    return Outcome(document, lambda console: show_matrix(console, matrix), code)
+    return Outcome(document, lambda console: show_matrix(console, matrix, drive), code)
 
 
 def _on_drives(request: DrivesRequest) -> Outcome:

@@ -18,7 +18,6 @@ DRIVE = ("--drive", "pm-ac-surface")
         ("compare", "foc", "foc-mtpa", *DRIVE, "--drive", "pm-ac-interior"),
         ("point", "--speed-rpm", "100", "--advance-deg", "0", "--torque-nm", "1", *DRIVE),
         ("map", "--speed-rpm", "100:200:2", "--torque-nm", "1", *DRIVE),
-        ("selftest", *DRIVE),
     ],
 )
 def test_a_command_that_asks_for_an_advance_angle_refuses_them(arguments: tuple[str, ...], refused) -> None:

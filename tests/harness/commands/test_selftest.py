@@ -1,12 +1,11 @@
 """The command that checks the checks."""
 
 from dataclasses import replace
-from types import MappingProxyType
 
 import pytest
 
-from drivegate.candidates.builtin.faults import catalogue
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
+from drivegate.studies.selftest import seeded_fault
 from drivegate.studies.selftest.drawn import run
 from drivegate.studies.selftest.drawn.gate_row import GateRow
 from drivegate_cases.drive.drive_document import load_drive
@@ -36,7 +35,7 @@ def test_several_faults_are_shown_in_a_matrix(command) -> None:
 
 def test_a_fault_that_its_check_misses_ends_with_1(command, monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = replace(MUTATIONS["flowchart-inverted"], check="TIM-1")
-    monkeypatch.setattr(catalogue, "MUTATIONS", MappingProxyType({**MUTATIONS, wrong.name: wrong}))
+    monkeypatch.setattr(seeded_fault, "FAULTS_OF", {"current": {**MUTATIONS, wrong.name: wrong}, "duty": {}})
     ended = command("selftest", "--effort", "quick", "--fault", wrong.name)
     assert ended.code == 1
     assert "TIM-1 misses the fault 'flowchart-inverted' with seed 0" in ended.out
@@ -77,3 +76,16 @@ def test_the_reference_and_a_fault_are_tried_on_a_drawn_drive(command, monkeypat
 )
 def test_options_that_do_not_fit_are_refused(words, told, refused) -> None:
     assert told in refused("selftest", *words)
+
+
+def test_faults_of_duty_ratios_are_tried_on_a_drive_that_takes_them(command, refused, tmp_path) -> None:
+    drive = tmp_path / "brief.json"
+    drive.write_text(load_drive("pm-ac-surface").replaced(settling_s=0.3).to_json(), encoding="utf-8")
+    faults = ("--fault", "swapped-phases", "--fault", "saliency-ignored")
+    ended = command("selftest", "--effort", "quick", "--drive", drive, *faults, "--json")
+    assert ended.code == 0, ended.out
+    swapped, ignored = ended.document["faults"]
+    assert (swapped["named_check"], swapped["caught"], swapped["runs_to_first"]) == ("ACC-1", True, 1)
+    assert ignored["does_not_apply"] == "what the controller is told wrong is right for this drive"
+    assert ended.document["checks"][:2] == ["PWR-1", "DUT-1"], "the checks are those of the contract"
+    assert "answers with duty ratios" in refused("selftest", "--fault", "swapped-phases")

@@ -37,6 +37,13 @@ class DutyFault:
     alter: Callable[[Any], None] | None = None
     spoilt: Callable[[DutyNameplate], dict[str, float]] | None = None
 
+    @property
+    def kind(self) -> str:
+        """What kind of fault it is; the self-test counts by kind."""
+        if self.told is not None:
+            return "Wrong numbers of the drive"
+        return "Regulation" if self.alter is not None else "Senses and answers"
+
 
 def _scaled(factor: float, *fields: str) -> Callable[[Any], None]:
     def alter(state: Any) -> None:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
-from drivegate.candidates.builtin.candidates import DESIGN_CANDIDATES
+from drivegate.candidates.builtin.candidates import DESIGN_CANDIDATES, DUTY_CANDIDATES
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.candidates.kinds import NEAR_PREFIX
+
+_WITHOUT_WEAKENING: Final = "foc-mtpa"
 
 
 @dataclass(frozen=True)
@@ -28,11 +31,14 @@ class CorrectDesign:
     near: bool = False
 
 
-def correct_designs() -> tuple[CorrectDesign, ...]:
-    """List the controllers that must pass.
+def correct_designs(contract: str = "current") -> tuple[CorrectDesign, ...]:
+    """List the controllers of a contract that must pass.
 
-    The published search fails what its lock-up fails, but follows its own flowchart.
+    The published search fails what its lock-up fails, but follows its own flowchart. Of the field-oriented ones, the
+    one without weakening gives less torque above base speed than there is.
     """
+    if contract == "duty":
+        return tuple(CorrectDesign(name) for name in DUTY_CANDIDATES if name != _WITHOUT_WEAKENING)
     return (
         CorrectDesign("reference"),
         *(CorrectDesign(name) for name in DESIGN_CANDIDATES),

@@ -16,7 +16,7 @@ class FaultRow:
     Attributes
     ----------
     name, kind, sentence, check : str
-        As in `drivegate.candidates.builtin.faults.mutation.Mutation`, with the numbers of the drive.
+        As in `SeededFault` and `FaultOnDrive`.
     catches : dict
         For each seed the catch, or None where the check missed the fault.
     failing : tuple of str

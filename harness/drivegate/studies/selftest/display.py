@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from shlex import quote
 from typing import TYPE_CHECKING
 
 from rich.text import Text
@@ -19,8 +20,8 @@ MISSED = "✗"
 ALSO = "·"
 
 
-def show_matrix(console: Console, matrix: Matrix) -> None:
-    """Print the self-test."""
+def show_matrix(console: Console, matrix: Matrix, drive: str | None = None) -> None:
+    """Print the self-test; `drive` is what the user named."""
     _show_faults(console, matrix)
     _show_counterexamples(console, matrix)
     _show_kinds(console, matrix)
@@ -45,7 +46,9 @@ def show_matrix(console: Console, matrix: Matrix) -> None:
         name = next(
             (row.name for row in matrix.faults if row.applies and not row.caught), matrix.faults[0].name
         )
-        console.print(plain(f"next: drivegate check faulty:{name} shows every check and scenario", "dim"))
+        on_drive = "" if drive is None else f" --drive {quote(drive)}"
+        words = f"next: drivegate check faulty:{name}{on_drive} shows every check and scenario"
+        console.print(plain(words, "dim"))
     else:
         console.print(plain("next: drivegate checks lists the checks", "dim"))
 

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, told_on
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import ShardOutcome
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
-from drivegate.drives.choice import drive_for, require_angles
+from drivegate.drives.choice import drive_for
+from drivegate.drives.kinds import kind_of
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import Event
 from drivegate.gate.plan import Origin, Work, planned_work
@@ -23,13 +23,10 @@ from drivegate.results.result import CheckOutcome, CheckResult
 from drivegate.studies.selftest.correct_designs import CorrectDesign
 from drivegate.studies.selftest.detection import FaultRow
 from drivegate.studies.selftest.matrix import DesignRow, LeastMargin
+from drivegate.studies.selftest.seeded_fault import FaultOnDrive, SeededFault
 from drivegate.studies.selftest.trial import Trial, TrialOutcome, run_trial
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import HarnessFault
-
-HOST: Final = "reference"
-"""Candidate that the worker processes are started for; the faulty controllers are loaded beside it."""
-
 
 SHRINKING_RUNS: Final = {"quick": 5, "default": 15, "nightly": 60}
 """Runs that may be spent on making one counterexample simpler, by effort."""
@@ -68,31 +65,33 @@ class SelftestEffort:
     drive: DriveDocument | None = None
 
 
-def try_faults(mutations: Sequence[Mutation], effort: SelftestEffort) -> Iterator[FaultRow]:
+def try_faults(faults: Sequence[SeededFault], effort: SelftestEffort) -> Iterator[FaultRow]:
     """Put faulty controllers before the checks named for them."""
-    drive = require_angles(drive_for(None, effort.drive))
+    drive = drive_for(None, effort.drive)
     compile_missing([effort.drive])
-    idle = {mutation.name: idle_on(mutation, drive) for mutation in mutations}
+    told = [fault.on(drive) for fault in faults]
     jobs = [
-        Job(run_trial, planned_trial(mutation, effort))
-        for mutation in mutations
-        if idle[mutation.name] is None
+        Job(run_trial, planned_trial(fault, effort))
+        for fault, on_drive in zip(faults, told, strict=True)
+        if on_drive.idle_because is None
     ]
     if not jobs:
-        yield from (_row(mutation, None, effort) for mutation in mutations)
+        yield from (_row(fault, on_drive, None, effort) for fault, on_drive in zip(faults, told, strict=True))
         return
+    # The processes are started for the controller that has no fault; the faulty ones are loaded beside it.
+    host = resolve_candidate(kind_of(drive).usual_candidate)
     count = effort.workers or os.cpu_count() or 1
-    with WorkerPool(resolve_candidate(HOST), workers=min(count, len(jobs))) as pool:
+    with WorkerPool(host, workers=min(count, len(jobs))) as pool:
         outcomes = pool.map(jobs)
-        for mutation in mutations:
-            yield _row(mutation, next(outcomes) if idle[mutation.name] is None else None, effort)
+        for fault, on_drive in zip(faults, told, strict=True):
+            yield _row(fault, on_drive, next(outcomes) if on_drive.idle_because is None else None, effort)
 
 
-def planned_trial(mutation: Mutation, effort: SelftestEffort) -> Trial:
+def planned_trial(fault: SeededFault, effort: SelftestEffort) -> Trial:
     """Plan what a faulty controller is put through."""
-    candidate = resolve_candidate(FAULTY_PREFIX + mutation.name)
+    candidate = resolve_candidate(FAULTY_PREFIX + fault.name)
     origins = _JUDGED_BY.get(
-        mutation.check, (Origin.DRAWN,) if effort.drawn_only else (Origin.FIXED, Origin.DRAWN)
+        fault.check, (Origin.DRAWN,) if effort.drawn_only else (Origin.FIXED, Origin.DRAWN)
     )
     plans = {
         seed: planned_work(
@@ -106,8 +105,8 @@ def planned_trial(mutation: Mutation, effort: SelftestEffort) -> Trial:
     }
     return Trial(
         candidate=candidate,
-        base=resolve_candidate(mutation.base),
-        check=mutation.check,
+        base=resolve_candidate(fault.base),
+        check=fault.check,
         fixed=_jobs(plans[0], origins, seeded=False),
         seeded={seed: _jobs(plan, origins, seeded=True) for seed, plan in plans.items()},
         budget=SHRINKING_RUNS[effort.name],
@@ -118,26 +117,27 @@ def _jobs(plan: Sequence[Work], origins: Sequence[Origin], *, seeded: bool) -> t
     return tuple(item.job for item in plan if item.origin in origins and (item.origin in _SEEDED) is seeded)
 
 
-def _row(mutation: Mutation, outcome: TrialOutcome | Fault | None, effort: SelftestEffort) -> FaultRow:
+def _row(
+    fault: SeededFault, on_drive: FaultOnDrive, outcome: TrialOutcome | Fault | None, effort: SelftestEffort
+) -> FaultRow:
     """Tell what has become of a fault; without an outcome, why it was not tried."""
-    drive = drive_for(None, effort.drive)
     if outcome is None:
         outcome = TrialOutcome({}, (), 0, (), 0)
     if isinstance(outcome, Fault):
         faults = (f"{outcome.kind.value}: {outcome.message}",)
         outcome = TrialOutcome(dict.fromkeys(range(effort.seeds)), (), 0, faults, 0)
     return FaultRow(
-        name=mutation.name,
-        kind=mutation.kind,
-        sentence=told_on(mutation, mutation.sentence, drive),
-        check=mutation.check,
+        name=fault.name,
+        kind=fault.kind,
+        sentence=on_drive.sentence,
+        check=fault.check,
         catches=outcome.catches,
         failing=outcome.failing,
         runs=outcome.runs,
         faults=outcome.faults,
         unconvincing=outcome.unconvincing,
-        shown_by=told_on(mutation, mutation.shown_by, drive),
-        idle_because=idle_on(mutation, drive),
+        shown_by=on_drive.shown_by,
+        idle_because=on_drive.idle_because,
     )
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from drivegate.studies.selftest.detection import FaultRow
     from drivegate.studies.selftest.matrix import DesignRow, Matrix
     from drivegate.studies.selftest.run import SelftestEffort
+    from drivegate.studies.selftest.seeded_fault import SeededFault
 
 TITLE = "faulty controllers"
 
@@ -27,35 +28,39 @@ def chosen_mutations(names: Sequence[str]) -> tuple[Mutation, ...]:
     return tuple(find_mutation(name.removeprefix(FAULTY_PREFIX)) for name in dict.fromkeys(names))
 
 
-def selftested(mutations: Sequence[Mutation], effort: SelftestEffort, *, designs: bool) -> Matrix:
-    """Put faulty controllers before the checks, and the correct designs if they are requested."""
-    from drivegate.checks.catalogue import CHECKS
+def selftested(names: Sequence[str], effort: SelftestEffort, *, designs: bool) -> Matrix:
+    """Put faulty controllers before the checks, all of them without names, and correct designs if requested."""
+    from drivegate.checks.catalogue import CHECKS_OF
+    from drivegate.drives.choice import drive_for
     from drivegate.studies.selftest.matrix import Matrix
+    from drivegate.studies.selftest.seeded_fault import chosen_faults
 
-    rows = _tried(mutations, effort)
-    return Matrix(tuple(check.id for check in CHECKS), rows, _judged(effort) if designs else ())
+    drive = drive_for(None, effort.drive)
+    rows = _tried(chosen_faults(names, drive), effort)
+    judged = _judged(drive.contract, effort) if designs else ()
+    return Matrix(tuple(check.id for check in CHECKS_OF[drive.contract]), rows, judged)
 
 
-def _tried(mutations: Sequence[Mutation], effort: SelftestEffort) -> tuple[FaultRow, ...]:
+def _tried(faults: Sequence[SeededFault], effort: SelftestEffort) -> tuple[FaultRow, ...]:
     # It brings the compiled plant, which a name that is refused does not need.
     from drivegate.studies.selftest.run import try_faults
 
     rows: list[FaultRow] = []
     with progress_on(sys.stderr) as display:
-        display.begin(TITLE, len(mutations))
-        for row in try_faults(mutations, effort):
+        display.begin(TITLE, len(faults))
+        for row in try_faults(faults, effort):
             rows.append(row)
             # Each line tells of another controller, so none is left out.
-            display.advance(len(rows), len(mutations), in_short(row), always=True)
+            display.advance(len(rows), len(faults), in_short(row), always=True)
     return tuple(rows)
 
 
-def _judged(effort: SelftestEffort) -> tuple[DesignRow, ...]:
+def _judged(contract: str, effort: SelftestEffort) -> tuple[DesignRow, ...]:
     from drivegate.studies.selftest.correct_designs import correct_designs
     from drivegate.studies.selftest.run import design_check, judged_design
 
     rows = []
-    for design in correct_designs():
+    for design in correct_designs(contract):
         for seed in range(effort.seeds):
             with progress_on(sys.stderr) as display:
                 result = finished(design_check(design, seed, effort), display)

@@ -8,7 +8,7 @@ from typing import Any
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault
-from drivegate.checks.catalogue import CHECKS
+from drivegate.checks.catalogue import ALL_CHECKS, CHECK_NAMES
 from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.judge import own_candidate
@@ -20,7 +20,7 @@ from drivegate.scenarios.facts import facts_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 
-_NOT_SHRUNK = frozenset({REPEATED, *(check.id for check in CHECKS if check.volatile)})
+_NOT_SHRUNK = frozenset({REPEATED, *(check.id for check in ALL_CHECKS.values() if check.volatile)})
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def run_trial(_host: JudgedCandidate, trial: Trial) -> TrialOutcome:
         for seed, jobs in trial.seeded.items():
             attempt.runs = before
             catches[seed] = attempt.first(jobs)
-    failing = tuple(check.id for check in CHECKS if check.id in attempt.failing)
+    failing = tuple(name for name in CHECK_NAMES if name in attempt.failing)
     return TrialOutcome(catches, failing, attempt.total, tuple(attempt.faults), attempt.unconvincing)
 
 

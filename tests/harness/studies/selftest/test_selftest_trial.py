@@ -14,6 +14,7 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest import trial as trial_module
 from drivegate.studies.selftest.run import SelftestEffort, planned_trial
+from drivegate.studies.selftest.seeded_fault import seeded
 from drivegate.studies.selftest.trial import Trial, run_trial
 from drivegate_cases.drive.drive_document import load_drive
 
@@ -113,9 +114,9 @@ def test_the_counterexample_is_made_simpler(
 
 @pytest.mark.parametrize("fault", ["slope-doubled", "flowchart-inverted"])
 def test_drawing_alone_has_to_do_without_the_fixed_scenarios(fault: str) -> None:
-    mutation = find_mutation(fault)
-    whole = planned_trial(mutation, SelftestEffort("quick", seeds=2))
-    drawn = planned_trial(mutation, SelftestEffort("quick", seeds=2, drawn_only=True))
+    known = seeded(fault, find_mutation(fault))
+    whole = planned_trial(known, SelftestEffort("quick", seeds=2))
+    drawn = planned_trial(known, SelftestEffort("quick", seeds=2, drawn_only=True))
     assert drawn.fixed == ()
     assert [len(jobs) for jobs in drawn.seeded.values()] == [len(jobs) for jobs in whole.seeded.values()]
     assert all(drawn.seeded.values()), "something has to be left that can catch the fault"

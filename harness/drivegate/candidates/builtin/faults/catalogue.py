@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Final
+from typing import Final, TypeVar
 
 from drivegate.candidates.builtin.faults import (
     angle_models,
@@ -24,6 +25,8 @@ from drivegate.candidates.builtin.faults import (
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_cases.documents.wording import nearest, one_line
 from drivegate_models.errors import InputError
+
+FaultT = TypeVar("FaultT")
 
 _KINDS: Final = (
     power_estimate.FAULTS,
@@ -48,9 +51,14 @@ MUTATIONS: Final = MappingProxyType({mutation.name: mutation for kind in _KINDS 
 
 def find_mutation(name: str) -> Mutation:
     """Find a faulty controller."""
-    if name not in MUTATIONS:
+    return find_fault(name, MUTATIONS)
+
+
+def find_fault(name: str, known: Mapping[str, FaultT]) -> FaultT:
+    """Find a faulty controller among those of a contract."""
+    if name not in known:
         raise InputError(
             f"the faulty controller '{one_line(name)}' is unknown, the nearest known one is "
-            f"'{nearest(name, MUTATIONS)}'; known are {', '.join(MUTATIONS)}"
+            f"'{nearest(name, known)}'; known are {', '.join(known)}"
         )
-    return MUTATIONS[name]
+    return known[name]

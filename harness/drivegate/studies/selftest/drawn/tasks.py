@@ -10,12 +10,14 @@ from typing import Any, Final
 
 from drivegate.candidates.builtin.faults.catalogue import find_mutation
 from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.drives.kinds import DEFAULT_KIND
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import Display
 from drivegate.studies.selftest.correct_designs import CorrectDesign
 from drivegate.studies.selftest.detection import FaultRow
 from drivegate.studies.selftest.drawn.gate_row import GateRow, gate_row
-from drivegate.studies.selftest.run import HOST, SelftestEffort, design_check, try_faults
+from drivegate.studies.selftest.run import SelftestEffort, design_check, try_faults
+from drivegate.studies.selftest.seeded_fault import seeded
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import HarnessFault, InputError
 
@@ -41,7 +43,8 @@ def run_faults(package: bytes, item: tuple[int, tuple[str, ...]]) -> list[dict[s
     outcomes: list[dict[str, Any]] = []
     while left:
         try:
-            for row in try_faults(tuple(left), _effort(package, number)):
+            faults = tuple(seeded(mutation.name, mutation) for mutation in left)
+            for row in try_faults(faults, _effort(package, number)):
                 outcomes.append(_outcome(row))
                 del left[0]
         except (OSError, MemoryError):
@@ -72,7 +75,9 @@ def _broken(mutation: Mutation, error: Exception) -> dict[str, Any]:
 def _gate(seed: int, effort: SelftestEffort) -> GateRow:
     """Check the reference; a drive that it cannot be judged on is an outcome too, and ends nothing else."""
     try:
-        return gate_row(finished(design_check(CorrectDesign(HOST), seed, effort), Display()))
+        return gate_row(
+            finished(design_check(CorrectDesign(DEFAULT_KIND.usual_candidate), seed, effort), Display())
+        )
     except (OSError, MemoryError):
         raise
     except Exception as error:

@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
-from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.output.console import console_for
 from drivegate.output.progress import Display
 from drivegate.studies.selftest.detection import FaultRow
@@ -18,6 +17,7 @@ from drivegate.studies.selftest.drawn.display import show_drives
 from drivegate.studies.selftest.drawn.gate_row import FailedCheck, GateRow, row_from
 from drivegate.studies.selftest.drawn.run import DrivesRequest, selftest_on_drives
 from drivegate.studies.selftest.run import SelftestEffort
+from drivegate.studies.selftest.seeded_fault import SeededFault
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import HarnessFault, InputError
 
@@ -163,11 +163,11 @@ def test_a_fault_that_does_nothing_on_a_drive_is_not_counted_there(
 
 
 def test_a_trial_that_breaks_ends_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
-    def tried(mutations: tuple[Mutation, ...], _effort: object) -> Iterator[FaultRow]:
-        for mutation in mutations:
-            if mutation.name == "drifts":
+    def tried(faults: tuple[SeededFault, ...], _effort: object) -> Iterator[FaultRow]:
+        for fault in faults:
+            if fault.name == "drifts":
                 raise HarnessFault("the plant is lost")
-            yield FaultRow(mutation.name, "", "", mutation.check, {0: None}, (), 4)
+            yield FaultRow(fault.name, "", "", fault.check, {0: None}, (), 4)
 
     monkeypatch.setattr(tasks, "try_faults", tried)
     package = tasks.packed(SelftestEffort("quick"), {7: load_drive("paper-5-phase")})

@@ -1,0 +1,103 @@
+"""A faulty controller of either contract as the self-test has it: its check, and what it is on a drive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS, DutyFault
+from drivegate.candidates.builtin.faults.catalogue import MUTATIONS, find_fault
+from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, told_on
+from drivegate.candidates.kinds import FAULTY_PREFIX
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.drives.choice import require_contract
+from drivegate.drives.pm_ac import PM_AC
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+
+FAULTS_OF: Final[Mapping[str, Mapping[str, Mutation | DutyFault]]] = {
+    "current": MUTATIONS,
+    "duty": DUTY_FAULTS,
+}
+"""The faulty controllers of each contract, by their names."""
+
+
+@dataclass(frozen=True)
+class FaultOnDrive:
+    """What a fault is on one drive.
+
+    Attributes
+    ----------
+    sentence : str
+        What is wrong with the controller, with the drive's numbers.
+    shown_by : str
+        What a scenario must have to show it; empty where loaded steady runs do.
+    idle_because : str or None
+        Why it does nothing on the drive; None where it does something.
+    """
+
+    sentence: str
+    shown_by: str
+    idle_because: str | None
+
+
+@dataclass(frozen=True)
+class SeededFault:
+    """A built-in controller with one known fault.
+
+    Attributes
+    ----------
+    name : str
+        Its name; as a candidate it is named ``faulty:`` and this.
+    kind : str
+        What kind of fault it is; the self-test counts by kind.
+    check : str
+        Identifier of the check that must catch it.
+    base : str
+        Name of the controller without the fault.
+    on : callable
+        From a drive to what the fault is there; some need the compiled oracle for it.
+    """
+
+    name: str
+    kind: str
+    check: str
+    base: str
+    on: Callable[[DriveDocument], FaultOnDrive]
+
+
+def chosen_faults(names: Sequence[str], drive: DriveDocument) -> tuple[SeededFault, ...]:
+    """Find faulty controllers of a drive's contract by their names; without any, all of them."""
+    known: Mapping[str, Mutation | DutyFault] = FAULTS_OF[drive.contract]
+    chosen = dict.fromkeys(name.removeprefix(FAULTY_PREFIX) for name in names) or known
+    for name in chosen:
+        if any(name in faults for faults in FAULTS_OF.values()):
+            require_contract(resolve_candidate(FAULTY_PREFIX + name), drive)
+    return tuple(seeded(name, find_fault(name, known)) for name in chosen)
+
+
+def seeded(name: str, fault: Mutation | DutyFault) -> SeededFault:
+    """Give a faulty controller as the self-test has it."""
+    if isinstance(fault, Mutation):
+        return SeededFault(name, fault.kind, fault.check, fault.base, partial(_mutation_on, fault))
+    return SeededFault(name, fault.kind, fault.check, PM_AC.usual_candidate, partial(_duty_fault_on, fault))
+
+
+def _mutation_on(mutation: Mutation, drive: DriveDocument) -> FaultOnDrive:
+    sentence, shown_by = (told_on(mutation, text, drive) for text in (mutation.sentence, mutation.shown_by))
+    return FaultOnDrive(sentence, shown_by, idle_on(mutation, drive))
+
+
+def _duty_fault_on(fault: DutyFault, drive: DriveDocument) -> FaultOnDrive:
+    return FaultOnDrive(fault.sentence, "", _idle_because(fault, drive))
+
+
+def _idle_because(fault: DutyFault, drive: DriveDocument) -> str | None:
+    """Tell whether a controller that is told something wrong is told nothing but the truth."""
+    assert isinstance(drive, PmAcDocument), "controllers of duty ratios have such a drive"
+    plate = drive.duty_nameplate(drive.control_period_s, torque_reference=True)
+    if fault.told is None or fault.told(plate) != plate:
+        return None
+    return "what the controller is told wrong is right for this drive"
