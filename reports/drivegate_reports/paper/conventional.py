@@ -24,6 +24,7 @@ from drivegate_reports.paper.figures.conventional_ripple_map import (
     ripple_map,
     widths_in_words,
 )
+from drivegate_reports.paper.kinds_of_drives import numbers_of_kinds
 from drivegate_reports.paper.verdicts import ComparedStatement, Number, Verdict
 
 SIGN_ANGLE_DEG: Final = 60.0
@@ -159,6 +160,7 @@ CONVENTIONAL: Final[Mapping[str, tuple[Callable[[], ComparedStatement], ...]]] =
 """What is compared on conventional drives, by fact; apart, since it takes the plant of another kind of drive."""
 
 CONVENTIONAL_NUMBERS: Final[Mapping[str, Callable[[], list[tuple[str, str]]]]] = {
-    "F8": _star_with_wide_windows
+    "F8": _star_with_wide_windows,
+    "F9": numbers_of_kinds,
 }
-"""Numbers of the findings on conventional drives."""
+"""Numbers of the findings on other kinds of drives."""

@@ -14,6 +14,7 @@ from drivegate_reports.paper.figures import (
     conventional_drives,
     conventional_ripple_map,
     input_current,
+    kinds_of_drives,
     search_trajectory,
 )
 
@@ -25,6 +26,7 @@ README_FIGURES: Final[Mapping[str, Callable[[], Figure]]] = {
     "initial-against-optimal": lambda: input_current.draw(input_current.input_current_sweep()),
     "conventional-drives": lambda: conventional_drives.draw(conventional_drives.conventional_drives()),
     "conventional-ripple": lambda: conventional_ripple_map.draw(conventional_ripple_map.ripple_map()),
+    "kinds-of-drives": lambda: kinds_of_drives.draw(kinds_of_drives.kinds_over_speed()),
 }
 """How each figure is drawn, by the name of its file."""
 
