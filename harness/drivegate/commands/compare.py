@@ -73,8 +73,8 @@ def command(
 
     The report ranks them, and tells who wins where and by how much. A CANDIDATE is whatever drivegate check takes.
     With more than one --drive, the same candidates run on each at the same shares of its range and rating, and the
-    report puts the drives side by side, absolute and per unit. Controllers of duty ratios are compared on one drive,
-    by losses, currents and ripple over what is possible, and by their steps.
+    report puts the drives side by side, absolute and per unit. Controllers of duty ratios are compared by losses,
+    currents and ripple over what is possible, and by their steps.
     The exit code is 0 when the report is complete, whatever the candidates do, 2 when one is refused, 3 after a
     fault of drivegate.
     """
@@ -84,11 +84,8 @@ def command(
     named = [found for drive in drives if (found := named_drive(drive)) is not None]
     options = ComparisonOptions(effort, seed, workers, checks, cycle, named[0] if named else None)
     if len(named) > 1:
-        from drivegate.drives.choice import require_angles
         from drivegate.studies.compare.compare_drives import compare_drives
 
-        for found in named:
-            require_angles(found)
         ending = compare_drives(candidates, named, output, options)
     else:
         ending = compare_all(candidates, output, options)

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 def _not_yet(*_: object) -> NoReturn:
     """Say that a command takes no drives of this kind."""
     raise InputError(
-        "a drive of the kind 'pm-ac' is taken by drivegate check, checks, compare on one drive, drive, new, replay, "
-        "report and simulate alone so far; name another drive"
+        "a drive of the kind 'pm-ac' is taken by drivegate check, checks, compare, drive, new, replay, report, "
+        "selftest and simulate alone so far; name another drive"
     )
 
 

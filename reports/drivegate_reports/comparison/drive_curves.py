@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_FULL_PERCENT: Final = 100.0
 _OVER_SPEED: Final = (
     ("ripple_percent", "torque ripple (%)"),
     ("current_sum_pu", "Σ|i| (pu)"),
@@ -60,7 +59,7 @@ def drive_figures(document: Mapping[str, Any]) -> tuple[PageFigure, ...]:
                     f"{name(row['drive'])}: rated power up to {written(row['constant_power_up_to_pu'], 2)} pu."
                     for row in document["tables"]["drives"]
                 ),
-                "What some angle gives at the current limit, whatever the controller, up to overspeed; 1 is rated "
+                "What the drive gives at the current limit, whatever the controller, up to overspeed; 1 is rated "
                 "power. A marker below it is a speed at which a candidate held rated power.",
             ),
         )
@@ -104,12 +103,12 @@ def _lines(document: Mapping[str, Any]) -> list[tuple[str, str, dict[str, Any]]]
 
 
 def _full_load_rows(document: Mapping[str, Any], candidate: str, drive: str) -> list[Mapping[str, Any]]:
+    points = document["tables"]["operating_points"]
+    heaviest = max((row["load_percent"] for row in points), default=None)
     rows = [
         row
-        for row in document["tables"]["operating_points"]
-        if row["candidate"] == candidate
-        and row["drive"] == drive
-        and abs(row["load_percent"] - _FULL_PERCENT) < 1e-6
+        for row in points
+        if row["candidate"] == candidate and row["drive"] == drive and row["load_percent"] == heaviest
     ]
     return sorted(rows, key=lambda row: float(row["speed_pu"]))
 

@@ -62,7 +62,8 @@ def summary_sheet(document: Row) -> Sheet:
     )
     caption = (
         "Means and ripple over the operating points that the candidate holds on every drive. Rated power is held up to "
-        "the last of the speeds that were run, without a gap."
+        "the last of the speeds that were run, without a gap. Full load is rated power, or 90 % of it for controllers "
+        "of duty ratios."
     )
     return Sheet("summary", caption, heads, rows)
 
@@ -90,7 +91,7 @@ def drive_sheet(document: Row) -> Sheet:
     heads = (
         "drive",
         "phases",
-        "supply (± V)",
+        "supply (± V, or link)",
         "rated power (W)",
         "current limit (A)",
         "base speed (rpm)",
@@ -104,7 +105,7 @@ def drive_sheet(document: Row) -> Sheet:
     )
     caption = (
         "One per unit is base speed, rated torque there, phases × limit and rated power. Rated power up to: the speed "
-        "to which some angle gives it at the current limit without a gap, overspeed at most, whatever the controller."
+        "to which the drive gives it at the current limit without a gap, overspeed at most, whatever the controller."
     )
     return Sheet("drives", caption, heads, rows)
 

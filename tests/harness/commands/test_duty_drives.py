@@ -15,7 +15,6 @@ DRIVE = ("--drive", "pm-ac-surface")
 @pytest.mark.parametrize(
     "arguments",
     [
-        ("compare", "foc", "foc-mtpa", *DRIVE, "--drive", "pm-ac-interior"),
         ("point", "--speed-rpm", "100", "--advance-deg", "0", "--torque-nm", "1", *DRIVE),
         ("map", "--speed-rpm", "100:200:2", "--torque-nm", "1", *DRIVE),
     ],
@@ -41,6 +40,31 @@ def test_controllers_of_duty_ratios_are_compared_on_one_drive(command, tmp_path)
     written = (tmp_path / "made" / "comparison.html").read_text(encoding="utf-8")
     assert "foc-loss-model is first on pm-ac-surface" in written
     assert (tmp_path / "made" / "tables" / "operating_points.csv").is_file()
+
+
+def test_controllers_of_duty_ratios_are_compared_across_drives(command, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    for name in ("pm-ac-surface", "pm-ac-interior"):
+        brief = load_drive(name).replaced(settling_s=0.1)
+        (tmp_path / f"{name}.json").write_text(brief.to_json(), encoding="utf-8")
+    drives = ("--drive", "pm-ac-surface.json", "--drive", "pm-ac-interior.json")
+    brief = ("--effort", "quick", "--no-checks", "--workers", "1")
+    document = command("compare", "foc", *drives, *brief, "--output", "made", "--json").document
+    assert document["kind"] == "drive-comparison"
+    surface, interior = document["tables"]["summary"]
+    assert (surface["drive"], interior["drive"]) == ("pm-ac-surface", "pm-ac-interior")
+    for row in (surface, interior):
+        assert row["points_held"] == row["points"] == row["points_shared"] == 15
+        assert 85.0 < row["efficiency_percent"] < 95.0
+    assert [part["kind"] for part in document["parts"]] == ["duty-comparison"] * 2
+    written = (tmp_path / "made" / "drive-comparison.html").read_text(encoding="utf-8")
+    assert "pm-ac-surface and pm-ac-interior under the same controllers" in written
+    assert (tmp_path / "made" / "drive-2" / "comparison.html").is_file()
+
+
+def test_drives_that_no_one_controller_runs_on_are_not_compared(refused) -> None:  # type: ignore[no-untyped-def]
+    told = refused("compare", "foc", *DRIVE, "--drive", "star-3-phase")
+    assert "no one controller runs on both" in told
+    assert "drivegate reproduce" in told
 
 
 def test_a_run_is_summarised_by_torque_currents_and_voltage(command, tmp_path) -> None:  # type: ignore[no-untyped-def]

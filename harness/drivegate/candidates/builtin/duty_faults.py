@@ -11,6 +11,8 @@ from drivegate_models.contract.duty.signals import DutyNameplate
 
 STUCK_SHARE: Final = 0.3
 """Weakening that stays on, over the current limit (1)."""
+_LITTLE_SALIENCY: Final = 1.5
+"""Ratio of inductances up to which the wrong axis costs less current than MTP-1 allows (1)."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,9 @@ class DutyFault:
         Changes the record of the state, just reset.
     spoilt : callable or None
         From a nameplate to the fields of `SPOILT_STATE` that are not as they should be.
+    less_salient : tuple of (float, str) or None
+        Ratio of the inductances across the magnet's axis and along it up to which another check must catch it, and that
+        check: the less reluctance torque there is, the less torque and current a wrong angle or inductance costs.
     """
 
     check: str
@@ -36,6 +41,7 @@ class DutyFault:
     told: Callable[[DutyNameplate], DutyNameplate] | None = None
     alter: Callable[[Any], None] | None = None
     spoilt: Callable[[DutyNameplate], dict[str, float]] | None = None
+    less_salient: tuple[float, str] | None = None
 
     @property
     def kind(self) -> str:
@@ -43,6 +49,17 @@ class DutyFault:
         if self.told is not None:
             return "Wrong numbers of the drive"
         return "Regulation" if self.alter is not None else "Senses and answers"
+
+    def check_on(self, plate: DutyNameplate) -> str:
+        """Tell which check must catch it on a drive."""
+        ratio = plate.quadrature_inductance / plate.direct_inductance
+        return (
+            self.check if self.less_salient is None or ratio > self.less_salient[0] else self.less_salient[1]
+        )
+
+    def idles_on(self, plate: DutyNameplate) -> bool:
+        """Tell whether a controller that is told something wrong is told nothing but the truth."""
+        return self.told is not None and self.told(plate) == plate
 
 
 def _scaled(factor: float, *fields: str) -> Callable[[Any], None]:
@@ -92,6 +109,7 @@ DUTY_FAULTS: Final = {
         "MTP-1",
         "Takes the inductance of the magnet's axis for both axes.",
         told=lambda plate: plate._replace(quadrature_inductance=plate.direct_inductance),
+        less_salient=(_LITTLE_SALIENCY, "FWK-2"),
     ),
     "no-speed-integral": DutyFault(
         "ACC-1", "Regulates the speed by its error alone.", alter=_scaled(0.0, "speed_integral_step")
@@ -112,6 +130,7 @@ DUTY_FAULTS: Final = {
         "ACC-1",
         "Has an angle that is 5 electrical degrees off.",
         spoilt=lambda plate: {"angle_added": radians(5.0) / plate.pole_pairs},
+        less_salient=(1.0, "FWK-1"),
     ),
     "current-sensor-offset": DutyFault(
         "ACC-1",
@@ -153,6 +172,7 @@ DUTY_FAULTS: Final = {
         told=lambda plate: plate._replace(
             direct_inductance=plate.quadrature_inductance, quadrature_inductance=plate.direct_inductance
         ),
+        less_salient=(_LITTLE_SALIENCY, "FWK-2"),
     ),
     "reversed-currents": DutyFault(
         "OVC-1", "Reads its currents with the wrong sign.", spoilt=lambda _plate: {"current_factor": -1.0}
@@ -171,6 +191,7 @@ DUTY_FAULTS: Final = {
         "FWK-2",
         "Counts on 30 % more of the magnet's flux, and weakens where the voltage is free.",
         told=lambda plate: plate._replace(magnet_flux=1.3 * plate.magnet_flux),
+        less_salient=(1.0, "ACC-1"),
     ),
     "resistance-overestimated": DutyFault(
         "FWK-1",

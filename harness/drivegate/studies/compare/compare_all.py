@@ -24,6 +24,7 @@ from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
 if TYPE_CHECKING:
     from drivegate.output.progress import Display
+    from drivegate.studies.compare.compared_drive import ComparedDrive
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.drive_cycle import DriveCycle
 
@@ -62,32 +63,33 @@ def compare_all(specifications: Sequence[str], output: Path, options: Comparison
     refuse_unreachable(drive)
     with ReportFolder(output) as folder:
         with progress_on(sys.stderr) as display:
-            document, refused = _compared(specifications, resolved, cycle, drive, options, display)
-        if document is None:
-            return ComparisonEnding(None, (), refused)
-        pages = write_comparison(document, folder.staging)
+            made = compared_in_its_way(specifications, resolved, cycle, drive, options, display)
+        if made.document is None:
+            return ComparisonEnding(None, (), made.refused)
+        pages = write_comparison(made.document, folder.staging)
         folder.commit()
-    return ComparisonEnding(document, tuple(output / page for page in pages), refused)
+    return ComparisonEnding(made.document, tuple(output / page for page in pages), made.refused)
 
 
-def _compared(
+def compared_in_its_way(
     specifications: Sequence[str],
     resolved: Sequence[Candidate | Exception],
     cycle: DriveCycle,
     drive: DriveDocument,
     options: ComparisonOptions,
     display: Display,
-) -> tuple[dict[str, Any] | None, tuple[tuple[str, Exception], ...]]:
-    """Compare candidates in the way of their contract."""
+    *,
+    place: str = "",
+) -> ComparedDrive:
+    """Compare candidates on a drive in the way of its contract; `place` is added to the titles of the progress."""
     # Either brings its compiled plant, which candidates that are refused do not need.
     if isinstance(drive, PmAcDocument):
         from drivegate.studies.compare.duty.compared import duty_compared_on
 
-        return duty_compared_on(specifications, resolved, drive, options, display)
+        return duty_compared_on(specifications, resolved, drive, options, display, place=place)
     from drivegate.studies.compare.compared_drive import compared_on
 
-    made = compared_on(specifications, resolved, cycle, drive, options, display)
-    return made.document, made.refused
+    return compared_on(specifications, resolved, cycle, drive, options, display, place=place)
 
 
 def write_comparison(document: dict[str, Any], folder: Path) -> tuple[Path, ...]:

@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.contract import ANSWERS
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
 from drivegate.output.report_writers import DRIVE_COMPARISON_GROUP
 from drivegate.studies.compare.compare_all import (
     ComparisonEnding,
+    compared_in_its_way,
     refusals,
     resolved_candidate,
     write_comparison,
@@ -23,6 +25,8 @@ from drivegate.studies.compare.compare_all import (
 )
 from drivegate.studies.compare.options import ComparisonOptions
 from drivegate.studies.compare.per_unit import drive_labels
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.studies.compare.compared_drive import ComparedDrive
@@ -41,6 +45,7 @@ def compare_drives(
     from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 
     labels = drive_labels(drives)
+    _require_one_contract(drives)
     resolved = [resolved_candidate(specification) for specification in specifications]
     unknown = refusals(specifications, resolved)
     if len(unknown) == len(resolved):
@@ -49,15 +54,12 @@ def compare_drives(
     for drive in drives:
         refuse_unreachable(drive)
     with ReportFolder(output) as folder:
-        # It brings the compiled plant, which candidates that are refused do not need.
-        from drivegate.studies.compare.compared_drive import compared_on
-
         began, made = time.monotonic(), []
         with progress_on(sys.stderr) as display:
             for label, drive in zip(labels, drives, strict=True):
                 place = f" on {label}"
                 made.append(
-                    compared_on(specifications, resolved, cycle, drive, options, display, place=place)
+                    compared_in_its_way(specifications, resolved, cycle, drive, options, display, place=place)
                 )
                 if made[-1].document is None:
                     return ComparisonEnding(None, (), _refused(labels, made, resolved))
@@ -67,6 +69,18 @@ def compare_drives(
     return ComparisonEnding(
         document, tuple(output / page for page in pages), _refused(labels, made, resolved)
     )
+
+
+def _require_one_contract(drives: Sequence[DriveDocument]) -> None:
+    """Refuse drives that no one controller runs on."""
+    first = drives[0]
+    other = next((drive for drive in drives if drive.contract != first.contract), None)
+    if other is not None:
+        raise InputError(
+            f"the drive '{one_line(first.name)}' takes {ANSWERS[first.contract]}, but '{one_line(other.name)}' takes "
+            f"{ANSWERS[other.contract]}, so no one controller runs on both; name drives of one contract, or see "
+            "drivegate reproduce for kinds of drives at the best that each can do"
+        )
 
 
 def _refused(

@@ -15,6 +15,7 @@ from drivegate.studies.compare.candidate_runs import run_candidates, titled
 from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.engine import (
     Compared,
+    Planned,
     Refused,
     named_candidates,
     prepared,
@@ -22,7 +23,7 @@ from drivegate.studies.compare.engine import (
     solve_plan,
 )
 from drivegate.studies.compare.options import ComparisonOptions
-from drivegate.studies.compare.plan import PlannedRun, planned_runs
+from drivegate.studies.compare.plan import planned_runs
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.drive_cycle import DriveCycle
 
@@ -35,8 +36,8 @@ class ComparedDrive:
     ----------
     drive : DriveDocument
         The drive.
-    plan : tuple of PlannedRun
-        What every candidate ran.
+    plan : tuple of Planned
+        What every candidate ran, as its contract has it.
     all_compared : list of Compared
         What has become of each candidate.
     document : dict or None
@@ -44,7 +45,7 @@ class ComparedDrive:
     """
 
     drive: DriveDocument
-    plan: tuple[PlannedRun, ...]
+    plan: tuple[Planned, ...]
     all_compared: list[Compared]
     document: dict[str, Any] | None
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from drivegate.drives.constant_power import ConstantPower
 from drivegate.studies.compare.compared_drive import ComparedDrive
+from drivegate.studies.compare.drive_points import DrivePoint, drive_points
 from drivegate.studies.compare.per_unit import Bases, bases_of
-from drivegate.studies.compare.plan import EFFORTS, PlannedRun, operating_speed
 from drivegate.studies.compare.ranking import Row, status_of
 from drivegate.studies.compare.statistics import mean_of
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.scenario.load import ConstantTorqueLoad
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.units import RADIANS_PER_RPM
 
 LOSSES_IN_WORDS: Final = (
@@ -29,7 +29,6 @@ _MEANS: Final = (
     "losses_pu",
     "losses_w",
 )
-_FULL_PERCENT: Final = 100.0
 
 
 def drive_rows(
@@ -46,7 +45,11 @@ def _drive_row(label: str, drive: DriveDocument, power: ConstantPower) -> Row:
         "drive": label,
         "hash": drive.values_hash,
         "phases": drive.machine.phases,
-        "supply_voltage_v": drive.inverter.supply_voltage_v,
+        "supply_voltage_v": (
+            drive.inverter.link_voltage_v
+            if isinstance(drive, PmAcDocument)
+            else drive.inverter.supply_voltage_v
+        ),
         "rated_power_w": rating.rated_power_w,
         "current_limit_a": rating.current_limit_a,
         "base_speed_rpm": rating.base_speed_rpm,
@@ -86,51 +89,36 @@ def operating_rows(labels: Sequence[str], made: Sequence[ComparedDrive], effort:
     for label, one in zip(labels, made, strict=True):
         bases = bases_of(one.drive)
         for compared in one.all_compared:
-            for speed_share, index, planned in _points(one, effort):
-                if index in compared.figures:
-                    where = {"candidate": compared.label, "drive": label, "speed_share": speed_share}
-                    rows.append(where | _operating_row(planned, compared.figures[index], bases))
+            for point in drive_points(one, compared, effort):
+                where = {"candidate": compared.label, "drive": label, "speed_share": point.speed_share}
+                rows.append(where | _operating_row(point, bases))
     return rows
 
 
-def _points(made: ComparedDrive, effort: str) -> Iterable[tuple[float, int, PlannedRun]]:
-    """Give the operating points with their shares; two shares of a narrow range may be one speed."""
-    points = [(index, planned) for index, planned in enumerate(made.plan) if planned.group == "points"]
-    for share in EFFORTS[effort].speeds:
-        speed = operating_speed(made.drive, share)
-        for index, planned in points:
-            if planned.speed_rpm == speed:
-                yield share, index, planned
-
-
-def _operating_row(planned: PlannedRun, figures: Row, bases: Bases) -> Row:
-    load = planned.scenario.load
-    assert isinstance(load, ConstantTorqueLoad), "the load of an operating point is a torque"
-    assert planned.speed_rpm is not None, "an operating point has a speed"
-    assert planned.share is not None, "an operating point has a load"
+def _operating_row(point: DrivePoint, bases: Bases) -> Row:
     row: Row = {
-        "load_percent": round(100.0 * planned.share, 6),
-        "speed_rpm": planned.speed_rpm,
-        "speed_pu": planned.speed_rpm / bases.speed_rpm,
-        "torque_nm": load.torque_nm,
-        "torque_pu": load.torque_nm / bases.torque_nm,
-        "held": figures["held"],
-        "ripple_percent": figures["ripple_percent"],
-        "current_sum_a": figures["current_sum_a"],
-        "current_sum_pu": figures["current_sum_a"] / bases.current_sum_a,
-        "input_power_w": figures["input_power_w"],
-        "input_power_pu": figures["input_power_w"] / bases.power_w,
+        "load_percent": point.load_percent,
+        "speed_rpm": point.speed_rpm,
+        "speed_pu": point.speed_rpm / bases.speed_rpm,
+        "torque_nm": point.torque_nm,
+        "torque_pu": point.torque_nm / bases.torque_nm,
+        "held": point.held,
+        "ripple_percent": point.ripple_percent,
+        "current_sum_a": point.current_sum_a,
+        "current_sum_pu": point.current_sum_a / bases.current_sum_a,
+        "input_power_w": point.input_power_w,
+        "input_power_pu": point.input_power_w / bases.power_w,
     }
-    return row | _losses(figures, load.torque_nm, bases)
+    return row | _losses(point, bases)
 
 
-def _losses(figures: Row, load_nm: float, bases: Bases) -> Row:
+def _losses(point: DrivePoint, bases: Bases) -> Row:
     """Split the losses of a steady run; a speed that is not held takes or gives kinetic energy besides."""
     watts: Row = dict.fromkeys(("shaft_power", "losses", "electrical_losses", "mechanical_losses"))
     efficiency = None
-    if figures["held"]:
-        speed, power = figures["speed_mean_rpm"] * RADIANS_PER_RPM, figures["input_power_w"]
-        shaft, at_gap = load_nm * speed, figures["torque_mean_nm"] * speed
+    if point.held:
+        speed, power = point.speed_mean_rpm * RADIANS_PER_RPM, point.input_power_w
+        shaft, at_gap = point.torque_nm * speed, point.torque_mean_nm * speed
         watts = {
             "shaft_power": shaft,
             "losses": power - shaft,
@@ -174,7 +162,9 @@ def _summary_row(
 ) -> Row:
     compared = made.all_compared[place]
     over = [row for row in points if _place(row) in shared]
-    full = [row for row in points if row["load_percent"] == _FULL_PERCENT]
+    # That of most torque a controller of duty ratios is given is a little less than rated power takes.
+    heaviest = max((row["load_percent"] for row in points), default=None)
+    full = [row for row in points if row["load_percent"] == heaviest]
     shaft, power = (mean_of(row[key] for row in over) for key in ("shaft_power_w", "input_power_w"))
     failed = None
     if compared.outcomes is not None:
@@ -190,7 +180,7 @@ def _summary_row(
         **{key: mean_of(row[key] for row in over) for key in _MEANS},
         "efficiency_percent": 100.0 * shaft / power if shaft is not None and power else None,
         "ripple_full_load_percent": max(
-            (row["ripple_percent"] for row in over if row["load_percent"] == _FULL_PERCENT), default=None
+            (row["ripple_percent"] for row in over if row["load_percent"] == heaviest), default=None
         ),
         **_held_up_to(full),
     }

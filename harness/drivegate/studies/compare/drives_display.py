@@ -50,7 +50,8 @@ def show_drive_comparison(console: Console, document: dict[str, Any], pages: Seq
     console.print(
         plain(
             "failed: required checks; held: operating points; means are over the shared ones, which a candidate "
-            "holds on every drive; ripple: the worst of them at full load; up to: speed up to which it held rated power"
+            "holds on every drive; ripple: the worst of them at full load; up to: speed up to which it held that; full "
+            "load is rated power, or 90 % of it for controllers of duty ratios"
         )
     )
     for row in document["tables"]["drives"]:

@@ -8,6 +8,8 @@ from typing import Final
 
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_models.errors import InputError
 
 BASES_IN_WORDS: Final = (
@@ -47,9 +49,10 @@ class Bases:
 def bases_of(drive: DriveDocument) -> Bases:
     """Give the per-unit bases of a drive."""
     rating = drive.rating
+    is_pm_ac = isinstance(drive, PmAcDocument)
     return Bases(
         speed_rpm=rating.base_speed_rpm,
-        torque_nm=scale_of(drive).rated_torque_nm,
+        torque_nm=(duty_limits_of(drive) if is_pm_ac else scale_of(drive)).rated_torque_nm,
         current_sum_a=drive.machine.phases * rating.current_limit_a,
         power_w=rating.rated_power_w,
     )

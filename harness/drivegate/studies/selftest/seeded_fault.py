@@ -16,12 +16,14 @@ from drivegate.drives.choice import require_contract
 from drivegate.drives.pm_ac import PM_AC
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_models.contract.duty.signals import DutyNameplate
 
 FAULTS_OF: Final[Mapping[str, Mapping[str, Mutation | DutyFault]]] = {
     "current": MUTATIONS,
     "duty": DUTY_FAULTS,
 }
 """The faulty controllers of each contract, by their names."""
+_TOLD_THE_TRUTH: Final = "what the controller is told wrong is right for this drive"
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ class SeededFault:
     kind : str
         What kind of fault it is; the self-test counts by kind.
     check : str
-        Identifier of the check that must catch it.
+        Identifier of the check that must catch it on the drive.
     base : str
         Name of the controller without the fault.
     on : callable
@@ -75,14 +77,15 @@ def chosen_faults(names: Sequence[str], drive: DriveDocument) -> tuple[SeededFau
     for name in chosen:
         if any(name in faults for faults in FAULTS_OF.values()):
             require_contract(resolve_candidate(FAULTY_PREFIX + name), drive)
-    return tuple(seeded(name, find_fault(name, known)) for name in chosen)
+    return tuple(seeded(name, find_fault(name, known), drive) for name in chosen)
 
 
-def seeded(name: str, fault: Mutation | DutyFault) -> SeededFault:
-    """Give a faulty controller as the self-test has it."""
+def seeded(name: str, fault: Mutation | DutyFault, drive: DriveDocument) -> SeededFault:
+    """Give a faulty controller as the self-test has it on a drive of its contract."""
     if isinstance(fault, Mutation):
         return SeededFault(name, fault.kind, fault.check, fault.base, partial(_mutation_on, fault))
-    return SeededFault(name, fault.kind, fault.check, PM_AC.usual_candidate, partial(_duty_fault_on, fault))
+    on_drive = partial(_duty_fault_on, fault)
+    return SeededFault(name, fault.kind, fault.check_on(_nameplate(drive)), PM_AC.usual_candidate, on_drive)
 
 
 def _mutation_on(mutation: Mutation, drive: DriveDocument) -> FaultOnDrive:
@@ -91,13 +94,10 @@ def _mutation_on(mutation: Mutation, drive: DriveDocument) -> FaultOnDrive:
 
 
 def _duty_fault_on(fault: DutyFault, drive: DriveDocument) -> FaultOnDrive:
-    return FaultOnDrive(fault.sentence, "", _idle_because(fault, drive))
+    idles = fault.idles_on(_nameplate(drive))
+    return FaultOnDrive(fault.sentence, "", _TOLD_THE_TRUTH if idles else None)
 
 
-def _idle_because(fault: DutyFault, drive: DriveDocument) -> str | None:
-    """Tell whether a controller that is told something wrong is told nothing but the truth."""
+def _nameplate(drive: DriveDocument) -> DutyNameplate:
     assert isinstance(drive, PmAcDocument), "controllers of duty ratios have such a drive"
-    plate = drive.duty_nameplate(drive.control_period_s, torque_reference=True)
-    if fault.told is None or fault.told(plate) != plate:
-        return None
-    return "what the controller is told wrong is right for this drive"
+    return drive.duty_nameplate(drive.control_period_s, torque_reference=True)

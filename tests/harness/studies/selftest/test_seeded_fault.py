@@ -45,6 +45,20 @@ def test_a_saliency_that_a_machine_does_not_have_cannot_be_taken_wrongly(name: s
 
 
 @pytest.mark.parametrize(
+    ("name", "named"),
+    [
+        ("angle-offset", ("ACC-1", "ACC-1", "FWK-1")),
+        ("strong-magnets-assumed", ("FWK-2", "FWK-2", "ACC-1")),
+        ("saliency-ignored", ("MTP-1", "FWK-2", "FWK-2")),
+        ("swapped-phases", ("ACC-1", "ACC-1", "ACC-1")),
+    ],
+)
+def test_what_shows_by_reluctance_torque_shows_elsewhere_without(name: str, named: tuple[str, ...]) -> None:
+    drives = (INTERIOR, load_drive("pm-ac-2kw"), SURFACE)
+    assert tuple(chosen_faults((name,), drive)[0].check for drive in drives) == named
+
+
+@pytest.mark.parametrize(
     ("name", "drive", "told"),
     [
         ("drifts", INTERIOR, "takes duty ratios; name a drive such as paper-5-phase with --drive"),

@@ -114,7 +114,7 @@ def test_the_counterexample_is_made_simpler(
 
 @pytest.mark.parametrize("fault", ["slope-doubled", "flowchart-inverted"])
 def test_drawing_alone_has_to_do_without_the_fixed_scenarios(fault: str) -> None:
-    known = seeded(fault, find_mutation(fault))
+    known = seeded(fault, find_mutation(fault), load_drive("paper-5-phase"))
     whole = planned_trial(known, SelftestEffort("quick", seeds=2))
     drawn = planned_trial(known, SelftestEffort("quick", seeds=2, drawn_only=True))
     assert drawn.fixed == ()

@@ -1,1 +1,1 @@
-"""Comparing controllers that answer with duty ratios, on one drive."""
+"""Comparing controllers that answer with duty ratios."""

@@ -4,23 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from typing import Any
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.output.event_loop import followed
 from drivegate.output.progress import Display
 from drivegate.results.waivers import present_day
 from drivegate.studies.compare.candidate_runs import run_candidates
+from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.duty.document import duty_document
 from drivegate.studies.compare.duty.plan import planned_duty_runs
 from drivegate.studies.compare.duty.run import measured_duty
-from drivegate.studies.compare.engine import (
-    Compared,
-    Refused,
-    named_candidates,
-    prepared,
-    refused_of,
-)
+from drivegate.studies.compare.engine import Compared, named_candidates, prepared
 from drivegate.studies.compare.options import ComparisonOptions
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -34,15 +28,19 @@ def duty_compared_on(
     drive: PmAcDocument,
     options: ComparisonOptions,
     display: Display,
-) -> tuple[dict[str, Any] | None, Refused]:
-    """Compare candidates on a drive, and tell who was refused; no document where none of them could be run."""
+    *,
+    place: str = "",
+) -> ComparedDrive:
+    """Compare candidates on a drive; `place` is added to the titles of its progress."""
     started, began = present_day().isoformat(), time.monotonic()
     all_compared = named_candidates(specifications, resolved)
     followed(prepared(drive), display)
     reference = _common_reference(all_compared)
     plan = planned_duty_runs(drive, options.effort, reference)
-    if not run_candidates(all_compared, plan, options, display, measure=measured_duty, time_step=None):
-        return None, refused_of(all_compared)
+    if not run_candidates(
+        all_compared, plan, options, display, place=place, measure=measured_duty, time_step=None
+    ):
+        return ComparedDrive(drive, plan, all_compared, None)
     document = duty_document(
         all_compared,
         plan,
@@ -53,7 +51,7 @@ def duty_compared_on(
         checks=options.checks,
         timing={"started_utc": started, "seconds": round(time.monotonic() - began, 3)},
     )
-    return document, refused_of(all_compared)
+    return ComparedDrive(drive, plan, all_compared, document)
 
 
 def _common_reference(all_compared: Sequence[Compared]) -> Reference:

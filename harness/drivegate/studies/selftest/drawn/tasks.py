@@ -10,6 +10,7 @@ from typing import Any, Final
 
 from drivegate.candidates.builtin.faults.catalogue import find_mutation
 from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.drives.choice import drive_for
 from drivegate.drives.kinds import DEFAULT_KIND
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import Display
@@ -43,8 +44,9 @@ def run_faults(package: bytes, item: tuple[int, tuple[str, ...]]) -> list[dict[s
     outcomes: list[dict[str, Any]] = []
     while left:
         try:
-            faults = tuple(seeded(mutation.name, mutation) for mutation in left)
-            for row in try_faults(faults, _effort(package, number)):
+            effort = _effort(package, number)
+            drive = drive_for(None, effort.drive)
+            for row in try_faults([seeded(mutation.name, mutation, drive) for mutation in left], effort):
                 outcomes.append(_outcome(row))
                 del left[0]
         except (OSError, MemoryError):
