@@ -9,12 +9,18 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, chosen_scenario, drive_options, json_option
+from drivegate.commands.options import bounded, chosen_scenario, drive_options, drive_words, json_option
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-_FIELDS = ("current_reference", "advance_angle", "input_power")
+_FIELDS = {
+    "current": ("current_reference", "advance_angle", "input_power"),
+    "duty": (
+        *("first_duty", "second_duty", "third_duty", "first_leg", "second_leg", "third_leg"),
+        *("next_period", "torque", "angle", "speed", "input_power", "fault"),
+    ),
+}
 _AROUND_IN_FIGURE = 100
 
 
@@ -32,7 +38,7 @@ _AROUND_IN_FIGURE = 100
 )
 @click.option(
     "--ignore",
-    type=click.Choice(_FIELDS),
+    type=click.Choice(tuple(dict.fromkeys(name for names in _FIELDS.values() for name in names))),
     multiple=True,
     help="Leave out a field of the command; may be given again.",
 )
@@ -78,32 +84,42 @@ def command(
     from drivegate.candidates.resolution import resolve_candidate
     from drivegate.output.trace_files import check_targets
 
-    if len(set(ignore)) == len(_FIELDS):
-        raise click.UsageError("--ignore leaves no field to compare; leave one out")
     candidates = (resolve_candidate(first), resolve_candidate(second))
     scenario = chosen_scenario(case, drive, settings)
+    judged = _judged(scenario.drive.contract, ignore)
     check_targets(None, None, plot)
 
+    from drivegate.drives.choice import require_contract
     from drivegate.studies.diff.diff import compared
     from drivegate.studies.diff.document import document_of
+    from drivegate.studies.diff.duty.comparison import duty_compared
     from drivegate.studies.diff.jobs import BITWISE, Rule
 
-    judged = tuple(name for name in _FIELDS if name not in ignore)
+    for candidate in candidates:
+        require_contract(candidate, scenario.drive)
     rule = Rule(BITWISE if tolerance is None else tolerance, judged)
     around = 0 if plot is None else _AROUND_IN_FIGURE
-    comparison = compared(*candidates, scenario, rule, before=max(before, around), after=around, again=again)
+    compare = duty_compared if scenario.drive.contract == "duty" else compared
+    comparison = compare(*candidates, scenario, rule, before=max(before, around), after=around, again=again)
     document = document_of(candidates, scenario, rule, comparison)
     found = document["difference"]
     if found is not None:
         found["before"] = found["before"][len(found["before"]) - min(before, len(found["before"])) :]
         del found["after"]
     if plot is not None and comparison.difference is not None:
-        from drivegate.studies.diff.figure import draw
+        from drivegate.studies.diff.duty.comparison import DutyDifference
+        from drivegate.studies.diff.duty.figure import drawn_duty_steps
+        from drivegate.studies.diff.figure import draw, drawn_steps
 
         names = (candidates[0].name, candidates[1].name)
-        draw(comparison.difference, names, plot, f"{names[0]} and {names[1]}: {scenario.name}")
+        differing = comparison.difference
+        drawn = (
+            drawn_duty_steps(differing) if isinstance(differing, DutyDifference) else drawn_steps(differing)
+        )
+        draw(drawn, names, plot, f"{names[0]} and {names[1]}: {scenario.name}")
         document["files"] = [str(plot)]
     words = " ".join(quote(word) for word in (first, second, "--case", case, *(["--again"] if again else [])))
+    words += drive_words(drive, settings)
 
     def show(console: Console) -> None:
         from drivegate.studies.diff.display import show_difference
@@ -111,3 +127,17 @@ def command(
         show_difference(console, document, words)
 
     return Outcome(document, show, document["exit_code"])
+
+
+def _judged(contract: str, ignore: tuple[str, ...]) -> tuple[str, ...]:
+    """Choose the fields of a command that are compared."""
+    fields = _FIELDS[contract]
+    unknown = next((name for name in ignore if name not in fields), None)
+    if unknown is not None:
+        raise click.UsageError(
+            f"--ignore {unknown} names no field of the drive's contract; it has {', '.join(fields)}"
+        )
+    judged = tuple(name for name in fields if name not in ignore)
+    if not judged:
+        raise click.UsageError("--ignore leaves no field to compare; leave one out")
+    return judged

@@ -77,6 +77,12 @@ def drive_options(function: _Function) -> _Function:
     return drive_option(settings_option(function))
 
 
+def drive_words(drive: str | None, settings: tuple[str, ...]) -> str:
+    """Write the options again that name a drive and set values of it, with the space before each."""
+    named = "" if drive is None else f" --drive {quote(drive)}"
+    return named + "".join(f" --set {quote(setting)}" for setting in settings)
+
+
 def chosen_drive(
     name: str | None, settings: tuple[str, ...], default: Callable[[], DriveDocument]
 ) -> DriveDocument:

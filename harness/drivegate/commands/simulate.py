@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import chosen_scenario, drive_options, json_option
+from drivegate.commands.options import chosen_scenario, drive_options, drive_words, json_option
 from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def command(
             write_plot(frame, plot, f"{resolved.name}: {scenario.name}")
     written = [str(path) for path in (csv, parquet, plot) if path is not None]
     document["files"] = written
-    again = f"drivegate simulate {quote(candidate)} {_named(case, report, run)}{_on(drive, settings)}"
+    again = f"drivegate simulate {quote(candidate)} {_named(case, report, run)}{drive_words(drive, settings)}"
     hint = "" if plot is not None else f"{again} --plot run.png"
 
     def show(console: Console) -> None:
@@ -100,9 +100,3 @@ def _named(case: str | None, report: Path | None, run: str | None) -> str:
         if case is not None
         else f"--from {quote(str(report))} --run {quote(str(run))}"
     )
-
-
-def _on(drive: str | None, settings: tuple[str, ...]) -> str:
-    """Write again what named the drive and set values of it, with the space before it."""
-    named = "" if drive is None else f" --drive {quote(drive)}"
-    return named + "".join(f" --set {quote(setting)}" for setting in settings)

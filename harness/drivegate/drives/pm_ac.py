@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from drivegate_cases.scenario.scenario import Scenario
 
 
-def _not_yet(*_: object) -> NoReturn:
-    """Say that a command takes no drives of this kind."""
+def _no_angles(*_: object) -> NoReturn:
+    """Say that there are no steady states of an angle, and which commands tell of such a drive."""
     raise InputError(
-        "a drive of the kind 'pm-ac' is taken by drivegate check, checks, compare, drive, new, replay, report, "
-        "selftest and simulate alone so far; name another drive"
+        "a drive of the kind 'pm-ac' has no steady states of an advance angle: drivegate drive shows what it can do "
+        "over speed and torque, and drivegate compare and simulate what controllers make of it; or name another drive"
     )
 
 
@@ -100,10 +100,10 @@ def _behaviour(
 PM_AC: Final = DriveKind(
     name="pm-ac",
     default_drive="pm-ac-interior",
-    prepare_loop=_not_yet,
-    oracle=_not_yet,
-    steady_state=_not_yet,
-    steady_states=_not_yet,
+    prepare_loop=_no_angles,
+    oracle=_no_angles,
+    steady_state=_no_angles,
+    steady_states=_no_angles,
     checks=_checks,
     fixed_scenarios=_fixed_scenarios,
     drawn_scenarios=_drawn_scenarios,

@@ -20,7 +20,9 @@ DRIVE = ("--drive", "pm-ac-surface")
     ],
 )
 def test_a_command_that_asks_for_an_advance_angle_refuses_them(arguments: tuple[str, ...], refused) -> None:
-    assert "a drive of the kind 'pm-ac' is taken by drivegate check" in refused(*arguments)
+    told = refused(*arguments)
+    assert "a drive of the kind 'pm-ac' has no steady states of an advance angle" in told
+    assert "drivegate drive shows what it can do" in told
 
 
 def test_a_new_drive_begins_as_one_of_them(command, tmp_path) -> None:

@@ -38,6 +38,7 @@ def test_every_figure_is_a_file_and_in_the_page(folder: Path, document: dict[str
         "Ripple over speed",
         "Conventional drives",
         "Ripple of conventional drives",
+        "Kinds of drives",
         "Fig. 7",
         "Figs. 9 and 10",
         "Speed limit",

@@ -161,6 +161,8 @@ def planned(campaign: Campaign, folder: Path, drive: DriveDocument | None = None
     cases = tuple(load_scenario(beside(text, folder)) for text in campaign.cases)
     if drive is not None:
         cases = tuple(case.replaced(drive=drive) for case in cases)
+    for case in cases:
+        _require_angles(case)
     for noun, names in (
         ("candidates", [candidate.name for candidate in candidates]),
         ("cases", [case.name for case in cases]),
@@ -173,6 +175,16 @@ def planned(campaign: Campaign, folder: Path, drive: DriveDocument | None = None
     plan = CampaignPlan(campaign, candidates, cases)
     plan.check_parameters()
     return plan
+
+
+def _require_angles(case: Scenario) -> None:
+    """Refuse a case whose controllers answer with duty ratios, of which a campaign's rows tell nothing."""
+    if case.drive.contract != "current":
+        raise InputError(
+            f"the case '{one_line(case.name)}' is of the drive '{one_line(case.drive.name)}' of the kind "
+            f"'{case.drive.kind}', but a campaign runs controllers of angles alone; drivegate check --effort nightly "
+            "draws scenarios and plants for this one, and drivegate compare --effort nightly runs a grid of them"
+        )
 
 
 def beside(text: str, folder: Path) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +22,7 @@ from drivegate.studies.diff.jobs import (
     record_run,
     shadow_run,
 )
+from drivegate.studies.diff.outcome import FIRST, SECOND, StepComparison
 from drivegate.studies.diff.plant_playback import PlantState, plant_at
 from drivegate.studies.diff.record import (
     refuse_without_room,
@@ -32,9 +32,6 @@ from drivegate.studies.diff.record import (
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.outer_loop.signals import Sense
 from drivegate_models.loop.exchange import OUTPUTS
-
-FIRST: Final = "first"
-SECOND: Final = "second"
 
 
 @dataclass(frozen=True)
@@ -65,28 +62,6 @@ class Difference:
     answers: NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class StepComparison:
-    """What the comparison of two candidates came to.
-
-    Attributes
-    ----------
-    steps : int
-        Number of steps at which both answered alike.
-    difference : Difference or None
-        The first difference.
-    fault : Fault or None
-        The fault of one of them.
-    faulted : {"first", "second"} or None
-        Which one.
-    """
-
-    steps: int
-    difference: Difference | None = None
-    fault: Fault | None = None
-    faulted: str | None = None
-
-
 def compared(
     first: Candidate,
     second: Candidate,
@@ -96,7 +71,7 @@ def compared(
     before: int,
     after: int,
     again: bool = False,
-) -> StepComparison:
+) -> StepComparison[Difference]:
     """Compare two candidates step by step.
 
     The first one drives the plant, and every step is recorded. The second one is then given the same, until it answers

@@ -5,11 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.output.console import plain, table
-from drivegate.studies.diff.document import in_words
+from drivegate.studies.diff.field import in_words
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+_DUTY_SENSE: Final = (
+    ("reference", "rad/s or N·m"),
+    ("speed", "rad/s"),
+    ("angle", "rad"),
+    ("supply_voltage", "V"),
+    ("supply_current", "A"),
+)
 _SENSE: Final = (
     ("speed_reference", "rad/s"),
     ("speed", "rad/s"),
@@ -43,7 +50,8 @@ def show_difference(console: Console, document: dict[str, Any], words: str) -> N
 
 def _show_difference(console: Console, found: dict[str, Any]) -> None:
     sensed = table("both sensed", "value", "unit", right=("value",))
-    for key, unit in _SENSE:
+    # The keys of a Sense are those of its contract.
+    for key, unit in _DUTY_SENSE if "reference" in found["sense"] else _SENSE:
         sensed.add_row(key, repr(found["sense"][key]), unit)
     for phase, current in enumerate(found["sense"]["phase_currents"], 1):
         sensed.add_row(f"phase current {phase}", repr(current), "A")

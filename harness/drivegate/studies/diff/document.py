@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-import struct
 from dataclasses import asdict
-from math import degrees, isfinite
+from math import degrees
 from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.studies.diff.diff import FIRST, Difference, StepComparison
+from drivegate.studies.diff.diff import Difference
+from drivegate.studies.diff.duty.comparison import DutyDifference
+from drivegate.studies.diff.duty.document import duty_difference
+from drivegate.studies.diff.field import bits_of, number_field
 from drivegate.studies.diff.jobs import BITWISE, Rule
+from drivegate.studies.diff.outcome import FIRST, StepComparison
 from drivegate.studies.diff.record import commands_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.exchange import OUTPUTS
@@ -26,7 +29,10 @@ UNITS: Final = {"current_reference": "A", "advance_angle": "rad", "input_power":
 
 
 def document_of(
-    candidates: tuple[Candidate, Candidate], scenario: Scenario, rule: Rule, comparison: StepComparison
+    candidates: tuple[Candidate, Candidate],
+    scenario: Scenario,
+    rule: Rule,
+    comparison: StepComparison[Difference] | StepComparison[DutyDifference],
 ) -> dict[str, Any]:
     """Write a comparison as plain data."""
     found, fault = comparison.difference, comparison.fault
@@ -54,10 +60,14 @@ def document_of(
         "compared": list(rule.judged),
         "steps_planned": scenario.control_periods,
         "steps_equal": comparison.steps,
-        "difference": None if found is None else _difference(found, rule),
+        "difference": None if found is None else _told(found, rule),
         "fault": reported,
         "files": [],
     }
+
+
+def _told(found: Difference | DutyDifference, rule: Rule) -> dict[str, Any]:
+    return duty_difference(found, rule) if isinstance(found, DutyDifference) else _difference(found, rule)
 
 
 def _difference(found: Difference, rule: Rule) -> dict[str, Any]:
@@ -96,45 +106,6 @@ def _step(found: Difference, index: int, rule: Rule) -> dict[str, Any]:
 
 
 def _field(name: str, first: float, second: float, rule: Rule) -> dict[str, Any]:
-    judged = name in rule.judged
     one_bits, other_bits = (bits_of(number) for number in (first, second))
-    return {
-        "field": name,
-        "unit": UNITS[name],
-        "first": first,
-        "second": second,
-        "first_bits": f"{one_bits & 0xFFFF_FFFF_FFFF_FFFF:016x}",
-        "second_bits": f"{other_bits & 0xFFFF_FFFF_FFFF_FFFF:016x}",
-        "difference": second - first,
-        "ulps": units_in_the_last_place(first, second),
-        "differs": judged and bool(differs(first, second, one_bits, other_bits, rule.tolerance)),
-    }
-
-
-def bits_of(number: float) -> int:
-    """Give the bits of a double."""
-    return int.from_bytes(struct.pack("<d", number), "little", signed=True)
-
-
-def in_words(field: dict[str, Any]) -> str:
-    """Tell how far apart two numbers are."""
-    first, second = field["first"], field["second"]
-    if field["ulps"] is None:
-        neither = not isfinite(first) and not isfinite(second)
-        return "" if neither else "one of them makes none"
-    if field["ulps"] == 0:
-        return "" if field["first_bits"] == field["second_bits"] else "the sign of zero"
-    return f"{field['difference']:+.3g} ({field['ulps']} ULP)"
-
-
-def units_in_the_last_place(one: float, other: float) -> int | None:
-    """Count the doubles from one number to another."""
-    if not (isfinite(one) and isfinite(other)):
-        return None
-    return abs(_place(one) - _place(other))
-
-
-def _place(number: float) -> int:
-    """Give the place of a double on the line of all doubles, zero at zero."""
-    bits = bits_of(number)
-    return bits if bits >= 0 else -(bits & 0x7FFF_FFFF_FFFF_FFFF)
+    found = name in rule.judged and bool(differs(first, second, one_bits, other_bits, rule.tolerance))
+    return number_field(name, UNITS[name], first, second, differs=found)

@@ -163,4 +163,4 @@ def _draw_ranges(panel: Axes, data: KindsOverSpeed) -> None:
     panel.set_ylim(-len(data.kinds) + 0.6, 0.9)
     panel.set_yticks([])
     panel.set_xlim(0.0, 1.04 * FASTEST_RPM)
-    panel.set_ylabel("ranges of power")
+    panel.set_ylabel("ranges of both (lines)")

@@ -8,9 +8,10 @@ import pytest
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
-from drivegate.studies.diff.diff import FIRST, SECOND, compared
-from drivegate.studies.diff.document import units_in_the_last_place
+from drivegate.studies.diff.diff import compared
+from drivegate.studies.diff.field import units_in_the_last_place
 from drivegate.studies.diff.jobs import Rule
+from drivegate.studies.diff.outcome import FIRST, SECOND
 from drivegate.studies.diff.plant_playback import plant_at
 from drivegate.studies.diff.record import (
     RecordingController,

@@ -1,0 +1,1 @@
+"""Two candidates that answer with duty ratios, step by step."""
