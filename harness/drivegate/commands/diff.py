@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, chosen_scenario, drive_options, json_option
+from drivegate.commands.options import bounded, chosen_scenario, drive_again, drive_options, json_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -103,7 +103,8 @@ def command(
         names = (candidates[0].name, candidates[1].name)
         draw(comparison.difference, names, plot, f"{names[0]} and {names[1]}: {scenario.name}")
         document["files"] = [str(plot)]
-    words = " ".join(quote(word) for word in (first, second, "--case", case, *(["--again"] if again else [])))
+    chosen = (first, second, "--case", case, *drive_again(drive, settings))
+    words = " ".join(quote(word) for word in (*chosen, *(["--again"] if again else [])))
 
     def show(console: Console) -> None:
         from drivegate.studies.diff.display import show_difference

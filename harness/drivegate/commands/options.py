@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import inf, isfinite, nan
 from pathlib import Path
 from shlex import quote
@@ -153,3 +153,9 @@ def _loaded_scenario(case: str) -> Scenario:
                 )
             return parse_document(scenario, Scenario, f"{case}, the table 'scenario'")
     return load_scenario(case)
+
+
+def drive_again(drive: str | None, settings: Sequence[str]) -> tuple[str, ...]:
+    """Give the words that choose the same drive in another command."""
+    named = () if drive is None else ("--drive", drive)
+    return (*named, *(word for setting in settings for word in ("--set", setting)))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import chosen_scenario, drive_options, json_option
+from drivegate.commands.options import chosen_scenario, drive_again, drive_options, json_option
 from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
@@ -82,11 +82,8 @@ def command(
             write_plot(frame, plot, f"{resolved.name}: {scenario.name}")
     written = [str(path) for path in (csv, parquet, plot) if path is not None]
     document["files"] = written
-    hint = (
-        ""
-        if plot is not None
-        else f"drivegate simulate {quote(candidate)} {_named(case, report, run)} --plot run.png"
-    )
+    words = (quote(candidate), _named(case, report, run), *map(quote, drive_again(drive, settings)))
+    hint = "" if plot is not None else f"drivegate simulate {' '.join(words)} --plot run.png"
 
     def show(console: Console) -> None:
         from drivegate.studies.simulate.display import show_run

@@ -248,6 +248,16 @@ def test_a_star_is_run_through_hall_switches(command, tmp_path):
     assert summary["speed_final_rpm"] == pytest.approx(1500.0, abs=5.0)
 
 
+@pytest.mark.parametrize("run", [("simulate", "reference"), ("diff", "reference", "near:gain-doubled")])
+def test_the_next_command_is_of_the_same_drive(command, tmp_path, run):
+    brief = load_scenario("lock-up").replaced(duration_s=0.2)
+    file = tmp_path / "brief.json"
+    file.write_text(brief.to_json(), encoding="utf-8")
+    chosen = ("--case", file, "--drive", "star-3-phase", "--set", "window_deg=150")
+    told = " ".join(command(*run, *chosen).out.split())
+    assert f"next: drivegate {' '.join(run)} {' '.join(map(str, chosen))} --plot" in told
+
+
 def test_hall_switches_are_refused_in_a_sentence_on_another_drive(command, tmp_path):
     file = tmp_path / "hall.toml"
     file.write_text(
