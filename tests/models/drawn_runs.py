@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -87,9 +88,12 @@ class Account:
 
 
 def drawn(examples: int) -> settings:
-    """Return the settings of a test that looks at so many drawn runs, the same ones each time."""
+    """Return the settings of a test that looks at so many drawn runs, the same ones each time.
+
+    Where the environment variable `DRAWN_RUNS` has a number, it looks at that many.
+    """
     return settings(
-        max_examples=examples,
+        max_examples=int(os.environ.get("DRAWN_RUNS", examples)),
         deadline=None,
         derandomize=True,
         database=None,

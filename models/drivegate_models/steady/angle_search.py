@@ -38,8 +38,8 @@ _VALLEYS = 2
 _HOPELESS = 1.05
 # Step of a look ahead at the coarse grid with the ideal regulator (deg).
 _STRIDE = 3
-# Hysteresis bands a phase by which the band may change the sum of current magnitudes, with a reserve.
-_BANDS = 2.0
+# Half-widths of the band a phase by which it may change the sum of current magnitudes; 0.8 where that is drawn.
+_BANDS = 1.0
 # How far below a neighbouring angle's reference the scan starts, over the current limit: two of its steps.
 _BELOW = 0.02
 
@@ -261,8 +261,8 @@ def _finest(demand: TorqueDemand, by_power: bool, valley: Evaluation) -> Evaluat
     return min(best, *candidates, _golden(demand, by_power, ends[0], ends[1], valley.reference))
 
 
-def last_promising(demand: TorqueDemand) -> int:
-    """Return an angle beyond which the sum of current magnitudes is far from the least.
+def promising_angles(demand: TorqueDemand) -> list[int]:
+    """Return the angles beside which the sum of current magnitudes may be least.
 
     Parameters
     ----------
@@ -271,22 +271,27 @@ def last_promising(demand: TorqueDemand) -> int:
 
     Returns
     -------
-    int
-        Electrical degrees, from a grid of 3 degrees with the ideal regulator, whose steady states are found many times
-        as fast as those with a band: at the same torque, the band changes the current of each phase by about its
-        half-width at most. 90 where the ideal regulator reaches the torque nowhere.
+    list of int
+        Electrical degrees in ascending order, from a grid of 3 degrees with the ideal regulator, whose steady states
+        are found many times as fast as those with a band: at the same torque, the band changes the current of each
+        phase by its half-width at most. From 0 to 90 where the ideal regulator reaches the torque nowhere.
     """
     ideal = demand._replace(drive=demand.drive._replace(hysteresis_band=0.0))
+    coarse = range(0, _DEGREES + 1, _STRIDE)
     costs = []
     nearby = nan
-    for degrees in range(0, _DEGREES + 1, _STRIDE):
+    for degrees in coarse:
         point = _evaluated(ideal, False, radians(degrees), nearby)
         costs.append(point.cost)
         nearby = point.reference
     reserve = _BANDS * demand.drive.phases * demand.drive.hysteresis_band
     highest = _HOPELESS * (min(costs) + reserve) + reserve
-    promising = [place for place, cost in enumerate(costs) if cost <= highest < inf]
-    return min((promising[-1] + 1) * _STRIDE, _DEGREES) if promising else _DEGREES
+    promising = [degrees for degrees, cost in zip(coarse, costs, strict=True) if cost <= highest < inf]
+    every = range(_DEGREES + 1)
+    # An angle that the coarse grid passes over may be as good as the better one beside it.
+    return [
+        angle for angle in every if not promising or min(abs(angle - near) for near in promising) < _STRIDE
+    ]
 
 
 def least_cost(demand: TorqueDemand, by_power: bool) -> float:
@@ -302,19 +307,19 @@ def least_cost(demand: TorqueDemand, by_power: bool) -> float:
     Returns
     -------
     float
-        The angle (rad electrical), from a grid of 1 degree up to the last promising angle, the two lowest valleys of it
-        on a grid of 0.1 degree, and golden section with the feasible edges; NaN if no angle is robustly feasible.
+        The angle (rad electrical), from a grid of 1 degree over the promising angles, the two lowest valleys of it on a
+        grid of 0.1 degree, and golden section with the feasible edges; NaN if no angle is robustly feasible.
     """
-    grid: list[Evaluation] = []
-    nearby = nan
     # Of the power the ideal regulator tells less: with a band, each switching costs energy.
-    has_far_end = demand.drive.hysteresis_band > 0.0 and not by_power
-    last = last_promising(demand) if has_far_end else _DEGREES
-    for degrees in range(last + 1):
-        grid.append(_evaluated(demand, by_power, radians(degrees), nearby))
+    is_foretold = demand.drive.hysteresis_band > 0.0 and not by_power
+    nearby = nan
+    grid = [Evaluation(inf, radians(degrees), nan) for degrees in range(_DEGREES + 1)]
+    for degrees in promising_angles(demand) if is_foretold else range(_DEGREES + 1):
+        grid[degrees] = _evaluated(demand, by_power, radians(degrees), nearby)
         # Neighbouring angles need much the same current, so each scan starts just below the last result.
-        nearby = grid[-1].reference
-    # Beyond the ends cost is infinite, as it is where infeasible: a least on an edge is a valley, too.
+        nearby = grid[degrees].reference
+    # Beyond the ends, and where nothing is promising, cost is infinite, as where infeasible: a least on an edge is a
+    # valley, too.
     costs = [inf, *(point.cost for point in grid), inf]
     valleys = sorted(
         point for k, point in enumerate(grid) if point.cost < inf and costs[k] >= point.cost <= costs[k + 2]

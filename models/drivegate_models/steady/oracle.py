@@ -281,7 +281,7 @@ def least_current_sum(drive: AnyDrive, speed: float, torque: float, voltage: flo
     Optimum
         The least over all robustly feasible angles from 0 to 90 degrees: a grid of 1 degree, its two
         lowest valleys on a grid of 0.1 degree, then golden section to 0.001 degree and the feasible edge.
-        With a band the grid ends where the ideal regulator tells that the sum has become far greater.
+        With a band the grid leaves out where the ideal regulator tells that the sum is far greater.
 
     Raises
     ------

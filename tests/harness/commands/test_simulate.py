@@ -37,12 +37,10 @@ def test_a_run_is_summarised_and_its_trace_written(command, short, tmp_path):
 
 
 def test_people_get_tables_and_the_way_to_a_plot(command, short):
-    drive = ("--drive", "paper-5-phase", "--set", "resistance_ohm=0.09")
-    ended = command("simulate", "initial", "--case", short, *drive)
+    ended = command("simulate", "initial", "--case", short)
     assert ended.code == 0
     assert "steady from" in ended.out
-    told = " ".join(ended.out.split())
-    assert f"next: drivegate simulate initial --case {short} {' '.join(drive)} --plot run.png" in told
+    assert "--plot" in ended.out
 
 
 def test_commands_out_of_range_and_a_wrong_unit_are_told(command, short, tmp_path):
@@ -248,6 +246,16 @@ def test_a_star_is_run_through_hall_switches(command, tmp_path):
     summary = command(*run, "--json").document["summary"]
     assert summary["energy_residual"] < 1e-9
     assert summary["speed_final_rpm"] == pytest.approx(1500.0, abs=5.0)
+
+
+@pytest.mark.parametrize("run", [("simulate", "reference"), ("diff", "reference", "near:gain-doubled")])
+def test_the_next_command_is_of_the_same_drive(command, tmp_path, run):
+    brief = load_scenario("lock-up").replaced(duration_s=0.2)
+    file = tmp_path / "brief.json"
+    file.write_text(brief.to_json(), encoding="utf-8")
+    chosen = ("--case", file, "--drive", "star-3-phase", "--set", "window_deg=150")
+    told = " ".join(command(*run, *chosen).out.split())
+    assert f"next: drivegate {' '.join(run)} {' '.join(map(str, chosen))} --plot" in told
 
 
 def test_hall_switches_are_refused_in_a_sentence_on_another_drive(command, tmp_path):

@@ -12,7 +12,7 @@ from drivegate_models.errors import InputError
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phases import make_phases
 from drivegate_models.steady import angle_search
-from drivegate_models.steady.angle_search import last_promising, torque_demand
+from drivegate_models.steady.angle_search import promising_angles, torque_demand
 from drivegate_models.steady.calibration import MotorConstants, calibration_drive
 from drivegate_models.steady.current_search import ReferenceSearch, mean_state
 from drivegate_models.steady.oracle import (
@@ -180,16 +180,24 @@ def test_least_current_sum_lies_on_the_edge_in_the_constant_power_region() -> No
 
 
 @pytest.mark.parametrize(
-    ("speed_rpm", "power", "band"), [(550, 1500, 0.25), (800, 500, 0.25), (800, 100, 0.75), (1300, 1200, 0.1)]
+    ("name", "speed_rpm", "power", "band"),
+    [
+        ("paper-5-phase", 550, 1500, 0.25),
+        ("paper-5-phase", 800, 500, 0.25),
+        ("paper-5-phase", 800, 100, 0.75),
+        ("paper-5-phase", 1300, 1200, 0.1),
+        ("star-3-phase", 700, 1500, 0.25),
+        ("star-3-phase", 1500, 750, 0.25),
+    ],
 )
 def test_angles_that_are_left_out_cannot_be_the_optimum(
-    speed_rpm: float, power: float, band: float, monkeypatch: pytest.MonkeyPatch
+    name: str, speed_rpm: float, power: float, band: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drive, speed = BANDED._replace(hysteresis_band=band), speed_rpm * RPM
+    drive, speed = load_drive(name).plant()._replace(hysteresis_band=band), speed_rpm * RPM
     demand = torque_demand(drive, speed, power / speed)
-    assert last_promising(demand) < 90, "no angle is left out, so that there is nothing to test"
+    assert len(promising_angles(demand)) < 91, "no angle is left out, so that there is nothing to test"
     short = least_current_sum(drive, speed, power / speed)
-    monkeypatch.setattr(angle_search, "last_promising", lambda _demand: 90)
+    monkeypatch.setattr(angle_search, "promising_angles", lambda _demand: range(91))
     assert short == least_current_sum(drive, speed, power / speed), "the whole grid has another optimum"
 
 
@@ -209,7 +217,7 @@ def test_order_of_costs_needs_no_finer_references(monkeypatch: pytest.MonkeyPatc
 
 def test_grid_is_whole_where_the_ideal_regulator_reaches_nothing() -> None:
     demand = torque_demand(BANDED, 1500 * RPM, 30.0)
-    assert last_promising(demand) == 90
+    assert promising_angles(demand) == list(range(91))
 
 
 def test_optimum_beyond_reach_is_nan() -> None:

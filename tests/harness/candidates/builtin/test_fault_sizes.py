@@ -10,6 +10,7 @@ from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, numb
 from drivegate.candidates.builtin.faulty_controller import FaultyController
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.scenarios.drive_scale import scale_of
+from drivegate_cases.drive.advance import advance_line
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument, drive_names, load_drive
 from drivegate_cases.drive.limits import limits_of
 from drivegate_models.errors import HarnessFault
@@ -174,3 +175,21 @@ def test_the_table_of_the_nominal_drive_keeps_above_its_feasible_edge() -> None:
 def test_a_faulty_controller_that_was_shown_no_drive_is_a_fault_of_the_harness() -> None:
     with pytest.raises(HarnessFault, match="has not been shown"):
         FaultyController(MUTATIONS["drifts"]).reset(PAPER.nameplate(0.0005))
+
+
+@pytest.mark.parametrize(
+    ("name", "start_deg", "slope_deg_per_rpm"),
+    [("paper-5-phase", 33.0, 0.025), ("star-3-phase", 18.5, 0.0715), ("star-3-phase-150-emf", 19.1, 0.0653)],
+)
+def test_a_line_made_for_weaker_machines_is_lowered_to_that_of_least_advance(
+    name: str, start_deg: float, slope_deg_per_rpm: float
+) -> None:
+    drive = load_drive(name)
+    constants = {key: number_on(size, drive) for key, size in oracle_sizes.line_of_nominal_machine()}
+    assert math.degrees(constants["angle_at_base"]) == pytest.approx(start_deg)
+    slope = math.degrees(constants["angle_slope"]) * math.pi / 30.0
+    assert slope == pytest.approx(slope_deg_per_rpm)
+    own = advance_line(drive)
+    assert start_deg <= math.degrees(own[0]) + 1e-9, "the line has been raised"
+    if name == "paper-5-phase":
+        assert (constants["angle_at_base"], constants["angle_slope"]) == own, "bit for bit"

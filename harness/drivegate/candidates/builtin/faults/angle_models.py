@@ -49,6 +49,7 @@ FAULTS: Final = (
         KIND,
         "Never raises the angle beyond the initial one, which a weaker machine needs.",
         "ROB-1",
+        constants=oracle_sizes.line_of_nominal_machine(),
         fault=faults.LINE_IS_LIMIT,
     ),
     Mutation(
@@ -56,6 +57,7 @@ FAULTS: Final = (
         KIND,
         "Does not notice that its current reference is at the limit, where a weaker machine needs more angle.",
         "ROB-1",
+        constants=oracle_sizes.line_of_nominal_machine(),
         fault=faults.SATURATION_IGNORED,
     ),
 )

@@ -7,6 +7,7 @@ from math import degrees, floor, isnan, radians
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.builtin.faults.sizes import Size
+from drivegate_cases.drive.advance import advance_line
 from drivegate_cases.drive.limits import limits_of
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -17,6 +18,8 @@ _KEPT: Final = 100
 # What an edge has to be above an angle for the lack of torque to show (deg).
 _VISIBLE: Final = 0.5
 _SHARES_BEYOND: Final = (1.0, 0.75, 0.5, 0.25)
+# What a line's angle at base speed has above that of least advance where it is made for weaker machines too (deg).
+_IN_HAND: Final = 1.0
 _TABLE_SHARES: Final = (0.05, 0.1, 0.2, 0.5, 0.65, 0.7, 0.85)
 # Added to the edge by a table of the nominal drive (deg).
 _TO_SPARE: Final = 1.5
@@ -85,6 +88,25 @@ def no_more_angle_beyond(drive: DriveDocument) -> str | None:
     if _edge_beyond(drive) - cap >= _VISIBLE and cap > 0.0:
         return None
     return "beyond the highest speed rated power takes no more angle than up to it, or is out of reach"
+
+
+@lru_cache(maxsize=_KEPT)
+def _nominal_line(drive: DriveDocument) -> tuple[float, float]:
+    """Give the angle at base speed (deg) and the slope (deg a rpm) of a line that is enough for the nominal machine.
+
+    That of the drive, unless it is made for weaker machines too: then the one of least advance.
+    """
+    own, least = advance_line(drive), advance_line(drive.model_copy(update={"advance": None}))
+    start, slope = least if degrees(own[0] - least[0]) > _IN_HAND else own
+    return degrees(start), degrees(slope) * RADIANS_PER_RPM
+
+
+def line_of_nominal_machine() -> tuple[tuple[str, Size], ...]:
+    """Give the constants of a controller with such a line."""
+    return (
+        ("angle_at_base", Size(lambda drive: _nominal_line(drive)[0], "°")),
+        ("angle_slope", Size(lambda drive: _nominal_line(drive)[1], "° a rpm")),
+    )
 
 
 @lru_cache(maxsize=_KEPT)
