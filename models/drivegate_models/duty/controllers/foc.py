@@ -28,7 +28,7 @@ from drivegate_models.duty.controllers.current_regulator import (
     voltage_limit,
 )
 from drivegate_models.duty.controllers.loss_model import least_loss_direct
-from drivegate_models.duty.controllers.loss_search import LOOKING, SETTLING, forget_search, searched_offset
+from drivegate_models.duty.controllers.loss_search import forget_search, reset_search, searched_offset
 from drivegate_models.duty.controllers.state import FOC_STATE, MODELLED_LOSS, SEARCHED_LOSS, UNWEAKENED
 
 VOLTAGE_SHARE: Final = 0.98
@@ -79,9 +79,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.speed_integral = 0.0
     state.torque = 0.0
     state.voltage_share = VOLTAGE_SHARE
-    state.search_settling = int(SETTLING / period)
-    state.search_looking = max(int(LOOKING / period), 1)
-    forget_search(state, 0.0, 0.0)
+    reset_search(state, nameplate)
 
 
 @inlined

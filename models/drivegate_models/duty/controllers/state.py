@@ -59,15 +59,22 @@ FOC_STATE: Final = np.dtype(
         ("quadrature_integral", np.float64),
         # Share of the undistorted voltage that references are made for.
         ("voltage_share", np.float64),
-        # Search for the least power: its periods, what it adds to the current along the magnet's axis and by how much
-        # that changes, how far it is in one place, what it has seen there and before, and where it began.
+        # Search for the least power: its periods, and the inertia by which a rise of the speed it has seen is a power.
         ("search_settling", np.int64),
         ("search_looking", np.int64),
+        ("search_inertia", np.float64),
+        # What it adds to the current along the magnet's axis, by how much that changes, and how often that was right.
         ("search_offset", np.float64),
         ("search_step", np.float64),
+        ("search_gains", np.int64),
+        # How far it is in one place, sums of the power and of the first and second half of the speed there, both in
+        # the place before, and where it began.
         ("search_count", np.int64),
         ("search_sum", np.float64),
+        ("search_early", np.float64),
+        ("search_late", np.float64),
         ("search_power", np.float64),
+        ("search_pace", np.float64),
         ("search_torque", np.float64),
         ("search_speed", np.float64),
     ],

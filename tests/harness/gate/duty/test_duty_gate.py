@@ -80,6 +80,19 @@ def test_controllers_of_least_loss_give_all_torque_that_the_limits_leave(name: s
     assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
 
 
+@pytest.mark.parametrize(("speeds", "torque"), [((500.0, 1100.0), 1.137), ((3100.0, 3200.0), 0.5)])
+def test_the_search_for_least_loss_is_not_led_by_a_speed_that_settles(
+    speeds: tuple[float, float], torque: float
+) -> None:
+    document = load_drive("pm-ac-interior")
+    loaded = own_candidate(resolve_candidate("foc-loss-search"))
+    record = recorded(loaded, speed_scenario(document, speeds, torque_nm=torque), loaded.controller())
+    margins = judged(record, kind_of(document).checks()).margins
+    assert {"FWK-2", "MTP-1"} <= {margin.check for margin in margins}
+    failed = [margin for margin in margins if not margin.met]
+    assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
+
+
 def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> None:
     loaded = own_candidate(resolve_candidate("foc-mtpa"))
     weakened = telling_runs()[1]
