@@ -21,13 +21,18 @@ AIMS: Final = {
     "foc-mtpa": UNWEAKENED,
     "foc-loss-model": MODELLED_LOSS,
     "foc-loss-search": SEARCHED_LOSS,
+    "predictive-flux": LEAST_CURRENT,
 }
 """The controllers, and what each chooses its currents for."""
 
+PREDICTING: Final = frozenset({"predictive-flux"})
+"""Those that lead the currents by prediction, the others by PI regulators."""
+
 FOC_STATE: Final = np.dtype(
     [
-        # Which currents are chosen; set before reset, which leaves it.
+        # Which currents are chosen, and whether they are led by prediction; set before reset, which leaves both.
         ("aim", np.int64),
+        ("predicts", np.int64),
         # Constants, set by reset.
         ("regulates_speed", np.int64),
         ("pole_pairs", np.float64),
@@ -59,6 +64,16 @@ FOC_STATE: Final = np.dtype(
         ("quadrature_integral", np.float64),
         # Share of the undistorted voltage that references are made for.
         ("voltage_share", np.float64),
+        # Prediction of the flux: its period, whether an answer acts a period later, the voltage given, what predictions
+        # have missed (V), and what is foreseen of the flux for the next step.
+        ("period", np.float64),
+        ("delay", np.int64),
+        ("direct_given", np.float64),
+        ("quadrature_given", np.float64),
+        ("direct_missed", np.float64),
+        ("quadrature_missed", np.float64),
+        ("direct_foreseen", np.float64),
+        ("quadrature_foreseen", np.float64),
         # Search for the least power: its periods, and the inertia by which a rise of the speed it has seen is a power.
         ("search_settling", np.int64),
         ("search_looking", np.int64),
@@ -94,8 +109,9 @@ def foc_state(name: str) -> NDArray[Any]:
     Returns
     -------
     array of FOC_STATE, shape (1,)
-        Its aim alone is set.
+        Nothing is set but its aim, and whether it predicts.
     """
     state = np.zeros(1, FOC_STATE)
     state["aim"] = AIMS[name]
+    state["predicts"] = name in PREDICTING
     return state

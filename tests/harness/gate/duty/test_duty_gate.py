@@ -60,8 +60,9 @@ def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
     assert DUTY_FAULTS[name].check in {margin.check for margin in margins if not margin.met}
 
 
-def test_a_correct_controller_passes_the_same_runs_and_repeats_itself() -> None:
-    with Judge(resolve_candidate("foc")) as judge:
+@pytest.mark.parametrize("name", ["foc", "predictive-flux"])
+def test_a_correct_controller_passes_the_same_runs_and_repeats_itself(name: str) -> None:
+    with Judge(resolve_candidate(name)) as judge:
         outcome = judge.run(Job(run_fixed, FixedRuns(telling_runs(), repeat=True)))
     margins = [margin for run in outcome.runs for margin in run.margins]
     assert [margin for margin in margins if not margin.met] == []
