@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan, nan
+from math import ceil, isnan, nan, pi
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
@@ -10,7 +10,8 @@ from drivegate_models.compilation.kernels import inlined
 SETTLING: Final = 0.03
 """Time that a new current is given before the power is looked at (s)."""
 LOOKING: Final = 0.02
-"""Time over which the power is averaged (s)."""
+"""Time over which the power is averaged, or more: a whole number of sixths of the field's turn, as it ripples (s)."""
+_LONGEST = 0.06
 
 # First and last step over the current limit.
 _FIRST_STEP = 0.06
@@ -26,11 +27,11 @@ _OTHER_SPEED = 0.02
 def reset_search(state: Any, nameplate: Any) -> None:
     """Write the constants of the search and forget everything else."""
     period = nameplate.control_period
-    half = max(int(0.5 * LOOKING / period), 1)
     state.search_settling = int(SETTLING / period)
-    state.search_looking = 2 * half
-    # The means of the two halves of a look are half a look apart.
-    state.search_inertia = nameplate.inertia / (half * half * period)
+    state.search_shortest = LOOKING / period
+    state.search_longest = _LONGEST / period
+    state.search_sixth = pi / 3.0 / (nameplate.pole_pairs * period)
+    state.search_inertia = nameplate.inertia / period
     forget_search(state, 0.0, 0.0)
 
 
@@ -43,12 +44,18 @@ def forget_search(state: Any, torque: float, speed: float) -> None:
     state.search_step = -_FIRST_STEP * state.current_limit
     state.search_gains = 0
     state.search_power = nan
-    _look_anew(state)
+    _look_anew(state, speed)
 
 
 @inlined
-def _look_anew(state: Any) -> None:
+def _look_anew(state: Any, speed: float) -> None:
     """Give a new current time to settle before its power is looked at."""
+    looking = state.search_shortest
+    turning = abs(speed)
+    if turning * state.search_longest > state.search_sixth:
+        sixth = state.search_sixth / turning
+        looking = ceil(looking / sixth) * sixth
+    state.search_looking = 2 * int(0.5 * min(looking, state.search_longest) + 0.5)
     state.search_count = 0
     state.search_sum = 0.0
     state.search_early = 0.0
@@ -73,7 +80,9 @@ def _move(state: Any, torque: float) -> None:
     for its own doing would go where the speed happens to fall, so it is left out.
     """
     pace = (state.search_early + state.search_late) / state.search_looking
-    accelerating = state.search_inertia * pace * (state.search_late - state.search_early)
+    # The means of the two halves of a look are half a look apart.
+    half = 0.5 * state.search_looking
+    accelerating = state.search_inertia * pace * (state.search_late - state.search_early) / (half * half)
     power = state.search_sum / state.search_looking - accelerating
     if not isnan(state.search_power):
         if power - torque * (pace - state.search_pace) < state.search_power:
@@ -129,5 +138,5 @@ def searched_offset(state: Any, torque: float, speed: float, power: float) -> fl
         _look(state, speed, power)
     if state.search_count >= state.search_settling + state.search_looking:
         _move(state, torque)
-        _look_anew(state)
+        _look_anew(state, speed)
     return float(state.search_offset)

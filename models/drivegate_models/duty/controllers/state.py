@@ -74,8 +74,12 @@ FOC_STATE: Final = np.dtype(
         ("quadrature_missed", np.float64),
         ("direct_foreseen", np.float64),
         ("quadrature_foreseen", np.float64),
-        # Search for the least power: its periods, and the inertia by which a rise of the speed it has seen is a power.
+        # Search for the least power: control periods in which a current settles and is looked at, at least, at most and
+        # now; speed at which a period is a sixth of the field's turn, and the inertia over a period.
         ("search_settling", np.int64),
+        ("search_shortest", np.float64),
+        ("search_longest", np.float64),
+        ("search_sixth", np.float64),
         ("search_looking", np.int64),
         ("search_inertia", np.float64),
         # What it adds to the current along the magnet's axis, by how much that changes, and how often that was right.

@@ -94,6 +94,17 @@ def test_the_search_for_least_loss_is_not_led_by_a_speed_that_settles(
     assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
 
 
+def test_the_search_for_least_loss_is_not_led_by_the_ripple_of_dead_time() -> None:
+    document = load_drive("pm-ac-2kw")
+    loaded = own_candidate(resolve_candidate("foc-loss-search"))
+    record = recorded(loaded, torque_scenario(document, 1420.0, (0.0, 30.0, 0.0)), loaded.controller())
+    margins = [
+        margin for margin in judged(record, kind_of(document).checks()).margins if margin.check == "FWK-2"
+    ]
+    assert margins
+    assert all(margin.met for margin in margins), margins
+
+
 def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> None:
     loaded = own_candidate(resolve_candidate("foc-mtpa"))
     weakened = telling_runs()[1]
