@@ -28,7 +28,10 @@ BUILTIN_CANDIDATES: Final = MappingProxyType(
 """Declarations by bare name."""
 
 DUTY_CANDIDATES: Final = MappingProxyType(
-    {name: Declaration() for name in ("foc", "foc-mtpa", "foc-loss-model", "foc-loss-search")}
+    {
+        name: Declaration()
+        for name in ("foc", "foc-mtpa", "foc-loss-model", "foc-loss-search", "predictive-flux")
+    }
 )
 """Declarations of those that answer with duty ratios, by bare name."""
 

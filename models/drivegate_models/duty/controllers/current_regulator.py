@@ -61,7 +61,7 @@ def voltage_limit(sense: Any) -> float:
 
 
 @inlined
-def _limited(
+def limited_voltage(
     along: float, across: float, added_along: float, added_across: float, limit: float
 ) -> tuple[float, float]:
     """Return a voltage with as much of what may be added to it as the limit bears; the nearest one beyond the limit."""
@@ -79,8 +79,8 @@ def _limited(
 
 
 @inlined
-def _write_ratios(command: Any, along: float, across: float, supply: float) -> None:
-    """Write the duty ratios of a voltage in the frame that stands still, about the middle of the link."""
+def write_ratios(command: Any, along: float, across: float, supply: float) -> None:
+    """Write the answer that gives a voltage in the frame that stands still, about the middle of the link (V)."""
     first = along
     second = -0.5 * along + 0.5 * _ROOT_THREE * across
     third = -0.5 * along - 0.5 * _ROOT_THREE * across
@@ -91,6 +91,8 @@ def _write_ratios(command: Any, along: float, across: float, supply: float) -> N
     command.first_leg = LEG_PWM
     command.second_leg = LEG_PWM
     command.third_leg = LEG_PWM
+    command.next_period = 0.0
+    command.fault = 0
 
 
 @inlined
@@ -151,7 +153,7 @@ def regulate_currents(
     )
     direct_voltage = along + electrical * quadrature_flux
     quadrature_voltage = across - electrical * direct_flux
-    direct_given, quadrature_given = _limited(
+    direct_given, quadrature_given = limited_voltage(
         along, across, electrical * quadrature_flux, -electrical * direct_flux, limit
     )
     # What the limit has taken does not enter the integrals.
@@ -162,12 +164,10 @@ def regulate_currents(
         quadrature_error + (quadrature_given - quadrature_voltage) / state.quadrature_gain
     )
     cosine, sine = cosine_sine(state.pole_pairs * sense.angle + electrical * state.lead)
-    _write_ratios(
+    write_ratios(
         command,
         cosine * direct_given - sine * quadrature_given,
         sine * direct_given + cosine * quadrature_given,
         max(sense.supply_voltage, 1e-9),
     )
-    command.next_period = 0.0
-    command.fault = 0
     return float(sqrt(direct_voltage * direct_voltage + quadrature_voltage * quadrature_voltage))

@@ -27,8 +27,9 @@ from drivegate_models.duty.controllers.current_regulator import (
     rotor_currents,
     voltage_limit,
 )
+from drivegate_models.duty.controllers.flux_prediction import lead_flux, reset_prediction
 from drivegate_models.duty.controllers.loss_model import least_loss_direct
-from drivegate_models.duty.controllers.loss_search import LOOKING, SETTLING, forget_search, searched_offset
+from drivegate_models.duty.controllers.loss_search import forget_search, reset_search, searched_offset
 from drivegate_models.duty.controllers.state import FOC_STATE, MODELLED_LOSS, SEARCHED_LOSS, UNWEAKENED
 
 VOLTAGE_SHARE: Final = 0.98
@@ -58,13 +59,14 @@ def reset_state(state: Any, nameplate: Any) -> None:
     Parameters
     ----------
     state : record of FOC_STATE
-        Overwritten, but for its aim.
+        Overwritten, but for its aim and whether it predicts.
     nameplate : record of DUTY_NAMEPLATE
         The drive's nominal data.
     """
     period = nameplate.control_period
     speed_bandwidth = _SPEED_SHARE * BANDWIDTH / period
     reset_regulator(state, nameplate)
+    reset_prediction(state, nameplate)
     state.regulates_speed = 1 if nameplate.reference_kind == SPEED_REFERENCE else 0
     state.core_loss_conductance = nameplate.core_loss_conductance
     state.deepest = -min(nameplate.current_limit, nameplate.magnet_flux / nameplate.direct_inductance)
@@ -79,9 +81,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.speed_integral = 0.0
     state.torque = 0.0
     state.voltage_share = VOLTAGE_SHARE
-    state.search_settling = int(SETTLING / period)
-    state.search_looking = max(int(LOOKING / period), 1)
-    forget_search(state, 0.0, 0.0)
+    reset_search(state, nameplate)
 
 
 @inlined
@@ -192,9 +192,12 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     given = torque_per_quadrature(state, direct_reference) * quadrature_reference
     _unwind_speed(state, sense.reference, sense.speed, wanted, given)
 
-    used = regulate_currents(
-        state, sense, command, direct, quadrature, direct_reference, quadrature_reference
-    )
+    if state.predicts == 1:
+        used = lead_flux(state, sense, command, direct, quadrature, direct_reference, quadrature_reference)
+    else:
+        used = regulate_currents(
+            state, sense, command, direct, quadrature, direct_reference, quadrature_reference
+        )
     _share_voltage(state, used / max(limit, 1e-9))
     command.torque = torque_per_quadrature(state, direct) * quadrature
     command.angle = sense.angle

@@ -21,13 +21,18 @@ AIMS: Final = {
     "foc-mtpa": UNWEAKENED,
     "foc-loss-model": MODELLED_LOSS,
     "foc-loss-search": SEARCHED_LOSS,
+    "predictive-flux": LEAST_CURRENT,
 }
 """The controllers, and what each chooses its currents for."""
 
+PREDICTING: Final = frozenset({"predictive-flux"})
+"""Those that lead the currents by prediction, the others by PI regulators."""
+
 FOC_STATE: Final = np.dtype(
     [
-        # Which currents are chosen; set before reset, which leaves it.
+        # Which currents are chosen, and whether they are led by prediction; set before reset, which leaves both.
         ("aim", np.int64),
+        ("predicts", np.int64),
         # Constants, set by reset.
         ("regulates_speed", np.int64),
         ("pole_pairs", np.float64),
@@ -59,15 +64,36 @@ FOC_STATE: Final = np.dtype(
         ("quadrature_integral", np.float64),
         # Share of the undistorted voltage that references are made for.
         ("voltage_share", np.float64),
-        # Search for the least power: its periods, what it adds to the current along the magnet's axis and by how much
-        # that changes, how far it is in one place, what it has seen there and before, and where it began.
+        # Prediction of the flux: its period, whether an answer acts a period later, the voltage given, what predictions
+        # have missed (V), and what is foreseen of the flux for the next step.
+        ("period", np.float64),
+        ("delay", np.int64),
+        ("direct_given", np.float64),
+        ("quadrature_given", np.float64),
+        ("direct_missed", np.float64),
+        ("quadrature_missed", np.float64),
+        ("direct_foreseen", np.float64),
+        ("quadrature_foreseen", np.float64),
+        # Search for the least power: control periods in which a current settles and is looked at, at least, at most and
+        # now; speed at which a period is a sixth of the field's turn, and the inertia over a period.
         ("search_settling", np.int64),
+        ("search_shortest", np.float64),
+        ("search_longest", np.float64),
+        ("search_sixth", np.float64),
         ("search_looking", np.int64),
+        ("search_inertia", np.float64),
+        # What it adds to the current along the magnet's axis, by how much that changes, and how often that was right.
         ("search_offset", np.float64),
         ("search_step", np.float64),
+        ("search_gains", np.int64),
+        # How far it is in one place, sums of the power and of the first and second half of the speed there, both in
+        # the place before, and where it began.
         ("search_count", np.int64),
         ("search_sum", np.float64),
+        ("search_early", np.float64),
+        ("search_late", np.float64),
         ("search_power", np.float64),
+        ("search_pace", np.float64),
         ("search_torque", np.float64),
         ("search_speed", np.float64),
     ],
@@ -87,8 +113,9 @@ def foc_state(name: str) -> NDArray[Any]:
     Returns
     -------
     array of FOC_STATE, shape (1,)
-        Its aim alone is set.
+        Nothing is set but its aim, and whether it predicts.
     """
     state = np.zeros(1, FOC_STATE)
     state["aim"] = AIMS[name]
+    state["predicts"] = name in PREDICTING
     return state

@@ -60,8 +60,9 @@ def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
     assert DUTY_FAULTS[name].check in {margin.check for margin in margins if not margin.met}
 
 
-def test_a_correct_controller_passes_the_same_runs_and_repeats_itself() -> None:
-    with Judge(resolve_candidate("foc")) as judge:
+@pytest.mark.parametrize("name", ["foc", "predictive-flux"])
+def test_a_correct_controller_passes_the_same_runs_and_repeats_itself(name: str) -> None:
+    with Judge(resolve_candidate(name)) as judge:
         outcome = judge.run(Job(run_fixed, FixedRuns(telling_runs(), repeat=True)))
     margins = [margin for run in outcome.runs for margin in run.margins]
     assert [margin for margin in margins if not margin.met] == []
@@ -78,6 +79,30 @@ def test_controllers_of_least_loss_give_all_torque_that_the_limits_leave(name: s
     assert "FWK-1" in {margin.check for margin in margins}
     failed = [margin for margin in margins if not margin.met]
     assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
+
+
+@pytest.mark.parametrize(("speeds", "torque"), [((500.0, 1100.0), 1.137), ((3100.0, 3200.0), 0.5)])
+def test_the_search_for_least_loss_is_not_led_by_a_speed_that_settles(
+    speeds: tuple[float, float], torque: float
+) -> None:
+    document = load_drive("pm-ac-interior")
+    loaded = own_candidate(resolve_candidate("foc-loss-search"))
+    record = recorded(loaded, speed_scenario(document, speeds, torque_nm=torque), loaded.controller())
+    margins = judged(record, kind_of(document).checks()).margins
+    assert {"FWK-2", "MTP-1"} <= {margin.check for margin in margins}
+    failed = [margin for margin in margins if not margin.met]
+    assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
+
+
+def test_the_search_for_least_loss_is_not_led_by_the_ripple_of_dead_time() -> None:
+    document = load_drive("pm-ac-2kw")
+    loaded = own_candidate(resolve_candidate("foc-loss-search"))
+    record = recorded(loaded, torque_scenario(document, 1420.0, (0.0, 30.0, 0.0)), loaded.controller())
+    margins = [
+        margin for margin in judged(record, kind_of(document).checks()).margins if margin.check == "FWK-2"
+    ]
+    assert margins
+    assert all(margin.met for margin in margins), margins
 
 
 def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> None:
