@@ -7,6 +7,7 @@ from typing import Final
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
+from drivegate_cases.scenario.failure import FAILURE_KINDS
 from drivegate_models.units import RADIANS_PER_RPM
 
 BUILTIN_CANDIDATES: Final = MappingProxyType(
@@ -28,7 +29,10 @@ BUILTIN_CANDIDATES: Final = MappingProxyType(
 """Declarations by bare name."""
 
 DUTY_CANDIDATES: Final = MappingProxyType(
-    {name: Declaration() for name in ("foc", "foc-mtpa", "foc-loss-model", "foc-loss-search")}
+    {
+        name: Declaration(detects=FAILURE_KINDS)
+        for name in ("foc", "foc-mtpa", "foc-loss-model", "foc-loss-search")
+    }
 )
 """Declarations of those that answer with duty ratios, by bare name."""
 

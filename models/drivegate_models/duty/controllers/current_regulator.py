@@ -14,6 +14,8 @@ BANDWIDTH: Final = 0.2
 """Bandwidth of the currents over the sampling rate, which a delay of one and a half periods bears."""
 
 _INTEGRAL = 0.1
+# Current over the limit from which on the whole of a dead time is lost, or won.
+_DEAD_SHARE = 0.02
 _ROOT_THREE = sqrt(3.0)
 
 
@@ -36,6 +38,10 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     state.magnet_flux = nameplate.magnet_flux
     state.current_limit = nameplate.current_limit
     state.lead = (nameplate.update_delay + 0.5) * nameplate.control_period
+    # Once in a period of the carrier, which two control periods with an update each may make up.
+    halves = 2.0 if nameplate.updates == 2 else 1.0
+    state.dead_ratio = nameplate.dead_time / (halves * nameplate.control_period)
+    state.dead_current = _DEAD_SHARE * nameplate.current_limit
     state.direct_gain = bandwidth * nameplate.direct_inductance
     state.quadrature_gain = bandwidth * nameplate.quadrature_inductance
     state.direct_integral_step = BANDWIDTH * max(nameplate.resistance, _INTEGRAL * state.direct_gain)
@@ -91,6 +97,22 @@ def _write_ratios(command: Any, along: float, across: float, supply: float) -> N
     command.first_leg = LEG_PWM
     command.second_leg = LEG_PWM
     command.third_leg = LEG_PWM
+
+
+@inlined
+def _regained(state: Any, ratio: float, current: float) -> float:
+    """Return a duty ratio with what dead time takes from it, or gives to it, made up for."""
+    share = min(max(current / state.dead_current, -1.0), 1.0)
+    return float(min(max(ratio + share * state.dead_ratio, 0.0), 1.0))
+
+
+@inlined
+def _regain_dead_time(state: Any, command: Any, along: float, across: float) -> None:
+    """Add to the duty ratios what dead time takes from them, by the currents of the frame that stands still (A)."""
+    both, apart = -0.5 * along, 0.5 * _ROOT_THREE * across
+    command.first_duty = _regained(state, command.first_duty, along)
+    command.second_duty = _regained(state, command.second_duty, both + apart)
+    command.third_duty = _regained(state, command.third_duty, both - apart)
 
 
 @inlined
@@ -168,6 +190,13 @@ def regulate_currents(
         sine * direct_given + cosine * quadrature_given,
         max(sense.supply_voltage, 1e-9),
     )
+    if state.dead_ratio > 0.0:
+        _regain_dead_time(
+            state,
+            command,
+            cosine * direct_reference - sine * quadrature_reference,
+            sine * direct_reference + cosine * quadrature_reference,
+        )
     command.next_period = 0.0
     command.fault = 0
     return float(sqrt(direct_voltage * direct_voltage + quadrature_voltage * quadrature_voltage))

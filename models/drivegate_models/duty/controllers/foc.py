@@ -29,6 +29,11 @@ from drivegate_models.duty.controllers.current_regulator import (
 )
 from drivegate_models.duty.controllers.loss_model import least_loss_direct
 from drivegate_models.duty.controllers.loss_search import LOOKING, SETTLING, forget_search, searched_offset
+from drivegate_models.duty.controllers.plausibility import (
+    hold_safe_state,
+    look_for_faults,
+    reset_plausibility,
+)
 from drivegate_models.duty.controllers.state import FOC_STATE, MODELLED_LOSS, SEARCHED_LOSS, UNWEAKENED
 
 VOLTAGE_SHARE: Final = 0.98
@@ -82,6 +87,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.search_settling = int(SETTLING / period)
     state.search_looking = max(int(LOOKING / period), 1)
     forget_search(state, 0.0, 0.0)
+    reset_plausibility(state, nameplate)
 
 
 @inlined
@@ -178,6 +184,11 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     command : record of DUTY_COMMAND
         Receives the answer.
     """
+    command.angle = sense.angle
+    command.speed = sense.speed
+    if look_for_faults(state, sense):
+        hold_safe_state(state, command)
+        return
     direct, quadrature = rotor_currents(state, sense)
     electrical = state.pole_pairs * sense.speed
     limit = voltage_limit(sense)
@@ -197,8 +208,6 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     )
     _share_voltage(state, used / max(limit, 1e-9))
     command.torque = torque_per_quadrature(state, direct) * quadrature
-    command.angle = sense.angle
-    command.speed = sense.speed
     command.input_power = nan
 
 

@@ -46,6 +46,10 @@ FOC_STATE: Final = np.dtype(
         ("speed_gain", np.float64),
         ("speed_integral_step", np.float64),
         ("torque_step", np.float64),
+        # What dead time takes from the duty ratio of a phase that carries a current, and the current from which on it
+        # takes all of that.
+        ("dead_ratio", np.float64),
+        ("dead_current", np.float64),
         ("direct_gain", np.float64),
         ("quadrature_gain", np.float64),
         ("direct_integral_step", np.float64),
@@ -70,6 +74,21 @@ FOC_STATE: Final = np.dtype(
         ("search_power", np.float64),
         ("search_torque", np.float64),
         ("search_speed", np.float64),
+        # Plausibility: its constants, the code of the first fault, whether a step has been seen, what was seen in it,
+        # and for how long, or by how much of the field's turning, each thing has been implausible.
+        ("control_period", np.float64),
+        ("base_speed", np.float64),
+        ("slowing_step", np.float64),
+        ("stall_periods", np.int64),
+        ("fault", np.int64),
+        ("is_watching", np.int64),
+        ("angle_before", np.float64),
+        ("angle_drift", np.float64),
+        ("speed_seen", np.float64),
+        ("sum_count", np.int64),
+        ("speed_count", np.int64),
+        ("stall_count", np.int64),
+        ("passed", np.float64, (3,)),
     ],
     align=True,
 )
