@@ -213,8 +213,13 @@ DUTY_FAULTS: Final = {
         "Gives its duty ratios as if there were no dead time.",
         told=lambda plate: plate._replace(dead_time=0.0),
     ),
-    "clamped-phases": DutyFault(
+    "small-current-offset": DutyFault(
         "RIP-4",
+        "Reads the first phase current 3 % of the current limit too high, which its sum does not tell.",
+        spoilt=lambda plate: {"current_added": 0.03 * plate.current_limit},
+    ),
+    "clamped-phases": DutyFault(
+        "STP-1",
         "Stretches its duty ratios by 30 % and clamps each phase by itself.",
         spoilt=lambda _plate: {"stretch": 1.3, "clamps": 1.0},
     ),

@@ -104,7 +104,8 @@ def test_a_correct_controller_meets_what_a_run_is_judged_by(
     record = request.getfixturevalue(name)
     margins = {check: margin for check in CHECKS if (margin := judged(check, record)) is not None}
     assert set(margins) == set(RUNS[name])
-    assert {check: margin for check, margin in margins.items() if not margin.met} == {}
+    failed = {check: margin for check, margin in margins.items() if not margin.met}
+    assert {check: margin for check, margin in failed.items() if CHECKS[check].level == "required"} == {}
 
 
 def _bumped(direct: Any) -> Any:
