@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from drivegate_cases.scenario.failure import FailureKind
     from drivegate_cases.scenario.reference import Reference
 
 
@@ -50,6 +51,8 @@ class Declaration:
         Time over which the estimate is a mean (s); 0 when it is that of the last control period alone.
     references : tuple of str
         References that the candidate follows, where its drive can give either; those of currents follow a speed.
+    detects : tuple of str
+        Failures that the candidate brings its drive into a safe state for.
     """
 
     flowchart: FlowchartProfile | None = None
@@ -57,3 +60,4 @@ class Declaration:
     speed_range_rpm: tuple[float, float] | None = None
     power_window_s: float = 0.0
     references: tuple[Reference, ...] = ("speed", "torque")
+    detects: tuple[FailureKind, ...] = ()

@@ -10,6 +10,7 @@ from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import KINDS
 from drivegate_cases.documents.document import Document, Section
 from drivegate_cases.drive.drive_reference import DriveReference
+from drivegate_cases.scenario.failure import FailureKind
 from drivegate_cases.scenario.reference import Reference
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -100,6 +101,12 @@ class Manifest(Document):
         description="what a candidate that answers with duty ratios follows: 'speed', 'torque' or both",
     )
 
+    detects: tuple[FailureKind, ...] = Field(
+        default=(),
+        description="failures that a candidate that answers with duty ratios brings its drive into a safe state for: "
+        "'open-phase', 'stuck-current', 'lost-position', 'locked-rotor'",
+    )
+
     drive: DriveReference | None = Field(
         default=None,
         description="drive that the candidate is made for: the name of one, or the path of its file",
@@ -159,6 +166,15 @@ class Manifest(Document):
         return self
 
     @model_validator(mode="after")
+    def _failures_fit_the_contract(self) -> Self:
+        if self.contract == "current" and self.detects:
+            raise ValueError(
+                "the key 'detects' is for the contract 'duty', but the contract is 'current', whose legs are no "
+                "candidate's"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _speed_range_rises(self) -> Self:
         if self.speed_range_rpm is not None and self.speed_range_rpm[0] >= self.speed_range_rpm[1]:
             raise ValueError("the key 'speed_range_rpm' must give the lowest speed first, then a higher one")
@@ -172,6 +188,7 @@ class Manifest(Document):
             self.speed_range_rpm,
             self.power_window_s,
             self.references,
+            self.detects,
         )
 
 

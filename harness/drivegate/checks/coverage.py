@@ -62,7 +62,10 @@ NOT_VARIED: Final[Mapping[str, str]] = {
     **dict.fromkeys(
         ("sensors.shunts", "sensors.settling_s", "sensors.position", "sensors.encoder_error_deg"), _DUTY
     ),
-    "load.torque_reference_nm": _DUTY,
+    **dict.fromkeys(
+        ("load.torque_reference_nm", "failure.kind", "failure.time_s", "failure.phase"),
+        _DUTY,
+    ),
     **dict.fromkeys(("sensors.placement_error_deg", "sensors.hysteresis_deg"), _HALL),
     **dict.fromkeys(
         (

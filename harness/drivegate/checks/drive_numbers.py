@@ -74,6 +74,10 @@ def duty_numbers(drive: PmAcDocument) -> dict[str, str]:
         "loss_excess": _percent(limits.loss_excess),
         "overshoot": _percent(limits.overshoot),
         "coupling": _percent(limits.coupled_current),
+        "safe_time": f"{tidy(_KILO * limits.safe_state_s):g} ms",
+        "failure_torque": f"{limits.failure_torque_nm:.4g} N·m",
+        "dead_time_ripple": f"{limits.dead_time_ripple:g}",
+        "modulation_ripple": f"{limits.modulation_ripple:g}",
         "rise": f"90 % within {tidy(_KILO * limits.rise_time_s):g} ms and what the voltage takes",
     }
 

@@ -1,4 +1,4 @@
-"""The sensors of a scenario whose controller answers with duty ratios, as at its start."""
+"""The sensors of a scenario whose controller answers with duty ratios, as at its start, and what fails in it."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from drivegate.runs.scenario import plant_converters, plant_encoder, plant_hall
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import ShuntSensors
+from drivegate_models.pm_ac import failure
 from drivegate_models.pm_ac.sensing import (
     DC_LINK,
     IN_LINE,
@@ -18,6 +19,12 @@ from drivegate_models.pm_ac.sensing import (
     real_duty_sensors,
 )
 
+_FAILURES = {
+    "open-phase": failure.OPEN_PHASE,
+    "stuck-current": failure.STUCK_CURRENT,
+    "lost-position": failure.LOST_POSITION,
+    "locked-rotor": failure.LOCKED_ROTOR,
+}
 _SHUNTS = {"in-line": IN_LINE, "low-side": LOW_SIDE, "link": DC_LINK}
 
 
@@ -40,4 +47,14 @@ def duty_sensors(scenario: Scenario) -> DutySensors:
         # The count begins at zero.
         zero_angle=math.radians(scenario.initial_angle_deg + given.encoder_error_deg)
         / scenario.drive.machine.pole_pairs,
+    )
+
+
+def duty_failure(scenario: Scenario) -> failure.Failure:
+    """Make what fails."""
+    given = scenario.failure
+    if given is None:
+        return failure.make_failure()
+    return failure.make_failure(
+        _FAILURES[given.kind], math.ceil(round(given.time_s / scenario.control_period_s, 6)), given.phase - 1
     )

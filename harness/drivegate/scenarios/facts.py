@@ -12,6 +12,7 @@ from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.scenario.failure import PHASED
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -143,6 +144,12 @@ def _glitches(scenario: Mapping[str, Any]) -> Iterator[str]:
         yield f"{false['counts']:+d} encoder counts at {false['time_s']:g} s"
 
 
+def _failure(scenario: Mapping[str, Any]) -> Iterator[str]:
+    if failure := scenario["failure"]:
+        phase = f" {failure['phase']}" if failure["kind"] in PHASED else ""
+        yield f"{failure['kind']}{phase} at {failure['time_s']:g} s"
+
+
 def _duration(scenario: Mapping[str, Any]) -> Iterator[str]:
     """Tell of a run that goes on for longer than a whole steady stretch after its last change."""
     scale = scale_of_mapping(scenario["drive"])
@@ -192,5 +199,6 @@ _WORDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Iterator[str]]]] = {
     "drift": _drift,
     "dropouts": _dropouts,
     "glitches": _glitches,
+    "failure": _failure,
 }
 """How a key of a scenario is told; the others are told by their names."""

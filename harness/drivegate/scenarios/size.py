@@ -53,7 +53,13 @@ def size_of(scenario: Mapping[str, Any]) -> int:
     numbers += scales.values()
     parts = (
         _FACT * len(facts_of(scenario)),
-        _FAILURE * (failures + len(scenario.get("drift") or {}) + ("imbalance" in scenario)),
+        _FAILURE
+        * (
+            failures
+            + len(scenario.get("drift") or {})
+            + ("imbalance" in scenario)
+            + (scenario.get("failure") is not None)
+        ),
         _PARAMETER * len([key for key, value in scales.items() if value != getattr(NOMINAL, key)]),
         _sensor_size(scenario.get("sensors", "ideal")),
         _PARAMETER * moved,

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.scenario.disturbance import Dropout
+from drivegate_cases.scenario.failure import PHASED
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
     ConstantTorqueLoad,
@@ -40,6 +41,7 @@ def titled(scenario: Scenario) -> Scenario:
         *_sensors(scenario),
         *_current_errors(scenario),
         *_failures(scenario),
+        *_failure(scenario),
         *_beginning(scenario),
     ]
     sentence = "; ".join(trait.words for trait in traits)
@@ -216,6 +218,13 @@ def _failures(scenario: Scenario) -> list[_Trait]:
         for glitch in scenario.glitches
     ]
     return lost + false_edges
+
+
+def _failure(scenario: Scenario) -> list[_Trait]:
+    if (failure := scenario.failure) is None:
+        return []
+    phase = f"-{failure.phase}" if failure.kind in PHASED else ""
+    return [_Trait(f"{failure.kind}{phase}", f"{failure.kind}{phase} from {failure.time_s:.4g} s on")]
 
 
 def _lost(dropout: Dropout) -> str:

@@ -18,9 +18,19 @@ from drivegate_models.loop.schedule import Conditions, Course, Schedule, conditi
 from drivegate_models.loop.shaft import held_speed, within_a_turn
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load, load_torque
+from drivegate_models.pm_ac.failure import (
+    LOCKED_ROTOR,
+    LOST_POSITION,
+    Failure,
+    fail_legs,
+    has_failed,
+    make_failure,
+    show_failed,
+)
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases, stored_energy
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING, RISING, PmAcDrive, drifted
 from drivegate_models.pm_ac.sensing import (
+    EXACT,
     DutySensors,
     ideal_duty_sensors,
     low_side_ratio,
@@ -221,6 +231,7 @@ def _run(
     timing: DutyTiming,
     room: DutyRoom,
     sensors: DutySensors,
+    failure: Failure,
     records: DutyRecords,
 ) -> tuple[int, int]:
     """Run a closed loop; return status and steps."""
@@ -238,8 +249,9 @@ def _run(
         observed[0].speed_final = speed
         conditions = conditions_at(schedule, room.course_positions, k * length)
         plant = drifted(drive, conditions.resistance_factor, conditions.emf_factor)
-        if load.kind == LOCKED:
-            speed = conditions.speed_reference
+        stands = has_failed(failure, LOCKED_ROTOR, k)
+        if load.kind == LOCKED or stands:
+            speed = 0.0 if stands else conditions.speed_reference
             change = 0.0
         wanted = follow(torque, room.course_positions, 6, k * length)
         reference = wanted if timing.regulates_torque else conditions.speed_reference
@@ -248,6 +260,13 @@ def _run(
             before = alignment_of(drive.modulator.updates, k + 1)
             show_phase_currents(sensors, exchange.sensed_currents, before, room.last, length)
             show_shaft(sensors, exchange.sense[0], drive.pole_pairs)
+        show_failed(
+            failure,
+            k,
+            exchange.sensed_currents,
+            exchange.sense[0],
+            sensors.ideal or sensors.position == EXACT,
+        )
         exchange.command[0] = exchange.fresh[0]
         # Counted before the call, so that whoever watches knows in which step a controller hangs.
         exchange.progress[0] = k + 1
@@ -258,6 +277,7 @@ def _run(
         status = _take_command(exchange.command[0], room, delay)
         if status != COMPLETED:
             return status, k
+        fail_legs(failure, k, room.legs[0])
         for entry in range(ledger.ENTRIES):
             period[entry] = 0.0
         link = 2.0 * conditions.supply
@@ -299,10 +319,11 @@ def _run(
         row[11] = wanted
         angle = within_a_turn(angle + drive.pole_pairs * held * length)
         if not sensors.ideal:
-            turn_shaft_sensors(sensors, k, k * length, length, held)
+            shown = 0.0 if has_failed(failure, LOST_POSITION, k) else held
+            turn_shaft_sensors(sensors, k, k * length, length, shown)
             for leg in range(3):
                 room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
-        if load.kind != LOCKED:
+        if load.kind != LOCKED and not stands:
             change = _speed_change(drive, inertia, speed, opposing, period, length)
             speed += change
         if delay > 0:
@@ -348,6 +369,7 @@ def prepared_duty_loop(
     initial_angle: float = 0.0,
     torque_reference: Course | None = None,
     sensors: DutySensors | None = None,
+    failure: Failure | None = None,
     progress: NDArray[np.int64] | None = None,
     kept: NDArray[Any] | None = None,
 ) -> PreparedDutyLoop:
@@ -375,6 +397,8 @@ def prepared_duty_loop(
         What the controller is given in place of the schedule's speed (N m).
     sensors : DutySensors, optional
         What the controller sees through; the plant as it is where they are left out.
+    failure : Failure, optional
+        What fails.
     progress : ndarray of int64, shape (1,), optional
         Receives the number of steps begun.
     kept : ndarray of DUTY_COMMAND, shape (n,), optional
@@ -417,7 +441,8 @@ def prepared_duty_loop(
     )
     torque = steady(0.0) if torque_reference is None else torque_reference
     shown = ideal_duty_sensors() if sensors is None else sensors
-    arguments = (drive, make_phases(), load, schedule, torque, exchange, timing, room, shown, records)
+    fails = make_failure() if failure is None else failure
+    arguments = (drive, make_phases(), load, schedule, torque, exchange, timing, room, shown, fails, records)
     return PreparedDutyLoop(_run, arguments, exchange, records)
 
 

@@ -13,6 +13,7 @@ from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
 from drivegate_cases.drive.drive_reference import DriveReference
 from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
+from drivegate_cases.scenario.failure import Failure
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
     DynamometerLoad,
@@ -93,6 +94,10 @@ class Scenario(Document):
     drift: Drift | None = Field(default=None, description="table of how parameters change during the run")
     dropouts: tuple[Dropout, ...] = Field(default=(), description="list of tables of signals that are lost")
     glitches: tuple[Glitch, ...] = Field(default=(), description="list of tables of false encoder edges")
+    failure: Failure | None = Field(
+        default=None,
+        description="table of what fails for good, of a drive whose controllers give duty ratios",
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -185,6 +190,10 @@ class Scenario(Document):
                 f"the load 'dynamometer' is for drives of the kind \"{PM_AC}\", whose controllers take a torque "
                 f'reference, but this one\'s kind is "{self.drive.kind}"'
             )
+        if self.failure is not None and self.drive.kind != PM_AC:
+            raise ValueError(
+                f'the key \'failure\' is for drives of the kind "{PM_AC}", but this one\'s kind is "{self.drive.kind}"'
+            )
         if self.drive.kind == PM_AC:
             for key in ("restarts_s", "current_errors", "dropouts", "glitches"):
                 if getattr(self, key):
@@ -221,6 +230,7 @@ class Scenario(Document):
         ends = {"dropouts": [dropout.end_s for dropout in self.dropouts]}
         ends["glitches"] = [glitch.time_s for glitch in self.glitches]
         ends["restarts_s"] = list(self.restarts_s)
+        ends["failure"] = [] if self.failure is None else [self.failure.time_s]
         for key, times in ends.items():
             late = [time for time in times if time > self.duration_s]
             if late:

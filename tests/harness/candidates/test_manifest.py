@@ -100,6 +100,7 @@ def test_a_wrong_manifest_is_reported_in_one_sentence(changes, sentence):
 
 def test_what_a_candidate_follows_is_declared():
     assert parsed(contract="duty", references=["torque"]).declaration().references == ("torque",)
+    assert parsed(contract="duty", detects=["open-phase"]).declaration().detects == ("open-phase",)
 
 
 @pytest.mark.parametrize(
@@ -108,6 +109,8 @@ def test_what_a_candidate_follows_is_declared():
         ({"contract": "current", "references": ["speed"]}, "'references' is for the contract 'duty'"),
         ({"contract": "duty", "references": []}, "is empty, but must name 'speed', 'torque' or both"),
         ({"contract": "duty", "references": ["position"]}, "position"),
+        ({"contract": "current", "detects": ["open-phase"]}, "'detects' is for the contract 'duty'"),
+        ({"contract": "duty", "detects": ["fire"]}, "fire"),
     ],
 )
 def test_other_references_are_refused(changes, words):

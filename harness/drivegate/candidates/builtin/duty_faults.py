@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import radians
+from math import pi, radians
 from typing import Any, Final
 
 from drivegate_models.contract.duty.signals import DutyNameplate
@@ -13,6 +13,9 @@ STUCK_SHARE: Final = 0.3
 """Weakening that stays on, over the current limit (1)."""
 _LITTLE_SALIENCY: Final = 1.5
 """Ratio of inductances up to which the wrong axis costs less current than MTP-1 allows (1)."""
+
+ENCODER_EDGES: Final = 10_000
+"""Edges a turn of the encoder whose counter is too short; 16 bits are no whole number of its turns."""
 
 
 @dataclass(frozen=True)
@@ -227,6 +230,44 @@ DUTY_FAULTS: Final = {
         "FWK-1",
         "Gives 85 % of the voltage that it counts on.",
         spoilt=lambda _plate: {"stretch": 0.85},
+    ),
+    "third-current-computed": DutyFault(
+        "SAF-1",
+        "Measures two currents and computes the third, and takes a sensor that is stuck for one that works.",
+        spoilt=lambda _plate: {"computes_third": 1.0},
+    ),
+    "dead-time-forgotten": DutyFault(
+        "DTM-1",
+        "Gives its duty ratios as if there were no dead time.",
+        told=lambda plate: plate._replace(dead_time=0.0),
+    ),
+    "small-current-offset": DutyFault(
+        "RIP-4",
+        "Reads the first phase current 3 % of the current limit too high, which its sum does not tell.",
+        spoilt=lambda plate: {"current_added": 0.03 * plate.current_limit},
+    ),
+    "clamped-phases": DutyFault(
+        "STP-1",
+        "Stretches its duty ratios by 30 % and clamps each phase by itself.",
+        spoilt=lambda _plate: {"stretch": 1.3, "clamps": 1.0},
+    ),
+    "swapped-hall-switches": DutyFault(
+        "ACC-1",
+        "Has two of its Hall switches in each other's place, so that its angle turns backward.",
+        spoilt=lambda _plate: {"angle_factor": -1.0},
+    ),
+    "short-encoder-counter": DutyFault(
+        "ACC-1",
+        "Counts the edges of an encoder of 2500 lines in 16 bits, and takes the count that begins anew for the angle.",
+        spoilt=lambda plate: {
+            "wraps_after": 2.0 * pi * 2**16 / ENCODER_EDGES,
+            "pole_pairs": float(plate.pole_pairs),
+        },
+    ),
+    "patient-stall-watch": DutyFault(
+        "SAF-1",
+        "Waits for four seconds before it takes a shaft for locked that stands under the greatest torque.",
+        alter=_scaled(100, "stall_periods"),
     ),
 }
 """All of them, by the name behind ``faulty:``."""

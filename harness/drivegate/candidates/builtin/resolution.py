@@ -41,7 +41,8 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
 
 def _declaration_of(name: str) -> Declaration:
     if _answers_with_duty_ratios(name):
-        return DUTY_CANDIDATES.get(name, Declaration())
+        # A faulty one declares what the controller does that it is a variation of.
+        return DUTY_CANDIDATES.get(name, DUTY_CANDIDATES["foc"])
     if name.startswith(FAULTY_PREFIX):
         # Their registry is only read where one of them is named.
         from drivegate.candidates.builtin.faults.catalogue import find_mutation

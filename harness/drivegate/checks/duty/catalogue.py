@@ -10,7 +10,9 @@ from drivegate.checks.duty.accuracy import ACC_1
 from drivegate.checks.duty.commands import DUT_1
 from drivegate.checks.duty.current import EFF_1, MTP_1, OVC_1
 from drivegate.checks.duty.decoupling import DEC_1
+from drivegate.checks.duty.failures import SAF_1
 from drivegate.checks.duty.power import DUTY_PWR_1
+from drivegate.checks.duty.ripple import DTM_1, RIP_4
 from drivegate.checks.duty.robustness import ROB_4, ROB_5
 from drivegate.checks.duty.starting import STA_1
 from drivegate.checks.duty.steps import STP_1
@@ -26,12 +28,15 @@ DUTY_CHECKS: Final[tuple[Check, ...]] = (
     FWK_1,
     FWK_2,
     FWK_3,
+    RIP_4,
+    DTM_1,
     MTP_1,
     EFF_1,
     OVC_1,
     STA_1,
     ROB_4,
     ROB_5,
+    SAF_1,
     DET_1,
     TIM_1,
 )

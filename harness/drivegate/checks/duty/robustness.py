@@ -25,7 +25,7 @@ GROWTH = 1.5
 def another_plant(record: RunRecord) -> Margin | None:
     """Judge runs of a speed reference whose plant the controller does not know."""
     judged = duty_record(record)
-    if judged.has_nominal_plant:
+    if judged.has_nominal_plant or judged.fails:
         return None
     return worst(_margins(judged))
 
@@ -64,7 +64,7 @@ def _swing(record: DutyRecord, window: DutyWindow) -> Margin:
 def through_sensors(record: RunRecord) -> Margin | None:
     """Judge runs whose controller sees currents, link and shaft through sensors."""
     judged = duty_record(record)
-    if not judged.is_sensed or not judged.has_nominal_plant:
+    if not judged.is_sensed or not judged.has_nominal_plant or judged.fails:
         return None
     errors = (reference_error("ROB-5", judged, window, ERROR_FACTOR) for window in judged.steady)
     return worst(error for error in errors if error is not None)

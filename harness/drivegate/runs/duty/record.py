@@ -75,10 +75,13 @@ class DutyRecord(RunRecord):
     ----------
     run : DutyClosedLoopRun
         What was observed.
+    other_dead_time : DutyRecord or None
+        The same run on the drive with another dead time, where there is one to compare with.
     """
 
     # A run of duty ratios has columns of its own; the checks that take this record know no other.
     run: DutyClosedLoopRun  # type: ignore[assignment]
+    other_dead_time: DutyRecord | None = None
 
     @property
     def document(self) -> PmAcDocument:
@@ -95,7 +98,12 @@ class DutyRecord(RunRecord):
     @property
     def is_nominal(self) -> bool:
         """Whether the plant is the one that the controller knows, and is seen as it is."""
-        return self.has_nominal_plant and not self.is_sensed
+        return self.has_nominal_plant and not self.is_sensed and not self.fails
+
+    @property
+    def fails(self) -> bool:
+        """Whether something fails in the run."""
+        return self.scenario.failure is not None
 
     @property
     def has_nominal_plant(self) -> bool:

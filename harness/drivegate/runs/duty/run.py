@@ -99,14 +99,16 @@ def run_duty(
     scenario: Scenario,
     controller: AnyController,
     sensors: Any = None,
+    failure: Any = None,
 ) -> DutyClosedLoopRun:
     """Reset a controller and run it through a scenario; a fault of its own is raised.
 
     A candidate's instance runs in its own process, beside a plant that is there to close the loop; what is observed is
-    what the plant here comes to by the same commands. Without sensors it sees the plant as it is.
+    what the plant here comes to by the same commands. Without sensors it sees the plant as it is, and without a failure
+    nothing fails.
     """
     plant = (scenario.drive.plant(scenario.scales), plant_load(scenario), plant_schedule(scenario))
-    options = _options(scenario, sensors)
+    options = {**_options(scenario, sensors), "failure": failure}
     nameplate: Any = duty_nameplate(scenario)
     controller.reset(nameplate)
     order = CloseLoop(prepare, plant, options, commands=DUTY_COMMAND)

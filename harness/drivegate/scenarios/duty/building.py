@@ -12,6 +12,7 @@ from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_cases.scenario.failure import FailureKind
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
@@ -111,6 +112,11 @@ def load_step_scenario(
     steady = speed_scenario(drive, (speed_rpm,), torque_nm=torque_nm, initial_speed_rpm=begin)
     load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor)
     return titled(steady.replaced(duration_s=end, load=load))
+
+
+def failing(run: Scenario, kind: FailureKind, time_s: float, phase: int = 1) -> Scenario:
+    """Let something fail in a run."""
+    return titled(run.replaced(failure={"kind": kind, "time_s": tidy(time_s), "phase": phase}))
 
 
 def supply_step_scenario(base: Scenario, drive: PmAcDocument, shares: Sequence[float]) -> Scenario:

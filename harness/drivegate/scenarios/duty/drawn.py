@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from functools import partial
 from typing import Final, TypeAlias
 
 from hypothesis import strategies as st
 
-from drivegate.scenarios.changes import with_scales
+from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import tidy
 from drivegate.scenarios.duty.building import (
+    failing,
     load_step_scenario,
     speed_scenario,
     supply_step_scenario,
     torque_of,
     torque_scenario,
 )
-from drivegate.scenarios.duty.fixed import START_ANGLES_DEG
+from drivegate.scenarios.duty.fixed import FAILURE_SPEED_SHARE, START_ANGLES_DEG
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.failure import FAILURE_KINDS, PHASED, FailureKind
 from drivegate_cases.scenario.reference import Reference
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS
@@ -28,6 +31,7 @@ Family: TypeAlias = Callable[[PmAcDocument], st.SearchStrategy[Scenario]]
 """From a drive to scenarios of one kind."""
 
 _SEEDS: Final = 10_000
+_PART: Final = 0.005
 SHARE_STEP: Final = 0.05
 """Step of drawn torques and loads over rated torque (1)."""
 
@@ -229,6 +233,58 @@ def sensor_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
+def failure_scenarios(
+    drive: PmAcDocument,
+    detected: Collection[FailureKind] = FAILURE_KINDS,
+    references: Collection[Reference] = ("speed", "torque"),
+) -> st.SearchStrategy[Scenario]:
+    """Draw failures.
+
+    Parameters
+    ----------
+    drive : PmAcDocument
+        The drive.
+    detected : collection of str
+        What may fail.
+    references : collection of str
+        What is followed; a rotor that locks up is one that is to follow a speed.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios from 20 % of base speed to all of it, under 30 to 60 % of rated torque, ideal sensors or others,
+        in whose second half something fails.
+    """
+    base = drive.rating.base_speed_rpm
+
+    def made(
+        which: tuple[FailureKind, Reference], share: float, speed: float, part: int, phase: int, seed: int
+    ) -> Scenario:
+        kind, reference = which
+        torque = torque_of(drive, speed, share)
+        held = torque_scenario(drive, speed, (torque,))
+        run = held if reference == "torque" else speed_scenario(drive, (speed,), torque_nm=torque)
+        seen = with_real_sensors(run, seed) if seed else run
+        time = (0.5 + _PART * part) * run.duration_s
+        return failing(seen, kind, time, phase if kind in PHASED else 1)
+
+    which = [
+        (kind, reference)
+        for kind in FAILURE_KINDS
+        for reference in ("speed", "torque")
+        if kind in detected and reference in references and (kind, reference) != ("locked-rotor", "torque")
+    ]
+    return st.builds(
+        made,
+        st.sampled_from(which),
+        _shares(6, 12),
+        _speeds(drive, FAILURE_SPEED_SHARE * base, base),
+        st.integers(0, 20),
+        st.integers(1, 3),
+        st.sampled_from((0, 1, 2)),
+    )
+
+
 def _possible(drive: PmAcDocument, run: Scenario, shunts: str) -> str:
     """Choose shunts that see two phases at all times: below the lower switches none do at full voltage."""
     fast = max(speed for _, speed in run.speed_rpm) > drive.rating.base_speed_rpm
@@ -240,7 +296,7 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
     (weakening_scenarios,),
     (speed_step_scenarios,),
     (load_step_scenarios,),
-    (start_scenarios, torque_step_scenarios),
+    (start_scenarios, torque_step_scenarios, failure_scenarios),
     (parameter_scenarios,),
     (supply_step_scenarios, sensor_scenarios),
     (weakening_scenarios, parameter_scenarios),
@@ -252,14 +308,23 @@ _OF_TORQUE: Final = frozenset({torque_step_scenarios, weakening_scenarios})
 
 
 def drawn_scenarios(
-    drive: PmAcDocument, group: int | None = None, references: Collection[Reference] = ("speed", "torque")
+    drive: PmAcDocument,
+    group: int | None = None,
+    references: Collection[Reference] = ("speed", "torque"),
+    detected: Collection[FailureKind] = (),
 ) -> st.SearchStrategy[Scenario]:
-    """Draw a scenario of any family, or of one group of them, as far as a candidate follows their reference."""
-    followed = [
-        kept
-        for families in FAMILY_GROUPS
-        if (kept := [family for family in families if _reference(family) in references])
-    ]
+    """Draw a scenario of any family, or of one group of them, as far as a candidate follows or detects it."""
+    kinds = tuple(kind for kind in detected if kind != "locked-rotor" or "speed" in references)
+    failures = partial(failure_scenarios, detected=kinds, references=references)
+    followed: list[list[Family]] = []
+    for families in FAMILY_GROUPS:
+        kept = [
+            family
+            for family in families
+            if family is not failure_scenarios and _reference(family) in references
+        ]
+        kept += [failures] if kinds and failure_scenarios in families else []
+        followed += [kept] if kept else []
     groups = followed if group is None else [followed[group % len(followed)]]
     return st.one_of([family(drive) for families in groups for family in families])
 

@@ -8,6 +8,7 @@ from typing import Final
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import tidy
 from drivegate.scenarios.duty.building import (
+    failing,
     load_step_scenario,
     rated_torque_at,
     speed_scenario,
@@ -17,6 +18,7 @@ from drivegate.scenarios.duty.building import (
 )
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.failure import FailureKind
 from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -26,14 +28,25 @@ START_SPEED_SHARE: Final = 0.2
 """Speed of a start over base speed (1)."""
 START_TORQUE_SHARE: Final = 0.5
 """Load of a start over rated torque (1)."""
+FAILURE_SPEED_SHARE: Final = 0.2
+"""Least speed at which something fails, over base speed: below, a phase takes too long to be missed (1)."""
+FAILURE_TIME_SHARE: Final = 0.6
+"""When something fails, over the run's length (1)."""
+DEAD_TIME_SPEED_SHARE: Final = 0.08
+"""Speed at which dead time is looked at, over base speed (1)."""
 BEYOND_SHARE: Final = 3.0
 """Torque reference that no drive of this kind can follow in weakening, over the one of rated power there (1)."""
 
 
 def fixed_scenarios(
-    drive: PmAcDocument, references: Collection[Reference] = ("speed", "torque")
+    drive: PmAcDocument,
+    references: Collection[Reference] = ("speed", "torque"),
+    detected: Collection[FailureKind] = (),
 ) -> tuple[Scenario, ...]:
-    """List those of the references; speeds are shares of the drive's range, torques shares of the rated one."""
+    """List those of the references, and of the failures that a candidate detects.
+
+    Speeds are shares of the drive's range, torques shares of the rated one.
+    """
     every = (
         *_torques(drive),
         *_speeds(drive),
@@ -41,6 +54,7 @@ def fixed_scenarios(
         *_starts(drive),
         *_other_plants(drive),
         *_sensed(drive),
+        *(run for run in _failures(drive) if run.failure is not None and run.failure.kind in detected),
     )
     followed = [scenario for scenario in reversed(every) if reference_of(scenario) in references]
     return tuple({scenario.name: scenario for scenario in followed}.values())[::-1]
@@ -53,6 +67,20 @@ def _sensed(drive: PmAcDocument) -> list[Scenario]:
         torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.2, 0.8))),
     ]
     return [with_real_sensors(run, seed) for seed, run in enumerate(runs, start=1)]
+
+
+def _failures(drive: PmAcDocument) -> list[Scenario]:
+    slow, base = speed_of(drive, FAILURE_SPEED_SHARE - 1.0), speed_of(drive, 0.0)
+    torques = [torque_scenario(drive, speed, (torque_of(drive, speed, 0.5),)) for speed in (slow, base)]
+    sensed = [*torques, *(with_real_sensors(run, 1) for run in torques)]
+    kinds: tuple[FailureKind, ...] = ("open-phase", "stuck-current", "lost-position")
+    turning = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5))
+    start = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5), initial_speed_rpm=0.0)
+    return [
+        *(failing(run, kind, FAILURE_TIME_SHARE * run.duration_s) for kind in kinds for run in sensed),
+        failing(turning, "locked-rotor", FAILURE_TIME_SHARE * turning.duration_s),
+        failing(start, "locked-rotor", 0.0),
+    ]
 
 
 def speed_of(drive: PmAcDocument, share: float) -> float:
@@ -72,6 +100,10 @@ def _torques(drive: PmAcDocument) -> list[Scenario]:
         found.append(torque_scenario(drive, speed, (0.0, whole, half, small, 0.0)))
     found += [release_scenario(drive, share) for share in (0.05, 0.25, 0.5, 1.0)]
     below = speed_of(drive, -0.7)
+    slow = speed_of(drive, DEAD_TIME_SPEED_SHARE - 1.0)
+    found.append(
+        torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.2, 0.5, 0.9)))
+    )
     steps = tuple(torque_of(drive, below, part) for part in (0.0, 0.2, 0.0, 0.5, 0.3, -0.3))
     return [*found, torque_scenario(drive, below, steps), torque_scenario(drive, 0.0, steps)]
 

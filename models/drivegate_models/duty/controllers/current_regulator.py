@@ -14,6 +14,8 @@ BANDWIDTH: Final = 0.2
 """Bandwidth of the currents over the sampling rate, which a delay of one and a half periods bears."""
 
 _INTEGRAL = 0.1
+# Current over the limit from which on the whole of a dead time is lost, or won.
+_DEAD_SHARE = 0.02
 _ROOT_THREE = sqrt(3.0)
 
 
@@ -36,6 +38,10 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     state.magnet_flux = nameplate.magnet_flux
     state.current_limit = nameplate.current_limit
     state.lead = (nameplate.update_delay + 0.5) * nameplate.control_period
+    # Once in a period of the carrier, which two control periods with an update each may make up.
+    halves = 2.0 if nameplate.updates == 2 else 1.0
+    state.dead_ratio = nameplate.dead_time / (halves * nameplate.control_period)
+    state.dead_current = _DEAD_SHARE * nameplate.current_limit
     state.direct_gain = bandwidth * nameplate.direct_inductance
     state.quadrature_gain = bandwidth * nameplate.quadrature_inductance
     state.direct_integral_step = BANDWIDTH * max(nameplate.resistance, _INTEGRAL * state.direct_gain)
@@ -93,6 +99,40 @@ def write_ratios(command: Any, along: float, across: float, supply: float) -> No
     command.third_leg = LEG_PWM
     command.next_period = 0.0
     command.fault = 0
+
+
+@inlined
+def _regained(state: Any, ratio: float, current: float) -> float:
+    """Return a duty ratio with what dead time takes from it, or gives to it, made up for."""
+    share = min(max(current / state.dead_current, -1.0), 1.0)
+    return float(min(max(ratio + share * state.dead_ratio, 0.0), 1.0))
+
+
+@inlined
+def regain_dead_time(
+    state: Any, command: Any, turned: tuple[float, float], direct: float, quadrature: float
+) -> None:
+    """Add to the duty ratios what dead time takes from them, where there is any.
+
+    Parameters
+    ----------
+    state : record of FOC_STATE
+        The state.
+    command : record of DUTY_COMMAND
+        Its duty ratios are updated.
+    turned : tuple of float
+        Cosine and sine of the rotor's electrical angle while the duty ratios act.
+    direct, quadrature : float
+        Currents of the rotor frame that are to flow then (A).
+    """
+    if state.dead_ratio <= 0.0:
+        return
+    cosine, sine = turned
+    along, across = cosine * direct - sine * quadrature, sine * direct + cosine * quadrature
+    both, apart = -0.5 * along, 0.5 * _ROOT_THREE * across
+    command.first_duty = _regained(state, command.first_duty, along)
+    command.second_duty = _regained(state, command.second_duty, both + apart)
+    command.third_duty = _regained(state, command.third_duty, both - apart)
 
 
 @inlined
@@ -170,4 +210,5 @@ def regulate_currents(
         sine * direct_given + cosine * quadrature_given,
         max(sense.supply_voltage, 1e-9),
     )
+    regain_dead_time(state, command, (cosine, sine), direct_reference, quadrature_reference)
     return float(sqrt(direct_voltage * direct_voltage + quadrature_voltage * quadrature_voltage))

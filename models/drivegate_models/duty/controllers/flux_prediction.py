@@ -6,7 +6,12 @@ from math import isnan, nan, sqrt
 from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.duty.controllers.current_regulator import limited_voltage, voltage_limit, write_ratios
+from drivegate_models.duty.controllers.current_regulator import (
+    limited_voltage,
+    regain_dead_time,
+    voltage_limit,
+    write_ratios,
+)
 from drivegate_models.machine.sine import cosine_sine
 
 # Share of the way to the reference in a control period; the whole of it would be dead beat.
@@ -18,7 +23,6 @@ _TRUST = 0.1
 @inlined
 def reset_prediction(state: Any, nameplate: Any) -> None:
     """Write the constants of the prediction and forget everything else."""
-    state.period = nameplate.control_period
     state.delay = 1 if nameplate.update_delay > 0 else 0
     state.direct_given = 0.0
     state.quadrature_given = 0.0
@@ -51,8 +55,8 @@ def _period_later(
         (V s).
     """
     cosine, sine = turned
-    direct += state.period * along
-    quadrature += state.period * across
+    direct += state.control_period * along
+    quadrature += state.control_period * across
     return cosine * direct + sine * quadrature, cosine * quadrature - sine * direct
 
 
@@ -96,13 +100,13 @@ def lead_flux(
     drops that are not as the model has them; its mean is a voltage that the next predictions have.
     """
     electrical = state.pole_pairs * sense.speed
-    turned = cosine_sine(electrical * state.period)
+    turned = cosine_sine(electrical * state.control_period)
     cosine, sine = turned
     flux = state.direct_inductance * direct + state.magnet_flux
     across_flux = state.quadrature_inductance * quadrature
     if not isnan(state.direct_foreseen):
-        state.direct_missed += _TRUST * (flux - state.direct_foreseen) / state.period
-        state.quadrature_missed += _TRUST * (across_flux - state.quadrature_foreseen) / state.period
+        state.direct_missed += _TRUST * (flux - state.direct_foreseen) / state.control_period
+        state.quadrature_missed += _TRUST * (across_flux - state.quadrature_foreseen) / state.control_period
     along_drop = state.direct_missed - state.resistance * direct
     across_drop = state.quadrature_missed - state.resistance * quadrature
     if state.delay == 1:
@@ -114,7 +118,7 @@ def lead_flux(
     left, across_left = wanted - flux, across_wanted - across_flux
     # The voltage that turns the wanted flux with the rotor and leads to it; that which turns what is left to it has no
     # part in the way there, and is added as far as the limit bears it.
-    rate = 1.0 / state.period
+    rate = 1.0 / state.control_period
     holding = state.resistance * direct_reference - state.direct_missed
     across_holding = state.resistance * quadrature_reference - state.quadrature_missed
     along = holding + rate * ((cosine - 1.0) * wanted - sine * across_wanted + _SHARE * left)
@@ -129,13 +133,14 @@ def lead_flux(
     state.direct_foreseen, state.quadrature_foreseen = flux, across_flux
     # In the frame of the period's start, which is that of the next sample where the answer comes later.
     state.direct_given, state.quadrature_given = given, across_given
-    ahead = cosine_sine(state.pole_pairs * sense.angle + electrical * state.period * state.delay)
+    ahead = cosine_sine(state.pole_pairs * sense.angle + electrical * state.control_period * state.delay)
     write_ratios(
         command,
         ahead[0] * given - ahead[1] * across_given,
         ahead[1] * given + ahead[0] * across_given,
         max(sense.supply_voltage, 1e-9),
     )
+    regain_dead_time(state, command, ahead, direct_reference, quadrature_reference)
     along += along_added
     across += across_added
     return float(sqrt(along * along + across * across))

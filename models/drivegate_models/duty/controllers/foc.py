@@ -30,6 +30,11 @@ from drivegate_models.duty.controllers.current_regulator import (
 from drivegate_models.duty.controllers.flux_prediction import lead_flux, reset_prediction
 from drivegate_models.duty.controllers.loss_model import least_loss_direct
 from drivegate_models.duty.controllers.loss_search import forget_search, reset_search, searched_offset
+from drivegate_models.duty.controllers.plausibility import (
+    hold_safe_state,
+    look_for_faults,
+    reset_plausibility,
+)
 from drivegate_models.duty.controllers.state import FOC_STATE, MODELLED_LOSS, SEARCHED_LOSS, UNWEAKENED
 
 VOLTAGE_SHARE: Final = 0.98
@@ -64,6 +69,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
         The drive's nominal data.
     """
     period = nameplate.control_period
+    state.control_period = period
     speed_bandwidth = _SPEED_SHARE * BANDWIDTH / period
     reset_regulator(state, nameplate)
     reset_prediction(state, nameplate)
@@ -82,6 +88,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.torque = 0.0
     state.voltage_share = VOLTAGE_SHARE
     reset_search(state, nameplate)
+    reset_plausibility(state, nameplate)
 
 
 @inlined
@@ -178,6 +185,11 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     command : record of DUTY_COMMAND
         Receives the answer.
     """
+    command.angle = sense.angle
+    command.speed = sense.speed
+    if look_for_faults(state, sense):
+        hold_safe_state(state, command)
+        return
     direct, quadrature = rotor_currents(state, sense)
     electrical = state.pole_pairs * sense.speed
     limit = voltage_limit(sense)
@@ -200,8 +212,6 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
         )
     _share_voltage(state, used / max(limit, 1e-9))
     command.torque = torque_per_quadrature(state, direct) * quadrature
-    command.angle = sense.angle
-    command.speed = sense.speed
     command.input_power = nan
 
 

@@ -35,6 +35,7 @@ FOC_STATE: Final = np.dtype(
         ("predicts", np.int64),
         # Constants, set by reset.
         ("regulates_speed", np.int64),
+        ("control_period", np.float64),
         ("pole_pairs", np.float64),
         ("resistance", np.float64),
         ("direct_inductance", np.float64),
@@ -51,6 +52,10 @@ FOC_STATE: Final = np.dtype(
         ("speed_gain", np.float64),
         ("speed_integral_step", np.float64),
         ("torque_step", np.float64),
+        # What dead time takes from the duty ratio of a phase that carries a current, and the current from which on it
+        # takes all of that.
+        ("dead_ratio", np.float64),
+        ("dead_current", np.float64),
         ("direct_gain", np.float64),
         ("quadrature_gain", np.float64),
         ("direct_integral_step", np.float64),
@@ -64,9 +69,8 @@ FOC_STATE: Final = np.dtype(
         ("quadrature_integral", np.float64),
         # Share of the undistorted voltage that references are made for.
         ("voltage_share", np.float64),
-        # Prediction of the flux: its period, whether an answer acts a period later, the voltage given, what predictions
-        # have missed (V), and what is foreseen of the flux for the next step.
-        ("period", np.float64),
+        # Prediction of the flux: whether an answer acts a period later, the voltage given, what predictions have missed
+        # (V), and what is foreseen of the flux for the next step.
         ("delay", np.int64),
         ("direct_given", np.float64),
         ("quadrature_given", np.float64),
@@ -96,6 +100,20 @@ FOC_STATE: Final = np.dtype(
         ("search_pace", np.float64),
         ("search_torque", np.float64),
         ("search_speed", np.float64),
+        # Plausibility: its constants, the code of the first fault, whether a step has been seen, what was seen in it,
+        # and for how long, or by how much of the field's turning, each thing has been implausible.
+        ("base_speed", np.float64),
+        ("slowing_step", np.float64),
+        ("stall_periods", np.int64),
+        ("fault", np.int64),
+        ("is_watching", np.int64),
+        ("angle_before", np.float64),
+        ("angle_drift", np.float64),
+        ("speed_seen", np.float64),
+        ("sum_count", np.int64),
+        ("speed_count", np.int64),
+        ("stall_count", np.int64),
+        ("passed", np.float64, (3,)),
     ],
     align=True,
 )

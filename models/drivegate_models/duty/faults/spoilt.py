@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from math import floor, pi
 from typing import Any, Final
 
 import numba
@@ -15,6 +16,8 @@ from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
 from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
 from drivegate_models.machine.sine import cosine_sine
+
+_TURN = 2.0 * pi
 
 SPOILT_STATE: Final = np.dtype(
     [
@@ -30,18 +33,27 @@ SPOILT_STATE: Final = np.dtype(
         # What is added to the shaft's angle (rad) and to the first current (A), and what scales other senses (1).
         ("angle_added", np.float64),
         ("current_added", np.float64),
+        # What scales the angle (1), after how much of it a counter begins anew (rad; 0 for never), how much has turned
+        # since, and the angle of the step before (rad).
+        ("angle_factor", np.float64),
+        ("wraps_after", np.float64),
+        ("turned", np.float64),
+        ("angle_before", np.float64),
         # What is added to the current along the magnet's axis (A), and the pole pairs by which it turns.
         ("direct_added", np.float64),
         ("pole_pairs", np.float64),
         ("current_factor", np.float64),
         ("speed_factor", np.float64),
         ("supply_factor", np.float64),
-        # Whether the currents of the step before are shown.
+        # Whether the third current is shown as what the other two leave, as it is where there are two sensors, and
+        # whether the currents of the step before are shown.
+        ("computes_third", np.int64),
         ("is_late", np.int64),
         ("before", np.float64, (3,)),
         # What the duty ratios are stretched by about the middle (1), whether two phases are swapped, and the control
-        # period that is asked for over the drive's own (1), 0 for none.
+        # period that is asked for over the drive's own (1), 0 for none; and whether each is clamped to its range then.
         ("stretch", np.float64),
+        ("clamps", np.int64),
         ("swaps_phases", np.int64),
         ("next_period", np.float64),
     ],
@@ -71,11 +83,32 @@ def spoilt_state(step_address: int, state_address: int, spoilt: dict[str, float]
     for record in ("sense", "command", "currents"):
         state[f"{record}_address"] = state.ctypes.data + offsets[record][1]
     state["command"] = duty_command_record()
-    for name in ("current_factor", "speed_factor", "supply_factor", "stretch"):
+    for name in ("current_factor", "speed_factor", "supply_factor", "angle_factor", "stretch"):
         state[name] = 1.0
     for name, value in spoilt.items():
         state[name] = value
     return state
+
+
+@inlined
+def _wrap_count(state: Any, angle: float) -> None:
+    """Let a counter that has come to its end begin anew: what it has lost is missing from the angle from then on."""
+    turn = angle - state.angle_before
+    state.angle_before = angle
+    # Within a turn, as the angle itself is.
+    cycle = _TURN / state.pole_pairs
+    state.turned += turn - cycle * floor(turn / cycle + 0.5)
+    if abs(state.turned) >= state.wraps_after:
+        lost = state.wraps_after if state.turned > 0.0 else -state.wraps_after
+        state.turned -= lost
+        state.angle_added -= lost
+
+
+@inlined
+def _stretched(state: Any, ratio: float) -> float:
+    """Return a duty ratio as it is answered."""
+    stretched = float(0.5 + state.stretch * (ratio - 0.5))
+    return min(max(stretched, 0.0), 1.0) if state.clamps == 1 else stretched
 
 
 @inlined
@@ -89,6 +122,8 @@ def _show(state: Any, sense: Any) -> None:
             seen += state.current_added
         state.currents[phase] = state.before[phase] if state.is_late == 1 else seen
         state.before[phase] = seen
+    if state.computes_third == 1:
+        state.currents[2] = -state.currents[0] - state.currents[1]
     shown = state.sense
     shown.struct_size = sense.struct_size
     shown.time = sense.time
@@ -96,7 +131,9 @@ def _show(state: Any, sense: Any) -> None:
     shown.phase_currents = state.currents_address
     shown.supply_voltage = state.supply_factor * sense.supply_voltage
     shown.supply_current = sense.supply_current
-    shown.angle = sense.angle + state.angle_added
+    if state.wraps_after > 0.0:
+        _wrap_count(state, sense.angle)
+    shown.angle = state.angle_factor * sense.angle + state.angle_added
     shown.speed = state.speed_factor * sense.speed
     shown.hall = sense.hall
     shown.encoder_count = sense.encoder_count
@@ -107,9 +144,9 @@ def _show(state: Any, sense: Any) -> None:
 def _tell(state: Any, command: Any) -> None:
     """Write what is answered in place of what the controller has said."""
     said = state.command
-    command.first_duty = 0.5 + state.stretch * (said.first_duty - 0.5)
-    command.second_duty = 0.5 + state.stretch * (said.second_duty - 0.5)
-    command.third_duty = 0.5 + state.stretch * (said.third_duty - 0.5)
+    command.first_duty = _stretched(state, said.first_duty)
+    command.second_duty = _stretched(state, said.second_duty)
+    command.third_duty = _stretched(state, said.third_duty)
     if state.swaps_phases == 1:
         second = command.second_duty
         command.second_duty = command.third_duty

@@ -13,6 +13,7 @@ from drivegate_models.units import RADIANS_PER_RPM
 SETTLING_PERIODS: Final = 8000
 """Control periods in which a steady state has to be reached, where no time is stated."""
 _PERCENT: Final = 0.01
+_MILLI: Final = 0.001
 _KEPT: Final = 100
 
 
@@ -48,6 +49,14 @@ class DutyLimits:
         Greatest distance of the d current from that of most torque per ampere (A).
     braking_torque_nm : float
         Greatest braking torque behind a reference that goes to zero (N·m).
+    safe_state_s : float
+        Longest time from a failure to the safe state (s).
+    failure_torque_nm : float
+        Greatest torque that nobody asks for until the safe state, and in it (N·m).
+    dead_time_ripple : float
+        Greatest torque ripple with dead time over that without (1).
+    modulation_ripple : float
+        Greatest torque ripple over that of ideal space-vector modulation (1).
     """
 
     settling_s: float
@@ -63,6 +72,10 @@ class DutyLimits:
     weakening_share: float
     direct_error_a: float
     braking_torque_nm: float
+    safe_state_s: float
+    failure_torque_nm: float
+    dead_time_ripple: float
+    modulation_ripple: float
 
 
 @lru_cache(maxsize=_KEPT)
@@ -96,4 +109,8 @@ def duty_limits_of(drive: PmAcDocument) -> DutyLimits:
         weakening_share=_PERCENT * stated.weakening_torque_percent,
         direct_error_a=_PERCENT * stated.direct_current_percent * rating.current_limit_a,
         braking_torque_nm=_PERCENT * stated.braking_torque_percent * torque,
+        safe_state_s=_MILLI * stated.safe_state_ms,
+        failure_torque_nm=_PERCENT * stated.failure_torque_percent * torque,
+        dead_time_ripple=stated.dead_time_ripple,
+        modulation_ripple=stated.modulation_ripple,
     )

@@ -64,6 +64,20 @@ class PmAcRequirements(Section):
         default=10.0,
         description="greatest braking torque behind a torque reference that goes to zero, in percent of rated torque",
     )
+    safe_state_ms: Annotated[float, Field(ge=1.0, le=1000.0)] = Field(
+        default=100.0, description="longest time from a failure to the safe state, in milliseconds"
+    )
+    failure_torque_percent: _Percent = Field(
+        default=20.0,
+        description="greatest torque beyond the reference behind a failure, and in the safe state, in percent of rated "
+        "torque",
+    )
+    dead_time_ripple: Annotated[float, Field(ge=1.0, le=1000.0)] = Field(
+        default=2.0, description="greatest torque ripple with dead time at low speed, over that without"
+    )
+    modulation_ripple: Annotated[float, Field(ge=1.0, le=1000.0)] = Field(
+        default=1.2, description="greatest torque ripple over that of ideal space-vector modulation"
+    )
 
 
 NO_PM_AC_REQUIREMENTS = PmAcRequirements()

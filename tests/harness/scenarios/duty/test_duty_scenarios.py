@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import pytest
 from hypothesis import HealthCheck, Phase, find, given, seed, settings
 
@@ -9,7 +11,7 @@ from drivegate.checks.catalogue import CHECKS_OF
 from drivegate.checks.traceability import DUTY_DRAWN, SPECIAL, family_name, traced_checks
 from drivegate.scenarios.changes import with_scales
 from drivegate.scenarios.duty.building import load_step_scenario, torque_of, torque_scenario
-from drivegate.scenarios.duty.drawn import FAMILY_GROUPS, drawn_scenarios
+from drivegate.scenarios.duty.drawn import FAMILY_GROUPS, drawn_scenarios, failure_scenarios
 from drivegate.scenarios.duty.feasibility import unfair_because
 from drivegate.scenarios.duty.fixed import fixed_scenarios
 from drivegate.scenarios.duty.simplification import DUTY_SIMPLIFICATIONS
@@ -17,6 +19,7 @@ from drivegate.scenarios.duty.windows import duty_windows
 from drivegate.scenarios.simplification import simplified
 from drivegate_cases.drive.drive_document import drive_names, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.failure import FAILURE_KINDS
 from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -91,6 +94,27 @@ def test_a_scenario_can_be_made_simpler_down_to_one_torque() -> None:
     assert 1 in lengths, "a single torque is among the simpler runs"
     assert any(found.speed_rpm == ((0.0, 0.0),) for found in simpler), "so is a standstill"
     assert all(duty_windows(found) for found in simpler)
+
+
+def test_only_failures_that_a_candidate_detects_are_given() -> None:
+    def kinds(runs: Iterable[Scenario]) -> set[str]:
+        return {run.failure.kind for run in runs if run.failure is not None}
+
+    assert kinds(fixed_scenarios(INTERIOR)) == set()
+    assert kinds(fixed_scenarios(INTERIOR, detected=FAILURE_KINDS)) == set(FAILURE_KINDS)
+    assert kinds(fixed_scenarios(INTERIOR, ("torque",), FAILURE_KINDS)) == set(FAILURE_KINDS) - {
+        "locked-rotor"
+    }
+    assert kinds(fixed_scenarios(INTERIOR, detected=("stuck-current",))) == {"stuck-current"}
+    group = next(place for place, group in enumerate(FAMILY_GROUPS) if failure_scenarios in group)
+    given_one = drawn_scenarios(INTERIOR, group, detected=("stuck-current",))
+    found = find(given_one, lambda run: run.failure is not None)
+    assert kinds([found]) == {"stuck-current"}
+    without = [
+        find(drawn_scenarios(INTERIOR, group, ("torque",), detected), lambda _: True)
+        for detected in ((), ("locked-rotor",))
+    ]
+    assert kinds(without) == set(), "a held shaft does not lock up"
 
 
 @pytest.mark.parametrize("reference", ["speed", "torque"])

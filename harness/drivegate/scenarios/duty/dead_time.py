@@ -1,0 +1,34 @@
+"""Which runs are made a second time with another dead time, and with which."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.scenario.load import DynamometerLoad
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import IDEAL
+
+LOW_SPEED_SHARE: Final = 0.1
+"""Speed over base speed up to which dead time is looked at (1)."""
+DEAD_SHARE: Final = 0.02
+"""Dead time over the control period that a drive without any is compared with (1)."""
+
+
+def with_other_dead_time(scenario: Scenario) -> Scenario | None:
+    """Make the run of another dead time that one is compared with; None where it is with none."""
+    drive = scenario.drive
+    if not isinstance(drive, PmAcDocument) or not _is_slow(scenario, drive):
+        return None
+    own = drive.inverter.dead_time_s
+    other = drive.replaced(dead_time_s=0.0 if own > 0.0 else DEAD_SHARE * drive.inverter.control_period_s)
+    return scenario.replaced(drive=other)
+
+
+def _is_slow(scenario: Scenario, drive: PmAcDocument) -> bool:
+    is_plain = scenario.scales == NOMINAL and scenario.drift is None and scenario.failure is None
+    is_nominal = is_plain and scenario.supply_v is None and scenario.sensors.kind == IDEAL.kind
+    speeds = {speed for _, speed in scenario.speed_rpm}
+    slow = max(speeds) <= LOW_SPEED_SHARE * drive.rating.base_speed_rpm and min(speeds) > 0.0
+    return is_nominal and slow and len(speeds) == 1 and isinstance(scenario.load, DynamometerLoad)

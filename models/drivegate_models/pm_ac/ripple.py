@@ -1,0 +1,219 @@
+"""The torque's swing at a held speed: of given duty ratios, and of ideal space-vector modulation."""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.contract.duty.signals import LEG_PWM
+from drivegate_models.machine import ledger
+from drivegate_models.machine.advance_status import COMPLETED
+from drivegate_models.machine.sine import cosine_sine
+from drivegate_models.pm_ac.closed_loop import alignment_of
+from drivegate_models.pm_ac.fundamental import steady_voltages
+from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases
+from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive
+
+_ROOT_THREE = sqrt(3.0)
+
+
+@unallocating
+def _swing(
+    drive: PmAcDrive,
+    phases: PmAcPhases,
+    angle: float,
+    speed: float,
+    link: float,
+    ratios: NDArray[np.float64],
+    legs: NDArray[np.int64],
+    first: int,
+    ignored: int,
+    period: float,
+    totals: NDArray[np.float64],
+) -> float:
+    """Return the greatest less the least torque of the control periods behind the ignored ones (N m)."""
+    turning = drive.pole_pairs * speed * period
+    least = inf
+    most = -inf
+    for k in range(ratios.shape[0]):
+        if (
+            advance_period(
+                drive,
+                phases,
+                angle + k * turning,
+                speed,
+                link,
+                ratios[k],
+                legs[k],
+                alignment_of(drive.modulator.updates, first + k),
+                period,
+                totals,
+            )
+            != COMPLETED
+        ):
+            return inf
+        if k >= ignored:
+            least = min(least, phases.torque_bounds[0])
+            most = max(most, phases.torque_bounds[1])
+    return most - least
+
+
+def commanded_swing(
+    drive: PmAcDrive,
+    currents: tuple[float, float],
+    angle: float,
+    speed: float,
+    link: float,
+    ratios: NDArray[np.float64],
+    legs: NDArray[np.int64],
+    *,
+    first: int,
+    ignored: int,
+    period: float,
+) -> float:
+    """Return the swing of the torque under given duty ratios.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    currents : tuple of float
+        Of the rotor frame, along and across, at the start (A).
+    angle : float
+        Electrical, at the start (rad).
+    speed : float
+        Of the shaft, held (rad/s).
+    link : float
+        Voltage of the dc link (V).
+    ratios : ndarray, shape (n, 3)
+        Duty ratios that act in each control period (1).
+    legs : ndarray, shape (n, 3)
+        States of the legs likewise.
+    first : int
+        Number of the first control period, an even one where the carrier has two updates: every lower switch is on at
+        its start.
+    ignored : int
+        Control periods at the start that are not looked at.
+    period : float
+        Control period (s).
+
+    Returns
+    -------
+    float
+        Greatest less least torque, at any instant (N m); infinite where the plant cannot follow.
+    """
+    phases = make_phases(follows_torque=True)
+    phases.rotor_currents[:] = currents
+    _take_signs(phases, currents, float(angle))
+    totals = np.zeros(ledger.ENTRIES)
+    return float(
+        _swing(
+            drive,
+            phases,
+            float(angle),
+            float(speed),
+            float(link),
+            ratios,
+            legs,
+            int(first),
+            int(ignored),
+            float(period),
+            totals,
+        )
+    )
+
+
+def _take_signs(phases: PmAcPhases, currents: tuple[float, float], angle: float) -> None:
+    """Let every leg know the sign of its current."""
+    cosine, sine = cosine_sine(angle)
+    along = cosine * currents[0] - sine * currents[1]
+    across = sine * currents[0] + cosine * currents[1]
+    others = -0.5 * along, 0.5 * _ROOT_THREE * across
+    values = along, others[0] + others[1], others[0] - others[1]
+    phases.legs.signs[:] = [1 if value > 0.0 else -1 if value < 0.0 else 0 for value in values]
+
+
+@inlined
+def _write_ideal(ratios: NDArray[np.float64], along: float, across: float, link: float) -> None:
+    """Write the duty ratios of a voltage in the frame that stands still, about the middle of the link."""
+    second = -0.5 * along + 0.5 * _ROOT_THREE * across
+    third = -0.5 * along - 0.5 * _ROOT_THREE * across
+    middle = 0.5 * (max(along, second, third) + min(along, second, third))
+    ratios[0] = 0.5 + (along - middle) / link
+    ratios[1] = 0.5 + (second - middle) / link
+    ratios[2] = 0.5 + (third - middle) / link
+
+
+@unallocating
+def _ideal_ratios(
+    direct: float, quadrature: float, turning: float, link: float, ratios: NDArray[np.float64]
+) -> None:
+    """Write the duty ratios of steady voltages of the rotor frame for each control period, from angle 0 on."""
+    half = 0.5 * turning
+    # A voltage that stands still while the rotor turns past it is less in the rotor's frame, by sin(x)/x.
+    stretch = 1.0 + half * half / 6.0
+    for k in range(ratios.shape[0]):
+        cosine, sine = cosine_sine(k * turning + half)
+        along = stretch * (cosine * direct - sine * quadrature)
+        across = stretch * (sine * direct + cosine * quadrature)
+        _write_ideal(ratios[k], along, across, link)
+
+
+def ideal_swing(
+    drive: PmAcDrive,
+    speed: float,
+    link: float,
+    currents: tuple[float, float],
+    *,
+    ignored: int,
+    watched: int,
+    period: float,
+) -> float:
+    """Return the swing of the torque that ideal space-vector modulation has at steady currents.
+
+    Ideal switches without dead time and a counter of real numbers give in each control period the voltage of the steady
+    state, with the zero sequence that centres the greatest and the least duty ratio; these are the duty ratios of space
+    vectors with even zero vectors (Holmes and Lipo, "Pulse Width Modulation for Power Converters", IEEE Press, 2003,
+    chapter 6).
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive; of its modulator the carrier alone counts.
+    speed : float
+        Of the shaft, held (rad/s).
+    link : float
+        Voltage of the dc link (V).
+    currents : tuple of float
+        Mean currents of the rotor frame, along and across (A).
+    ignored : int
+        Control periods at the start that are not looked at, in which the currents settle.
+    watched : int
+        Control periods behind them.
+    period : float
+        Control period (s).
+
+    Returns
+    -------
+    float
+        Greatest less least torque, at any instant (N m); infinite where the plant cannot follow.
+    """
+    electrical = drive.pole_pairs * speed
+    voltages = steady_voltages(drive, float(electrical), *currents)
+    ratios = np.empty((ignored + watched, 3))
+    _ideal_ratios(*voltages, float(electrical * period), float(link), ratios)
+    return commanded_swing(
+        drive._replace(modulator=Modulator(updates=drive.modulator.updates), switch_drop=0.0, diode_drop=0.0),
+        currents,
+        0.0,
+        speed,
+        link,
+        ratios,
+        np.full(ratios.shape, LEG_PWM, np.int64),
+        first=0,
+        ignored=ignored,
+        period=period,
+    )

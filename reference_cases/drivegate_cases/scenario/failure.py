@@ -1,0 +1,33 @@
+"""What fails during a run of a PM AC drive, and does not come back."""
+
+from typing import Final, Literal, Self, TypeAlias, get_args
+
+from pydantic import Field, model_validator
+
+from drivegate_cases.documents.document import Section
+
+FailureKind: TypeAlias = Literal["open-phase", "stuck-current", "lost-position", "locked-rotor"]
+"""A leg whose switches both stay off, a current sensor or the shaft's position that stays, or a shaft that stands."""
+FAILURE_KINDS: Final[tuple[FailureKind, ...]] = get_args(FailureKind)
+"""All of them."""
+PHASED: Final[frozenset[FailureKind]] = frozenset({"open-phase", "stuck-current"})
+"""Those of one phase."""
+
+
+class Failure(Section):
+    """A part of the drive that fails for good."""
+
+    kind: FailureKind = Field(
+        description="what fails: 'open-phase', a leg whose switches both stay off; 'stuck-current', a current sensor "
+        "whose reading stays; 'lost-position', the edges of encoder or Hall switches; 'locked-rotor', the shaft"
+    )
+    time_s: float = Field(ge=0.0, le=86400.0, description="time from which on it has failed, in seconds")
+    phase: int = Field(
+        default=1, ge=1, le=3, description="number of the phase, from 1, where the failure is that of one"
+    )
+
+    @model_validator(mode="after")
+    def _only_a_phase_has_a_number(self) -> Self:
+        if self.kind not in PHASED and self.phase != 1:
+            raise ValueError(f"must not give 'phase' for the kind '{self.kind}', which is no phase's")
+        return self
