@@ -76,6 +76,18 @@ def test_what_was_forbidden_on_the_way_back_is_tried_again(number: int, speed: f
     assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
 
 
+@pytest.mark.parametrize(
+    ("number", "speed", "power_share", "constant_power"), [(10, 1470.0, 1.0, True), (51, 2840.0, 0.5, False)]
+)
+def test_angles_at_which_the_speed_returns_are_not_given_up(
+    number: int, speed: float, power_share: float, constant_power: bool
+) -> None:
+    # Back from the edge the regulator is wound up, and the speed rises above its reference.
+    drive = drawn_drive(0, number).document
+    scenario = steady_scenario(drive, speed, power_share=power_share, constant_power=constant_power)
+    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
+
+
 @pytest.mark.parametrize("name", ["near:gain-doubled", "near:stops-early"])
 def test_a_load_that_grows_during_the_first_steps_does_not_end_the_search(name: str) -> None:
     # Rest where the load's growth takes what the first three steps save: 31 % too much current.

@@ -111,6 +111,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.last_power = 0.0
     state.last_integral = 0.0
     state.winding = 0
+    state.error = 0.0
     rearm(state)
 
 
@@ -230,7 +231,8 @@ def observe(state: Any, sense: Any, reference: float) -> bool:
     """
     state.count += 1
     state.power_sum += sense.current_magnitude_sum
-    state.worst_error = max(state.worst_error, abs(sense.speed_reference - sense.speed))
+    state.error = sense.speed_reference - sense.speed
+    state.worst_error = max(state.worst_error, abs(state.error))
     if reference >= state.current_limit:
         state.saturated += 1
     if state.search == GUARDED:

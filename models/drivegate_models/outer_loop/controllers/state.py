@@ -49,6 +49,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("count", np.int64),
         ("power_sum", np.float64),
         ("worst_error", np.float64),
+        # Speed reference minus speed in its last step.
+        ("error", np.float64),
         ("saturated", np.int64),
         # The guarded search only.
         ("mode", np.int64),

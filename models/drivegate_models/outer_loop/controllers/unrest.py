@@ -60,6 +60,26 @@ def is_uneasy(state: Any) -> bool:
 
 
 @inlined
+def is_sagging(state: Any) -> bool:
+    """Return whether the speed varied so and is below its reference.
+
+    Above it no torque is lost, however far the regulator is wound up: it unwinds.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    bool
+        About the decision interval just ended.
+    """
+    sagging: bool = is_uneasy(state) and state.error >= 0.0
+    return sagging
+
+
+@inlined
 def is_jolted(state: Any, jolt: float) -> bool:
     """Return whether the speed is off by more than a step of the search makes of it.
 

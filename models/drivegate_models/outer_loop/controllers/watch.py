@@ -33,7 +33,13 @@ from drivegate_models.outer_loop.controllers.protection import (
     rearm,
     walk_back,
 )
-from drivegate_models.outer_loop.controllers.unrest import EXACT, is_jolted, is_uneasy, noise_of_power
+from drivegate_models.outer_loop.controllers.unrest import (
+    EXACT,
+    is_jolted,
+    is_sagging,
+    is_uneasy,
+    noise_of_power,
+)
 
 WAITING: Final = 0
 """What the search has to do: nothing."""
@@ -138,7 +144,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
             state.held_power = power
     elif changed:
         rearm(state)
-    elif uneasy or abs(change) > _RESTLESS * power + noise_of_power(state):
+    elif is_sagging(state) or (not uneasy and abs(change) > _RESTLESS * power + noise_of_power(state)):
         # The optimum may lie on the edge itself: a little above it costs less than a new search.
         forbid(state)
         state.offset += SMALLEST_STEP
@@ -275,11 +281,13 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     if state.winding >= _WOUND and is_uneasy(state):
         # The reference is beyond what the angle lets flow; without a good angle known, the current counts.
         state.integral = min(state.integral, power / state.conducting_phases)
-        walk_back(state, state.first_step, True)
+        if is_sagging(state):
+            walk_back(state, state.first_step, True)
         return WAITING, change
     if is_creeping(state, power) and is_uneasy(state):
         state.integral = state.good_integral
-        walk_back(state, 0.5 * state.first_step, True)
+        if is_sagging(state):
+            walk_back(state, 0.5 * state.first_step, True)
         return WAITING, change
     # A current sum with the speed off its reference says nothing about the angle.
     if not regulated or is_unloaded(state):
