@@ -257,7 +257,9 @@ def _land(
             free = k
     total, size = _sum_and_size(currents)
     if free >= 0:
-        currents[free] -= total
+        left = currents[free] - total
+        # Nothing but the rounding of the others is no current: two phases would pass it to and fro for ever.
+        currents[free] = left if abs(left) > _ROUNDING * size else 0.0
     elif near >= 0 and abs(total) > _ROUNDING * size:
         # Not all of them can have come to their levels at once.
         currents[near] -= total

@@ -111,6 +111,28 @@ def test_rounding_at_a_tiny_reference_costs_no_energy(regulation: int) -> None:
     check(Run(drive, 0.0, (0.0,) * 3, periods))
 
 
+@pytest.mark.kernel
+def test_what_rounding_leaves_of_a_current_is_not_passed_to_and_fro() -> None:
+    drive = make_star_drive(
+        **REFERENCE
+        | {
+            "phases": 9,
+            "pole_pairs": 1,
+            "emf_constant": 0.96,
+            "emf_angles": np.array([0.0, 0.5 * math.pi]),
+            "emf_values": np.array([0.0, 1.0]),
+            "resistance": 0.31817142857142855,
+            "inductance": 5.4857142857142857e-05,
+            "window": math.radians(144.0),
+            "hysteresis_band": 0.0,
+            "diode_drop": 2.0,
+        }
+    )
+    still = Period(0.0, 163.0, 1.5, 48.0, 48.0, 5e-4)
+    periods = (still, replace(still, reference=1.2063561186383354e-08, advance=0.0))
+    check(_balanced(Run(drive, 0.0, (0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0), periods)))
+
+
 def test_a_band_that_no_current_can_rest_in_is_given_up() -> None:
     drive = make_star_drive(**REFERENCE, window=math.radians(120.0), hysteresis_band=1e-10)
     totals = np.zeros(ledger.ENTRIES)
