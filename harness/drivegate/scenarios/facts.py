@@ -12,7 +12,7 @@ from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
-from drivegate_cases.scenario.failure import PHASED
+from drivegate_cases.scenario.failure_kind import PHASED
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 

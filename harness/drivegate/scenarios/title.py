@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.scenario.disturbance import Dropout
-from drivegate_cases.scenario.failure import PHASED
+from drivegate_cases.scenario.failure_kind import PHASED
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
     ConstantTorqueLoad,

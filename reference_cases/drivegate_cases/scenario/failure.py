@@ -1,17 +1,11 @@
 """What fails during a run of a PM AC drive, and does not come back."""
 
-from typing import Final, Literal, Self, TypeAlias, get_args
+from typing import Self
 
 from pydantic import Field, model_validator
 
 from drivegate_cases.documents.document import Section
-
-FailureKind: TypeAlias = Literal["open-phase", "stuck-current", "lost-position", "locked-rotor"]
-"""A leg whose switches both stay off, a current sensor or the shaft's position that stays, or a shaft that stands."""
-FAILURE_KINDS: Final[tuple[FailureKind, ...]] = get_args(FailureKind)
-"""All of them."""
-PHASED: Final[frozenset[FailureKind]] = frozenset({"open-phase", "stuck-current"})
-"""Those of one phase."""
+from drivegate_cases.scenario.failure_kind import PHASED, FailureKind
 
 
 class Failure(Section):

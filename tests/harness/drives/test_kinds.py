@@ -49,7 +49,7 @@ def test_its_oracle_and_its_steady_states_are_of_the_same_drive(kind: DriveKind)
     drive = load_drive(kind.default_drive)
     if drive.contract != "current":
         # There is no advance angle that its oracle could find.
-        with pytest.raises(InputError, match="drivegate check"):
+        with pytest.raises(InputError, match="drivegate drive"):
             kind.oracle()
         return
     plant, oracle, states = drive.plant(), kind.oracle(), kind.steady_states()

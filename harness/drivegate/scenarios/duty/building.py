@@ -12,7 +12,7 @@ from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
-from drivegate_cases.scenario.failure import FailureKind
+from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario

@@ -248,6 +248,36 @@ def settle(state: Any, power: float, settled: bool) -> int:
 
 
 @inlined
+def unwind(state: Any, power: float) -> bool:
+    """Unwind a regulator that asks for more current than flows, and give angle back where the speed sags.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power : float
+        Mean current sum of the decision interval (A).
+
+    Returns
+    -------
+    bool
+        Whether it was wound up.
+    """
+    if state.winding >= _WOUND:
+        # The reference is beyond what the angle lets flow; without a good angle known, the current counts.
+        state.integral = min(state.integral, power / state.conducting_phases)
+        angle = state.first_step
+    elif is_creeping(state, power):
+        state.integral = state.good_integral
+        angle = 0.5 * state.first_step
+    else:
+        return False
+    if is_sagging(state):
+        walk_back(state, angle, True)
+    return True
+
+
+@inlined
 def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int, float]:
     """Make the part of a decision that is the same for every search.
 
@@ -278,16 +308,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     if state.mode == HOLDING:
         decide_holding(state, power, change)
         return WAITING, change
-    if state.winding >= _WOUND and is_uneasy(state):
-        # The reference is beyond what the angle lets flow; without a good angle known, the current counts.
-        state.integral = min(state.integral, power / state.conducting_phases)
-        if is_sagging(state):
-            walk_back(state, state.first_step, True)
-        return WAITING, change
-    if is_creeping(state, power) and is_uneasy(state):
-        state.integral = state.good_integral
-        if is_sagging(state):
-            walk_back(state, 0.5 * state.first_step, True)
+    if is_uneasy(state) and unwind(state, power):
         return WAITING, change
     # A current sum with the speed off its reference says nothing about the angle.
     if not regulated or is_unloaded(state):

@@ -84,7 +84,7 @@ static double most_torque(const drivegate_duty_nameplate *plate) {
 
 static void set_scales(const drivegate_duty_nameplate *plate) {
     scale.pole_pairs = (double)plate->pole_pairs;
-    scale.current = plate->current_limit / 1024.0;
+    scale.current = plate->current_limit / 8192.0;
     scale.voltage = plate->supply_voltage / 2048.0;
     scale.angle = TURN / 65536.0;
     scale.speed = 2.0 * scale.pole_pairs * plate->highest_speed / 32768.0;
