@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from drivegate.candidates.declaration import Declaration
     from drivegate.checks.check import Check
     from drivegate.containment.messages import AnyController
-    from drivegate.runs.duty.run import DutyClosedLoopRun
     from drivegate.runs.record import RunRecord
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
@@ -79,25 +78,16 @@ def _simplifications() -> tuple[Simplification, ...]:
 def _record(
     declaration: Declaration, scenario: Scenario, controller: AnyController, kept: NDArray[Any] | None
 ) -> RunRecord:
+    from drivegate.drives.pm_ac_run import duty_run
     from drivegate.runs.duty.record import DutyRecord
     from drivegate.scenarios.duty.dead_time import with_other_dead_time
 
-    run = _run(scenario, controller)
+    run = duty_run(scenario, controller)
     if kept is not None:
         kept[:] = run.commands
     compared = with_other_dead_time(scenario)
-    other = None if compared is None else DutyRecord(compared, _run(compared, controller), declaration)
+    other = None if compared is None else DutyRecord(compared, duty_run(compared, controller), declaration)
     return DutyRecord(scenario, run, declaration, other_dead_time=other)
-
-
-def _run(scenario: Scenario, controller: AnyController) -> DutyClosedLoopRun:
-    from drivegate.drives.pm_ac_sensing import duty_failure, duty_sensors
-    from drivegate.runs.duty.run import run_duty
-    from drivegate_models.pm_ac.closed_loop import TRACE, prepared_duty_loop
-
-    return run_duty(
-        prepared_duty_loop, TRACE, scenario, controller, duty_sensors(scenario), duty_failure(scenario)
-    )
 
 
 def _behaviour(

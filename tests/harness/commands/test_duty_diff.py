@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from drivegate.scenarios.duty.building import torque_scenario
+from drivegate.scenarios.duty.dead_time import with_other_dead_time
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.sensors import SHUNTS
@@ -35,7 +36,7 @@ class Keeps(One):
 
 
 @pytest.fixture
-def files(tmp_path) -> None:  # type: ignore[no-untyped-def]
+def files(tmp_path) -> None:
     (tmp_path / "mine.py").write_text(CONTROLLERS, encoding="utf-8")
     drive = load_drive("pm-ac-surface").replaced(settling_s=0.05)
     assert isinstance(drive, PmAcDocument)
@@ -45,18 +46,30 @@ def files(tmp_path) -> None:  # type: ignore[no-untyped-def]
     (tmp_path / "seen.json").write_text(case.replaced(sensors=seen).to_json(), encoding="utf-8")
 
 
-def diff(command, one: str, other: str, *words: object):  # type: ignore[no-untyped-def]
+def diff(command, one: str, other: str, *words: object):
     return command("diff", one, other, "--case", "case.json", *words)
 
 
 @pytest.mark.parametrize("case", ["case.json", "seen.json"])
-def test_the_second_is_given_to_the_last_bit_what_the_first_sensed(case, command, files) -> None:  # type: ignore[no-untyped-def]
+def test_the_second_is_given_to_the_last_bit_what_the_first_sensed(case, command, files) -> None:
     ended = command("diff", "foc", "foc", "--case", case)
     assert ended.code == 0, ended.out
     assert "EQUAL in all 1260 steps" in ended.out
 
 
-def test_the_first_difference_is_shown_in_full(command, files, tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_a_slow_run_that_is_also_made_with_another_dead_time_is_compared_as_it_is(
+    command, files, tmp_path
+) -> None:
+    drive = load_drive("pm-ac-surface").replaced(settling_s=0.05)
+    assert isinstance(drive, PmAcDocument)
+    slow = torque_scenario(drive, 0.06 * drive.rating.base_speed_rpm, (5.0,))
+    assert with_other_dead_time(slow) is not None, "this run is made twice for its checks"
+    (tmp_path / "case.json").write_text(slow.to_json(), encoding="utf-8")
+    found = diff(command, "mine.py:One", "mine.py:Other", "--json").document["difference"]
+    assert found["plant"]["phase_currents"] == pytest.approx(found["sense"]["phase_currents"], abs=1e-9)
+
+
+def test_the_first_difference_is_shown_in_full(command, files, tmp_path) -> None:
     ended = diff(command, "mine.py:One", "mine.py:Other", "--before", 1, "--set", "friction_n_m=0.001")
     assert ended.code == 1
     assert "DIFFERENT first in step 120, at 0.012 s" in ended.out
@@ -72,26 +85,26 @@ def test_the_first_difference_is_shown_in_full(command, files, tmp_path) -> None
     assert "third duty ratio" in (tmp_path / "x.svg").read_text(encoding="utf-8")
 
 
-def test_fields_and_small_differences_may_be_left_out(command, files) -> None:  # type: ignore[no-untyped-def]
+def test_fields_and_small_differences_may_be_left_out(command, files) -> None:
     names = ("mine.py:One", "mine.py:Other")
     assert diff(command, *names, "--ignore", "third_duty").code == 0
     assert diff(command, *names, "--tolerance", "1e-12").code == 0
 
 
 @pytest.mark.parametrize(("first", "second", "place"), [("One", "Lost", "second"), ("Lost", "One", "first")])
-def test_a_fault_is_reported_where_it_happens(first, second, place, command, files) -> None:  # type: ignore[no-untyped-def]
+def test_a_fault_is_reported_where_it_happens(first, second, place, command, files) -> None:
     document = diff(command, f"mine.py:{first}", f"mine.py:{second}", "--json").document
     assert (document["exit_code"], document["verdict"]) == (1, "invalid output")
     assert (document["fault"]["place"], document["fault"]["step"], document["steps_equal"]) == (place, 70, 70)
 
 
-def test_what_reset_keeps_shows_in_an_instance_that_has_run_before(command, files) -> None:  # type: ignore[no-untyped-def]
+def test_what_reset_keeps_shows_in_an_instance_that_has_run_before(command, files) -> None:
     assert diff(command, "mine.py:Keeps", "mine.py:Keeps").code == 0
     document = diff(command, "mine.py:Keeps", "mine.py:Keeps", "--again", "--json").document
     assert document["difference"]["step"] == 0
 
 
-def test_what_does_not_fit_the_contract_is_refused(files, refused) -> None:  # type: ignore[no-untyped-def]
+def test_what_does_not_fit_the_contract_is_refused(files, refused) -> None:
     words = ("--case", "case.json")
     assert "takes duty ratios" in refused("diff", "foc", "reference", *words)
     assert "names no field" in refused("diff", "foc", "foc", *words, "--ignore", "advance_angle")

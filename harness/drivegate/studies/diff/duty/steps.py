@@ -16,10 +16,8 @@ from drivegate.containment.candidate_process import Answered
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.containment.orders import GiveDutySenses
-from drivegate.drives.running import recorded
-from drivegate.runs.duty.record import DutyRecord
+from drivegate.drives.pm_ac_run import duty_run
 from drivegate.runs.duty.run import DUTY_RATIOS, LEGS, DutyClosedLoopRun, duty_nameplate, refusal_of
-from drivegate.runs.record import RunRecord
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.contract.duty.signals import DutyCommand, DutySense
@@ -97,17 +95,12 @@ class DutyAnswers:
 
 def drive_run(loaded: JudgedCandidate, scenario: Scenario) -> DrivenRun:
     """Run a candidate, and play its commands back to see what was sensed."""
-    run = _run_of(recorded(loaded, scenario, loaded.controller()))
+    run = duty_run(scenario, loaded.controller())
     playback = _Playback(run.commands)
-    again = _run_of(recorded(loaded, scenario, PythonController(playback)))
+    again = duty_run(scenario, PythonController(playback))
     if not np.array_equal(run.trace, again.trace, equal_nan=True):
         raise HarnessFault("the recorded commands come to another run when they are played back")
     return DrivenRun(run, playback.senses, playback.currents)
-
-
-def _run_of(record: RunRecord) -> DutyClosedLoopRun:
-    assert isinstance(record, DutyRecord), "a run with duty ratios has such a record"
-    return record.run
 
 
 class _Playback:
@@ -147,7 +140,7 @@ def answer_run(loaded: JudgedCandidate, request: AnswerRequest) -> DutyAnswers:
     driven, nameplate = request.driven, duty_nameplate(request.scenario)
     controller = loaded.controller()
     if request.again:
-        recorded(loaded, request.scenario, controller)
+        duty_run(request.scenario, controller)
     show_drive(controller, request.scenario.drive)
     controller.reset(nameplate)
     kept: list[NDArray[Any]] = [np.zeros(0, DUTY_COMMAND)]
