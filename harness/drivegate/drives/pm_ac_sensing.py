@@ -56,5 +56,5 @@ def duty_failure(scenario: Scenario) -> failure.Failure:
     if given is None:
         return failure.make_failure()
     return failure.make_failure(
-        _FAILURES[given.kind], math.ceil(round(given.time_s / scenario.control_period_s, 6)), given.phase - 1
+        _FAILURES[given.kind], given.first_period(scenario.control_period_s), given.phase - 1
     )

@@ -1,5 +1,6 @@
 """What fails during a run of a PM AC drive, and does not come back."""
 
+import math
 from typing import Self
 
 from pydantic import Field, model_validator
@@ -19,6 +20,11 @@ class Failure(Section):
     phase: int = Field(
         default=1, ge=1, le=3, description="number of the phase, from 1, where the failure is that of one"
     )
+
+    def first_period(self, control_period_s: float) -> int:
+        """Return the number of the first control period that begins with it."""
+        # A time that is whole periods but for rounding is the start of that period.
+        return math.ceil(round(self.time_s / control_period_s, 6))
 
     @model_validator(mode="after")
     def _only_a_phase_has_a_number(self) -> Self:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import ceil
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,7 +23,7 @@ def safe_state(record: RunRecord) -> Margin | None:
     failure, period = judged.scenario.failure, judged.scenario.control_period_s
     if failure is None or failure.kind not in judged.declaration.detects or not judged.has_nominal_plant:
         return None
-    begin = ceil(round(failure.time_s / period, 6))
+    begin = failure.first_period(period)
     claimed = _claimed(judged)
     if len(claimed) - begin < judged.limits.safe_state_s / period:
         return None
