@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from math import ceil, pi
 from typing import Final
 
@@ -82,14 +81,11 @@ def _ideal_swing(record: DutyRecord, window: DutyWindow) -> float:
     )
 
 
-def _rippling(record: DutyRecord) -> Iterator[DutyWindow]:
-    if not record.is_nominal:
-        return
-    for window in record.steady:
-        is_slow = window.speed < LEAST_SPEED_SHARE * record.document.rating.base_speed_rpm * RADIANS_PER_RPM
-        is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.limits.rated_torque_nm
-        if not (is_slow or is_weak or window.voltage > VOLTAGE_SHARE * undistorted(window.link)):
-            yield window
+def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
+    """Tell whether a window has the speed, the torque and the spare voltage to judge ripple by."""
+    is_slow = window.speed < LEAST_SPEED_SHARE * record.document.rating.base_speed_rpm * RADIANS_PER_RPM
+    is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.limits.rated_torque_nm
+    return not (is_slow or is_weak or window.voltage > VOLTAGE_SHARE * undistorted(window.link))
 
 
 def modulation_ripple(record: RunRecord) -> Margin | None:
@@ -104,7 +100,8 @@ def modulation_ripple(record: RunRecord) -> Margin | None:
             judged.limits.modulation_ripple,
             "of ideal modulation",
         )
-        for window in _rippling(judged)
+        for window in judged.steady
+        if judged.is_nominal and _is_rippling(judged, window)
     )
 
 
@@ -120,7 +117,7 @@ def dead_time_ripple(record: RunRecord) -> Margin | None:
             "DTM-1", blanked, window, _swing(free, plain), judged.limits.dead_time_ripple, "without dead time"
         )
         for window, plain in zip(blanked.steady, free.steady, strict=True)
-        if plain in tuple(_rippling(free))
+        if free.is_nominal and _is_rippling(free, plain)
     )
 
 

@@ -268,21 +268,27 @@ def failure_scenarios(
         time = (0.5 + _PART * part) * run.duration_s
         return failing(seen, kind, time, phase if kind in PHASED else 1)
 
-    which = [
-        (kind, reference)
-        for kind in FAILURE_KINDS
-        for reference in ("speed", "torque")
-        if kind in detected and reference in references and (kind, reference) != ("locked-rotor", "torque")
-    ]
     return st.builds(
         made,
-        st.sampled_from(which),
+        st.sampled_from(_that_can_fail(detected, references)),
         _shares(6, 12),
         _speeds(drive, FAILURE_SPEED_SHARE * base, base),
         st.integers(0, 20),
         st.integers(1, 3),
         st.sampled_from((0, 1, 2)),
     )
+
+
+def _that_can_fail(
+    detected: Collection[FailureKind], references: Collection[Reference]
+) -> list[tuple[FailureKind, Reference]]:
+    """List what may fail under which reference: a rotor that locks up is to follow a speed."""
+    return [
+        (kind, reference)
+        for kind in FAILURE_KINDS
+        for reference in ("speed", "torque")
+        if kind in detected and reference in references and (kind, reference) != ("locked-rotor", "torque")
+    ]
 
 
 def _possible(drive: PmAcDocument, run: Scenario, shunts: str) -> str:
@@ -314,19 +320,19 @@ def drawn_scenarios(
     detected: Collection[FailureKind] = (),
 ) -> st.SearchStrategy[Scenario]:
     """Draw a scenario of any family, or of one group of them, as far as a candidate follows or detects it."""
-    kinds = tuple(kind for kind in detected if kind != "locked-rotor" or "speed" in references)
-    failures = partial(failure_scenarios, detected=kinds, references=references)
-    followed: list[list[Family]] = []
-    for families in FAMILY_GROUPS:
-        kept = [
-            family
+    failures = partial(failure_scenarios, detected=detected, references=references)
+    can_fail = bool(_that_can_fail(detected, references))
+    followed = [
+        [
+            failures if family is failure_scenarios else family
             for family in families
-            if family is not failure_scenarios and _reference(family) in references
+            if (can_fail if family is failure_scenarios else _reference(family) in references)
         ]
-        kept += [failures] if kinds and failure_scenarios in families else []
-        followed += [kept] if kept else []
-    groups = followed if group is None else [followed[group % len(followed)]]
-    return st.one_of([family(drive) for families in groups for family in families])
+        for families in FAMILY_GROUPS
+    ]
+    groups = [families for families in followed if families]
+    chosen = groups if group is None else [groups[group % len(groups)]]
+    return st.one_of([family(drive) for families in chosen for family in families])
 
 
 def _reference(family: Family) -> Reference:
