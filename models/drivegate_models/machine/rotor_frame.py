@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import pi
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -12,6 +13,8 @@ from drivegate_models.machine.sine import cosine_sine
 
 HALF_ROOT: Final = 0.8660254037844386
 """Sine of a third of a turn."""
+SUM_OVER_PEAK: Final = 6.0 / pi
+"""Mean of the sum of three sinusoidal currents' magnitudes over their peak (1)."""
 _COSINES: Final = (1.0, -0.5, -0.5)
 _SINES: Final = (0.0, HALF_ROOT, -HALF_ROOT)
 

@@ -17,6 +17,7 @@ from typing import Final
 from drivegate.drives.bisection import last_met
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_models.machine.rotor_frame import SUM_OVER_PEAK
 from drivegate_models.pm_ac.fundamental import SteadyState
 from drivegate_models.pm_ac.oracle import CURRENT, greatest_torque, least_at, undistorted_limits
 from drivegate_models.steady.oracle import greatest_torque_at_limit, least_current_sum, point_at_torque
@@ -29,8 +30,6 @@ from drivegate_reports.paper.conventional_drives import (
 )
 from drivegate_reports.paper.drive import HIGHEST_PUBLISHED_RPM, power_torque, reference_drive
 
-_SUM_OF_PEAK: Final = 6.0 / pi
-"""Mean of the sum of three sinusoidal currents' magnitudes over their peak (1)."""
 _SLOWEST_RPM: Final = 250.0
 _STEP_RPM: Final = 125.0
 _PLACES: Final = round((FASTEST_RPM - _SLOWEST_RPM) / _STEP_RPM) + 1
@@ -172,7 +171,7 @@ def _of_duty_ratios(name: str, document: DriveDocument) -> KindOfDrive:
             return OUT_OF_REACH
         # Sinusoidal currents and EMF give an even torque.
         return OperatingPoint(
-            0.0, _SUM_OF_PEAK * state.current, state.copper_loss, torque * speed + state.loss
+            0.0, SUM_OVER_PEAK * state.current, state.copper_loss, torque * speed + state.loss
         )
 
     @cache

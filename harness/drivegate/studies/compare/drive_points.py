@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import hypot, pi
+from math import hypot
 from typing import Any, Final
 
 from drivegate.scenarios.duty.building import torque_of
@@ -16,9 +16,8 @@ from drivegate.studies.compare.plan import EFFORTS, PlannedRun, operating_speed
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.scenario.load import ConstantTorqueLoad
+from drivegate_models.machine.rotor_frame import SUM_OVER_PEAK
 
-_SUM_OF_PEAK: Final = 6.0 / pi
-"""Mean of the sum of three sinusoidal currents' magnitudes over their peak (1)."""
 _DIGITS: Final = 6
 
 
@@ -119,6 +118,6 @@ def _duty_point(drive: PmAcDocument, share: float, load: float, row: dict[str, A
         speed_mean_rpm=row["speed_rpm"],
         torque_mean_nm=row["torque_nm"],
         input_power_w=row["input_power_w"],
-        current_sum_a=_SUM_OF_PEAK * hypot(row["direct_current_a"], row["quadrature_current_a"]),
+        current_sum_a=SUM_OVER_PEAK * hypot(row["direct_current_a"], row["quadrature_current_a"]),
         ripple_percent=swing / abs(row["torque_nm"]) if row["torque_nm"] else 0.0,
     )
