@@ -18,11 +18,11 @@ from drivegate.studies.diff.jobs import (
     RecordRequest,
     Rule,
     Shadowing,
-    load_only,
     record_run,
     shadow_run,
 )
-from drivegate.studies.diff.outcome import FIRST, SECOND, StepComparison
+from drivegate.studies.diff.leading import led
+from drivegate.studies.diff.outcome import SECOND, StepComparison
 from drivegate.studies.diff.plant_playback import PlantState, plant_at
 from drivegate.studies.diff.record import (
     refuse_without_room,
@@ -83,14 +83,9 @@ def compared(
         refuse_without_room(scenario, Path(name))
         path = Path(name) / "steps"
         with Judge(second) as following:
-            # It is loaded before the long run, so that a second candidate that is refused is reported at once.
-            loading = following.run(Job(load_only, None))
-            if isinstance(loading, Fault):
-                return StepComparison(0, fault=loading, faulted=SECOND)
-            with Judge(first) as leading:
-                led = leading.run(Job(record_run, RecordRequest(path, scenario)))
-            if isinstance(led, Fault):
-                return StepComparison(led.step or 0, fault=led, faulted=FIRST)
+            recorded = led(first, following, Job(record_run, RecordRequest(path, scenario)))
+            if isinstance(recorded, StepComparison):
+                return recorded
             end = row_count(path, scenario.drive.machine.phases)
             plan = Shadowing(path, scenario, rule, end, end, again)
             ended = following.run(Job(shadow_run, plan))

@@ -14,8 +14,9 @@ from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.studies.diff.duty.steps import AnswerRequest, DrivenRun, answer_run, drive_run
-from drivegate.studies.diff.jobs import Rule, load_only
-from drivegate.studies.diff.outcome import FIRST, SECOND, StepComparison
+from drivegate.studies.diff.jobs import Rule
+from drivegate.studies.diff.leading import led
+from drivegate.studies.diff.outcome import SECOND, StepComparison
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.step_recording import differs
 
@@ -54,14 +55,9 @@ def duty_compared(
     """Compare two candidates step by step, as `drivegate.studies.diff.diff.compared` does."""
     with_compiled_kernels([scenario.drive])
     with Judge(second) as following:
-        # It is loaded before the run, so that a second candidate that is refused is reported at once.
-        loading = following.run(Job(load_only, None))
-        if isinstance(loading, Fault):
-            return StepComparison(0, fault=loading, faulted=SECOND)
-        with Judge(first) as leading:
-            driven = leading.run(Job(drive_run, scenario))
-        if isinstance(driven, Fault):
-            return StepComparison(driven.step or 0, fault=driven, faulted=FIRST)
+        driven = led(first, following, Job(drive_run, scenario))
+        if isinstance(driven, StepComparison):
+            return driven
         answered = following.run(Job(answer_run, AnswerRequest(scenario, driven, again)))
     if isinstance(answered, Fault):
         return StepComparison(answered.step or 0, fault=answered, faulted=SECOND)
