@@ -75,8 +75,8 @@ def test_input_power_balance_and_estimate_hold_in_closed_loop(scenario: Scenario
     assert estimated.met, f"PWR-2 is off by {estimated.measured} in {scenario.name}"
 
 
-def test_a_power_estimate_that_is_wrong_by_one_percent_breaks_the_law(altered) -> None:  # type: ignore[no-untyped-def]
-    def wrong(_sense, command) -> None:  # type: ignore[no-untyped-def]
+def test_a_power_estimate_that_is_wrong_by_one_percent_breaks_the_law(altered) -> None:
+    def wrong(_sense, command) -> None:
         command["input_power"] *= 1.01
 
     margin = estimated_power(record(load_scenario("fig5-search"), altered("reference", wrong)))
@@ -94,8 +94,8 @@ def test_advance_angle_is_zero_below_500_rpm(scenario: Scenario) -> None:
 
 @FEW
 @given(scenario=base_speed_scenarios(DRIVE), angle=st.floats(1e-12, 0.1))
-def test_any_angle_below_500_rpm_breaks_the_law(altered, scenario: Scenario, angle: float) -> None:  # type: ignore[no-untyped-def]
-    def advanced(_sense, command) -> None:  # type: ignore[no-untyped-def]
+def test_any_angle_below_500_rpm_breaks_the_law(altered, scenario: Scenario, angle: float) -> None:
+    def advanced(_sense, command) -> None:
         command["advance_angle"] = max(float(command["advance_angle"]), angle)
 
     margin = angle_below_base(record(scenario, altered("reference", advanced)))
@@ -144,8 +144,8 @@ def test_the_search_converges_within_k1_and_k2(scenario: Scenario) -> None:
 
 @FEW
 @given(scenario=steady_scenarios(DRIVE))
-def test_a_search_that_hunts_for_ever_breaks_the_law(altered, scenario: Scenario) -> None:  # type: ignore[no-untyped-def]
-    def hunting(sense, command) -> None:  # type: ignore[no-untyped-def]
+def test_a_search_that_hunts_for_ever_breaks_the_law(altered, scenario: Scenario) -> None:
+    def hunting(sense, command) -> None:
         command["advance_angle"] += math.radians(0.75) * (1.0 + math.sin(3.0 * float(sense["time"])))
 
     margin = converges(record(scenario, altered("initial", hunting)))

@@ -32,7 +32,7 @@ def test_a_new_drive_begins_as_one_of_them(command, tmp_path) -> None:
     assert written.machine == load_drive("pm-ac-surface").machine
 
 
-def test_controllers_of_duty_ratios_are_compared_on_one_drive(command, tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_controllers_of_duty_ratios_are_compared_on_one_drive(command, tmp_path) -> None:
     names = ("foc", "foc-loss-model")
     made = command(
         "compare", *names, *DRIVE, "--effort", "quick", "--no-checks", "--workers", "1", "--output", "made"
@@ -44,7 +44,7 @@ def test_controllers_of_duty_ratios_are_compared_on_one_drive(command, tmp_path)
     assert (tmp_path / "made" / "tables" / "operating_points.csv").is_file()
 
 
-def test_controllers_of_duty_ratios_are_compared_across_drives(command, tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_controllers_of_duty_ratios_are_compared_across_drives(command, tmp_path) -> None:
     for name in ("pm-ac-surface", "pm-ac-interior"):
         brief = load_drive(name).replaced(settling_s=0.1)
         (tmp_path / f"{name}.json").write_text(brief.to_json(), encoding="utf-8")
@@ -63,13 +63,13 @@ def test_controllers_of_duty_ratios_are_compared_across_drives(command, tmp_path
     assert (tmp_path / "made" / "drive-2" / "comparison.html").is_file()
 
 
-def test_drives_that_no_one_controller_runs_on_are_not_compared(refused) -> None:  # type: ignore[no-untyped-def]
+def test_drives_that_no_one_controller_runs_on_are_not_compared(refused) -> None:
     told = refused("compare", "foc", *DRIVE, "--drive", "star-3-phase")
     assert "no one controller runs on both" in told
     assert "drivegate reproduce" in told
 
 
-def test_a_run_is_summarised_by_torque_currents_and_voltage(command, tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_a_run_is_summarised_by_torque_currents_and_voltage(command, tmp_path) -> None:
     drive = load_drive("pm-ac-surface").replaced(settling_s=0.3)
     assert isinstance(drive, PmAcDocument)
     case = tmp_path / "case.json"
@@ -87,11 +87,11 @@ def test_a_run_is_summarised_by_torque_currents_and_voltage(command, tmp_path) -
     assert "q current at the end" in command(*arguments).out
 
 
-def test_a_candidate_of_the_other_contract_is_not_simulated(refused) -> None:  # type: ignore[no-untyped-def]
+def test_a_candidate_of_the_other_contract_is_not_simulated(refused) -> None:
     assert "takes duty ratios" in refused("simulate", "reference", "--case", "lock-up", *DRIVE)
 
 
-def test_duty_ratios_beyond_their_range_are_told(command, tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_duty_ratios_beyond_their_range_are_told(command, tmp_path) -> None:
     drive = load_drive("pm-ac-interior").replaced(settling_s=0.3)
     assert isinstance(drive, PmAcDocument)
     case = tmp_path / "case.json"

@@ -65,7 +65,7 @@ def test_what_shows_by_reluctance_torque_shows_elsewhere_without(name: str, name
         ("swaped-phases", INTERIOR, "is unknown, the nearest known one is 'swapped-phases'"),
     ],
 )
-def test_one_that_the_drive_cannot_have_is_refused(name, drive, told) -> None:  # type: ignore[no-untyped-def]
+def test_one_that_the_drive_cannot_have_is_refused(name, drive, told) -> None:
     with pytest.raises(InputError) as refused:
         chosen_faults((name,), drive)
     assert told in str(refused.value)
