@@ -93,7 +93,8 @@ def _record(
 def _run(scenario: Scenario, controller: AnyController) -> DutyClosedLoopRun:
     from drivegate.drives.pm_ac_sensing import duty_failure, duty_sensors
     from drivegate.runs.duty.run import run_duty
-    from drivegate_models.pm_ac.closed_loop import TRACE, prepared_duty_loop
+    from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
+    from drivegate_models.pm_ac.loop_records import TRACE
 
     return run_duty(
         prepared_duty_loop, TRACE, scenario, controller, duty_sensors(scenario), duty_failure(scenario)
