@@ -17,7 +17,8 @@ from drivegate_models.duty.controllers.state import FOC_STATE
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.schedule import Schedule, steady
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load
-from drivegate_models.pm_ac.closed_loop import TRACE, DutyRun, run_duty_loop
+from drivegate_models.pm_ac.closed_loop import DutyRun, run_duty_loop
+from drivegate_models.pm_ac.loop_records import TRACE
 from drivegate_models.pm_ac.plant.drive import Modulator, make_pm_ac_drive
 
 SIMULATED: Final = 8.0

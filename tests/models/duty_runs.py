@@ -13,8 +13,9 @@ from drivegate_models.duty.controllers.foc import reset_function, step_function
 from drivegate_models.duty.controllers.state import foc_state
 from drivegate_models.loop.schedule import Course, Schedule, steady
 from drivegate_models.machine.load import Load
-from drivegate_models.pm_ac.closed_loop import TRACE, DutyRun, run_duty_loop
+from drivegate_models.pm_ac.closed_loop import DutyRun, run_duty_loop
 from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, base_speed
+from drivegate_models.pm_ac.loop_records import TRACE
 from drivegate_models.pm_ac.oracle import Limits, greatest_torque
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 

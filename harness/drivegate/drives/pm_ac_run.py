@@ -6,7 +6,8 @@ from drivegate.containment.messages import AnyController
 from drivegate.drives.pm_ac_sensing import duty_failure, duty_sensors
 from drivegate.runs.duty.run import DutyClosedLoopRun, run_duty
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.pm_ac.closed_loop import TRACE, prepared_duty_loop
+from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
+from drivegate_models.pm_ac.loop_records import TRACE
 
 
 def duty_run(scenario: Scenario, controller: AnyController) -> DutyClosedLoopRun:

@@ -16,9 +16,8 @@ from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW, LEG_OFF
 from drivegate_models.errors import HarnessFault
 from drivegate_models.machine import ledger
 from drivegate_models.machine.rotor_frame import phase_currents
-from drivegate_models.pm_ac.closed_loop import alignment_of
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases
-from drivegate_models.pm_ac.plant.drive import CENTRED, Modulator, PmAcDrive, electrical_torque
+from drivegate_models.pm_ac.plant.drive import CENTRED, Modulator, PmAcDrive, alignment_of, electrical_torque
 from drivegate_models.pm_ac.plant.modulator import LOWER, UPPER, make_gates, schedule_gates
 
 PIECES: Final = 12

@@ -12,10 +12,9 @@ from drivegate_models.contract.duty.signals import LEG_PWM
 from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.machine.sine import cosine_sine
-from drivegate_models.pm_ac.closed_loop import alignment_of
 from drivegate_models.pm_ac.fundamental import steady_voltages
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases
-from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive
+from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive, alignment_of
 
 _ROOT_THREE = sqrt(3.0)
 

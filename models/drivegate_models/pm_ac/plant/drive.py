@@ -139,3 +139,26 @@ def electrical_torque(drive: PmAcDrive, direct: float, quadrature: float) -> flo
     """
     saliency = drive.direct_inductance - drive.quadrature_inductance
     return 1.5 * drive.pole_pairs * (drive.magnet_flux + saliency * direct) * quadrature
+
+
+@inlined
+def alignment_of(updates: int, step: int) -> int:
+    """Return where in a control period the upper switch is on.
+
+    Parameters
+    ----------
+    updates : int
+        Updates of the duty ratios in a period of the carrier, as `Modulator` has them.
+    step : int
+        Number of the control period.
+
+    Returns
+    -------
+    int
+        `CENTRED`, `RISING` or `FALLING`.
+    """
+    if updates == 0:
+        return FALLING
+    if updates == 1:
+        return CENTRED
+    return RISING if step % 2 == 0 else FALLING

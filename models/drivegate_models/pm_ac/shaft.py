@@ -1,0 +1,49 @@
+"""The shaft of a PM AC drive over one control period: it may turn either way, and friction only ever holds it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.machine import ledger
+from drivegate_models.pm_ac.plant.drive import PmAcDrive
+
+
+@inlined
+def speed_change(
+    drive: PmAcDrive, inertia: float, speed: float, load: float, period: NDArray[np.float64], length: float
+) -> float:
+    """Return by how much the shaft's speed changes in a control period.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        With its friction.
+    inertia : float
+        Inertia of rotor and load (kg m2).
+    speed : float
+        Speed at the start of the period (rad/s).
+    load : float
+        Size of the load's torque, which opposes the shaft (N m).
+    period : ndarray, shape (ledger.ENTRIES,)
+        Exact integrals over the period.
+    length : float
+        Its length (s).
+
+    Returns
+    -------
+    float
+        (rad/s).
+    """
+    driving = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE]) / length
+    driving -= drive.viscous_friction * speed
+    opposing = load + drive.friction
+    # Load and friction oppose a shaft that turns and hold one that stands; they never turn it.
+    forward = float((driving - opposing) * length / inertia)
+    backward = float((driving + opposing) * length / inertia)
+    if speed > 0.0:
+        return max(forward, -speed) if driving >= -opposing else forward
+    if speed < 0.0:
+        return min(backward, -speed) if driving <= opposing else backward
+    return max(forward, 0.0) + min(backward, 0.0)
