@@ -291,8 +291,8 @@ def _made_up_drive(drive: DriveDocument, names: Sequence[str], *, faulted: bool)
     count = sum(planned.group == "points" for planned in plan)
     best = {
         "feasible": True,
-        "edge_deg": 35.0,
         "torques_nm": [4.0, 6.0],
+        "edges_deg": [35.0, 35.0],
         "least_current_sums_a": [20.0, 30.0],
         "least_input_powers_w": [900.0, 1000.0],
     }

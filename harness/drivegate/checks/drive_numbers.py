@@ -13,7 +13,7 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of, mean_time
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
-from drivegate_cases.scenario.sensors import real_sensors
+from drivegate_cases.scenario.sensors import has_encoder, real_sensors
 
 TEXTS: Final = ("requirement", "limit", "scenarios", "formula", "why")
 """Texts of a check that have a drive's numbers in them."""
@@ -53,8 +53,28 @@ def drive_numbers(drive: DriveDocument) -> dict[str, str]:
         "ripple": _percent(limits.ripple),
         "closed_loop_ripple": _percent(limits.closed_loop_ripple),
         "points": " or ".join(points),
-        "sensors": _SENSORS[real_sensors(drive).kind],
+        "sensors": sensors_of(drive),
+        **_disturbances(drive),
         "friction": f"{scale.friction_claimed_nm:g} N·m",
+    }
+
+
+def sensors_of(drive: DriveDocument) -> str:
+    """Say what sensors a drive has."""
+    return _SENSORS[real_sensors(drive).kind]
+
+
+def _disturbances(drive: DriveDocument) -> dict[str, str]:
+    """Name what can disturb the sensors and the plant that a drive has."""
+    encoder = has_encoder(real_sensors(drive))
+    return {
+        "speed_sensor": "an encoder" if encoder else "Hall switches",
+        "disturbed_sensors": "sensor dropouts and encoder glitches" if encoder else "sensor dropouts",
+        "disturbed_plant": (
+            "unequal halves of the supply and drifting parameters"
+            if drive.has_split_supply
+            else "drifting parameters"
+        ),
     }
 
 

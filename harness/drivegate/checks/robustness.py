@@ -90,14 +90,11 @@ ROB_2 = Check(
 )
 ROB_3 = Check(
     id="ROB-3",
-    requirement=(
-        "CNV-1 and CNV-3 hold after sensor dropouts and encoder glitches, and with unequal halves of the supply and "
-        "drifting parameters."
-    ),
+    requirement="CNV-1 and CNV-3 hold after {disturbed_sensors}, and with {disturbed_plant}.",
     source="P6, P11",
     subject="candidate",
     level="required",
-    limit="k1 = {k1}, k2 = {k2} of Σ|i| (through an encoder as ROB-2), {angle}",
+    limit="k1 = {k1}, k2 = {k2} of Σ|i| (through {speed_sensor} as ROB-2), {angle}",
     scenarios="every loaded steady stretch of {stretch} or more above base speed, in runs with such a disturbance",
     formula="as CNV-1",
     why="What one bad measurement leaves in a controller's memory must not stay there for good.",

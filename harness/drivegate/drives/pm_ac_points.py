@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from drivegate.checks.duty.current import losses
 from drivegate.checks.duty.judged import plant_of
-from drivegate.checks.duty.optimum import CURRENT, least_within, undistorted
+from drivegate.checks.duty.optimum import least_within, undistorted
 from drivegate.checks.duty.steps import step_responses
 from drivegate.drives.pm_ac_efficiency import efficiency
 from drivegate.drives.pm_ac_torque import torque_course
@@ -31,7 +31,7 @@ def steady_points(record: DutyRecord) -> list[Row]:
 def _steady_point(record: DutyRecord, window: DutyWindow) -> Row:
     limits = record.limits
     own, cool = losses(record, window)
-    least = least_within(plant_of(record), window.speed, window.link, own.torque, CURRENT)
+    least = least_within(plant_of(record), window.speed, window.link, own.torque, "current")
     return {
         "speed_rpm": window.dwell.speed_rpm,
         **_asked(record, window),

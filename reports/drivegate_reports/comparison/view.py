@@ -22,6 +22,8 @@ from drivegate_reports.page.printable import clean
 from drivegate_reports.page.readable import require_document
 
 _MOST_SENTENCES: Final = 6
+_UNTOLD_SENSORS: Final = "the sensors of the drive"
+"""Of documents of earlier versions, which do not tell them."""
 _LONGEST_BLOCK: Final = 4_000
 
 
@@ -69,6 +71,8 @@ class ComparisonView:
         Tables.
     checks, timing : Sheet or None
         Tables that may be missing.
+    sensors : str
+        The sensors of the noisy runs.
     held_rpm : str
         k1, the speed error within which a speed counts as held.
     vehicle : str
@@ -94,6 +98,7 @@ class ComparisonView:
     cycle: Sheet
     checks: Sheet | None
     timing: Sheet | None
+    sensors: str
     held_rpm: str
     vehicle: str
     cycle_words: str
@@ -119,6 +124,7 @@ def view_of(document: Mapping[str, Any]) -> ComparisonView:
         cycle=cycle_sheet(document),
         checks=check_sheet(document),
         timing=timing_sheet(document),
+        sensors=clean(document["drive"].get("sensors", _UNTOLD_SENSORS)),
         held_rpm=f"{held_rpm(document):g}",
         vehicle=_vehicle(document),
         cycle_words=_cycle(document),

@@ -60,6 +60,36 @@ def shown_drive(document: Mapping[str, Any], drive: DriveDocument) -> ShownDrive
     )
 
 
+@dataclass(frozen=True)
+class StatedValue:
+    """A value of a drive, and where it comes from.
+
+    Attributes
+    ----------
+    key : str
+        Its table and key in the drive's document.
+    value : str
+        The value, in the unit that the key names.
+    source : str
+        What the document says of it.
+    """
+
+    key: str
+    value: str
+    source: str
+
+
+def stated_values(drive: DriveDocument) -> tuple[StatedValue, ...]:
+    """List the values of which a drive's document says where they come from."""
+    tables = drive.to_mapping()
+    return tuple(
+        StatedValue(f"{table}.{key}", clean(str(tables[table][key])), clean(sentence))
+        for table, sentences in drive.provenance.items()
+        for key, sentence in sentences.items()
+        if tables[table].get(key) is not None
+    )
+
+
 def _shown_pm_ac(drive: PmAcDocument) -> ShownDrive:
     envelope = finite(pm_ac_envelope(drive))
     known, limit = envelope["trajectories"], drive.rating.current_limit_a

@@ -24,7 +24,7 @@ def page(document: Mapping[str, Any]) -> str:
     from drivegate_cases.publication.facts import facts, open_assumptions
     from drivegate_reports.conformance.behaviour import shown_behaviour
     from drivegate_reports.conformance.coverage import coverage_gaps, drive_of, evidence_of, fact_rows
-    from drivegate_reports.conformance.drive import shown_drive
+    from drivegate_reports.conformance.drive import shown_drive, stated_values
     from drivegate_reports.conformance.runs import margin_figure, shown_runs
     from drivegate_reports.conformance.view import view_of
     from drivegate_reports.page.page import page_text
@@ -51,5 +51,6 @@ def page(document: Mapping[str, Any]) -> str:
         counts=verdict_counts(compared),
         facts=[(fact, [row for row in compared if row.fact == fact.id]) for fact in facts()],
         findings=recomputed_findings(of_paper_drive_only=True) if is_of_paper_kind else told_findings(),
-        assumptions=open_assumptions(),
+        assumptions=open_assumptions() if is_of_paper_kind else (),
+        stated_values=() if is_of_paper_kind else stated_values(drive),
     )

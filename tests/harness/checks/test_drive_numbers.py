@@ -74,6 +74,20 @@ def test_the_sensors_are_those_that_the_drive_has() -> None:
         assert row["requirement"].endswith(told)
 
 
+def test_a_star_is_said_to_have_neither_an_encoder_nor_halves_to_be_unequal() -> None:
+    for drive, requirement, sensor in (
+        (
+            PAPER,
+            "sensor dropouts and encoder glitches, and with unequal halves of the supply and drifting parameters",
+            "an encoder",
+        ),
+        (load_drive("star-3-phase"), "sensor dropouts, and with drifting parameters", "Hall switches"),
+    ):
+        told = on_drive(BY_ID["ROB-3"], drive)
+        assert told.requirement == f"CNV-1 and CNV-3 hold after {requirement}."
+        assert f"(through {sensor} as ROB-2)" in told.limit
+
+
 def test_a_candidate_s_speeds_are_compared_with_the_drive_s() -> None:
     declaration = Declaration(speed_range_rpm=(3240.0, 7000.0))
     assert BY_ID["CPW-1"].reason_not_applicable(declaration, OTHER) is None

@@ -29,6 +29,11 @@ def test_cases_are_listed_by_the_names_that_other_commands_take(command):
         assert [row["name"] for row in document[key]] == list(known)
         assert all(row["description"] for row in document[key])
         assert all(name in text for name in known)
+    supplies = {row["name"]: row["description"].rpartition(", ")[2] for row in document["drives"]}
+    assert supplies["paper-5-phase"] == "2 × 48 V"
+    assert supplies["star-3-phase"] == supplies["pm-ac-surface"] == "96 V", (
+        "a link without a tap is no two halves"
+    )
 
 
 def test_the_stored_drive_agrees_with_its_calibration(command):

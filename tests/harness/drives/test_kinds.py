@@ -60,3 +60,58 @@ def test_its_oracle_and_its_steady_states_are_of_the_same_drive(kind: DriveKind)
     found = dict(zip(states.columns, values[0], strict=True))
     assert found["torque_mean_nm"] == pytest.approx(torque, rel=1e-3)
     assert oracle.feasible_edge(plant, speed, torque) <= best.advance + 1e-3
+
+
+RUN_OF_A_KIND = """
+import sys
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.judge import own_candidate
+from drivegate.drives.kinds import DRIVE_KINDS
+from drivegate.gate.plan import NOTHING_DECLARED
+from drivegate.gate.shard import FixedRuns, run_fixed
+from drivegate_cases.drive.drive_document import load_drive
+
+kind = DRIVE_KINDS[sys.argv[1]]
+scenario = kind.fixed_scenarios(load_drive(kind.default_drive), NOTHING_DECLARED)[1]
+loaded = own_candidate(resolve_candidate(kind.usual_candidate))
+outcome = run_fixed(loaded, FixedRuns((scenario,), only_fair=True))
+assert outcome.runs, "nothing was judged"
+
+plants = {}
+for name, module in [*sys.modules.items()]:
+    for kernel in vars(module).values() if name.startswith("drivegate_models.") else ():
+        for signature in getattr(kernel, "nopython_signatures", ()):
+            for given in signature.args:
+                plants[getattr(given, "instance_class", str).__module__] = kernel.__name__
+for plant, kernel in plants.items():
+    print("compiled", plant, kernel)
+for name in sys.modules:
+    print("imported", name)
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "others"), [("star", ("half_bridge", "pm_ac")), ("half-bridge", ("star", "pm_ac"))]
+)
+def test_a_judged_run_compiles_and_imports_nothing_of_another_kind(
+    kind: str, others: tuple[str, ...]
+) -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", RUN_OF_A_KIND, kind], capture_output=True, text=True, check=True
+    )
+    told: dict[str, set[str]] = {"compiled": set(), "imported": set()}
+    for line in ended.stdout.splitlines():
+        what, name, *_ = line.split()
+        told[what].add(name)
+    package = f"drivegate_models.{kind.replace('-', '_')}"
+    assert any(name.startswith(package) for name in told["compiled"]), "the kernels tell no plant"
+    for other in others:
+        foreign = f"drivegate_models.{other}"
+        assert not [name for name in told["compiled"] if name.startswith(foreign)], (
+            "compiled for another kind"
+        )
+        # An index of numba's cache names the constants and states of both plants, and so imports them; their loops
+        # and periodic states, which callers would be compiled with, it does not.
+        known = {f"{foreign}.{module}" for module in ("closed_loop", "periodic", "oracle", "fundamental")}
+        assert not known & told["imported"], "imported for another kind"
+    assert not [name for name in told["imported"] if name.startswith("drivegate_models.pm_ac")]

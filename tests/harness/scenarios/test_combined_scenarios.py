@@ -6,7 +6,17 @@ from itertools import combinations, pairwise
 
 import pytest
 
-from drivegate.scenarios.combined import combined_scenarios, long_scenarios
+from drivegate.candidates.loading import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.convergence import CNV_2
+from drivegate.drives.running import run_scenario
+from drivegate.runs.record import RunRecord
+from drivegate.scenarios.combined import (
+    SHORTEST_PERIOD_S,
+    combined_scenarios,
+    long_scenarios,
+    shortest_period_scenario,
+)
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows, is_possible, possible_pairs
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate.scenarios.feasibility import is_fair
@@ -51,9 +61,8 @@ def test_the_rows_are_the_same_in_every_process() -> None:
 @pytest.mark.parametrize("seed", [0, 1])
 def test_every_row_becomes_a_fair_run_that_can_be_judged(seed: int) -> None:
     scenarios = combined_scenarios(DRIVE, None, seed)
-    assert len(scenarios) == len(covering_rows()) + len(long_scenarios(DRIVE, None, seed)), (
-        "a row has no fair scenario"
-    )
+    of_rows = len(scenarios) - len(long_scenarios(DRIVE, None, seed)) - 1
+    assert of_rows == len(covering_rows()), "a row has no fair scenario"
     for scenario in scenarios:
         assert is_fair(scenario), scenario.description
         assert observed_windows(scenario), f"{scenario.name} is never judged"
@@ -91,6 +100,22 @@ def test_a_long_run_leaves_the_search_time_to_rest_between_more_than_twenty_chan
     assert busy.name.endswith("-100-50×12-100%")
 
 
+@pytest.mark.parametrize("name", ["paper-5-phase", "star-3-phase"])
+def test_the_shortest_period_shows_a_search_that_takes_it_for_another_with_any_seed(name: str) -> None:
+    drive = load_drive(name)
+    scenario = shortest_period_scenario(drive, None)
+    for seed in (0, 5):
+        assert scenario in combined_scenarios(drive, None, seed)
+    met = {}
+    for specification in ("reference", "faulty:period-taken-for-500-microseconds"):
+        candidate = resolve_candidate(specification)
+        run = run_scenario(scenario, load_controller(candidate))
+        margin = CNV_2.evaluate(RunRecord(scenario, run, candidate.declaration))
+        assert margin is not None, f"CNV-2 does not judge {scenario.name}"
+        met[specification] = margin.met
+    assert met == {"reference": True, "faulty:period-taken-for-500-microseconds": False}
+
+
 def test_no_two_rows_of_the_loaded_speeds_have_the_same_one() -> None:
     scenarios = combined_scenarios(DRIVE, None, 0)
     steady = [
@@ -99,6 +124,7 @@ def test_no_two_rows_of_the_loaded_speeds_have_the_same_one() -> None:
         if len(scenario.speed_rpm) == 1
         and scenario.speed_rpm[0][1] <= 1500.0
         and scenario.duration_s < scale_of(DRIVE).long_s
+        and scenario.control_period_s > SHORTEST_PERIOD_S
     ]
     assert len(set(steady)) == len(steady) >= 8, sorted(steady)
 

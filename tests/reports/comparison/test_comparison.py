@@ -9,9 +9,11 @@ import re
 import numpy as np
 import pytest
 
+from drivegate.checks.drive_numbers import sensors_of
 from drivegate.checks.feasible_angles import FEASIBLE
 from drivegate.output.console import console_for
 from drivegate.studies.compare.display import show_comparison
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 from drivegate_reports.comparison.cells import written
 from drivegate_reports.comparison.curves import (
@@ -60,6 +62,15 @@ def test_the_page_begins_with_the_decision(text):
     assert "loses takes as much input power and as much Σ|i| over the 12 points that both hold" in top
     assert "but loses 4 of 16 points" in top
     assert "Rule:" in top
+
+
+def test_the_page_names_the_sensors_that_the_drive_has(document, text):
+    assert "through the sensors of the published implementation" in text
+    document = copy.deepcopy(document)
+    document["drive"]["sensors"] = sensors_of(load_drive("star-3-phase"))
+    assert view_of(document).sensors.endswith("three Hall switches, current sensors, converter")
+    del document["drive"]["sensors"]
+    assert view_of(document).sensors == "the sensors of the drive", "documents of earlier versions tell none"
 
 
 def test_page_and_terminal_say_which_points_count_and_why_less_than_the_least_is_possible(document):

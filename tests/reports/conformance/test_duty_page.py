@@ -9,6 +9,7 @@ import pytest
 
 from drivegate.results.behaviour_section import BehaviourSection
 from drivegate_cases.documents.wording import figure
+from drivegate_cases.publication.facts import open_assumptions
 from drivegate_reports.conformance.behaviour import shown_behaviour
 from drivegate_reports.conformance.coverage import drive_of
 from drivegate_reports.conformance.figures import duty_envelope, efficiency_points, rotor_plane, step_response
@@ -48,6 +49,15 @@ def test_each_figure_stands_with_its_words(duty_result: Document, text: str) -> 
     assert text.count(" % speed, ") >= 16, "eight operating points in the figure's words and in the table"
     assert "uses up the undistorted 55.43 V of a phase at 585.42 rpm" in text
     assert len(text) < 1_000_000
+
+
+def test_where_the_drive_s_values_come_from_stands_in_place_of_what_is_assumed_of_the_paper_s(
+    text: str,
+) -> None:
+    assert "<code>machine.resistance_ohm</code>" in text
+    assert 'data-name="assumptions"' in text
+    taken = {item.statement for item in open_assumptions() if item.statement in text}
+    assert not taken, "said of a drive that is not the paper's"
 
 
 def test_the_same_document_gives_the_same_bytes(duty_result: Document, text: str) -> None:

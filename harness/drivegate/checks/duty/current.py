@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from math import isfinite
+from typing import TYPE_CHECKING
 
 from drivegate.checks.check import Check
 from drivegate.checks.duty.judged import at, duty_record, plant_of, worst
-from drivegate.checks.duty.optimum import LOSS, least_free, least_within, undistorted
+from drivegate.checks.duty.optimum import least_free, least_within, undistorted
 from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.duty.record import DutyRecord, DutyWindow
 from drivegate.runs.record import RunRecord
 from drivegate_models.machine import ledger
-from drivegate_models.pm_ac.fundamental import SteadyState, steady_state
+
+if TYPE_CHECKING:
+    from drivegate_models.pm_ac.fundamental import SteadyState
 
 FREE_SHARE = 0.9
 """Share of the undistorted voltage below which nothing has to be weakened (1)."""
@@ -75,8 +78,10 @@ def _loss_above_least(record: DutyRecord, window: DutyWindow) -> float:
 
 def losses(record: DutyRecord, window: DutyWindow) -> tuple[SteadyState, SteadyState]:
     """Give the steady state of a window's currents, and that of least loss for its torque."""
+    from drivegate_models.pm_ac.fundamental import steady_state
+
     own = steady_state(plant_of(record), window.speed, window.direct, window.quadrature)
-    return own, least_within(plant_of(record), window.speed, window.link, own.torque, LOSS)
+    return own, least_within(plant_of(record), window.speed, window.link, own.torque, "loss")
 
 
 def least_loss(record: RunRecord) -> Margin | None:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import isfinite
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drivegate.checks.duty.optimum import greatest_at
 from drivegate.checks.margin import Margin
 from drivegate.runs.duty.record import DutyRecord, DutyWindow
 from drivegate.runs.record import RunRecord
-from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.units import RADIANS_PER_RPM
+
+if TYPE_CHECKING:
+    from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
 
 def duty_record(record: RunRecord) -> DutyRecord:

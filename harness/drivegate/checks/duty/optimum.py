@@ -1,15 +1,20 @@
-"""The best that a PM AC drive could have done at an operating point, as its checks look it up."""
+"""The best that a PM AC drive could have done at an operating point, as its checks look it up.
+
+The plant is imported where it is used: the catalogue has these checks beside those of drives that never need it.
+"""
 
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Final
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
-from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, SteadyState
-from drivegate_models.pm_ac.oracle import CURRENT, LOSS, Limits, greatest_torque, least_at, undistorted_limits
-from drivegate_models.pm_ac.plant.drive import PmAcDrive
+if TYPE_CHECKING:
+    from drivegate_models.pm_ac.fundamental import SteadyState
+    from drivegate_models.pm_ac.oracle import Limits
+    from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
-__all__ = ["CURRENT", "LOSS", "greatest_at", "least_free", "least_within", "undistorted"]
+Purpose: TypeAlias = Literal["current", "loss"]
+"""What is to be least."""
 
 _KEPT: Final = 20_000
 _UNLIMITED_V: Final = 1e9
@@ -17,24 +22,38 @@ _UNLIMITED_V: Final = 1e9
 
 def undistorted(link: float) -> float:
     """Give the greatest peak voltage of a phase that a link gives without distortion (V)."""
+    from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT
+
     return LINEAR_LIMIT * link
 
 
 @lru_cache(maxsize=_KEPT)
 def greatest_at(drive: PmAcDrive, speed: float, link: float) -> SteadyState:
     """Find the steady state of the greatest torque within the limits of current and link."""
+    from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
+
     return greatest_torque(drive, undistorted_limits(drive, link), speed)
 
 
 @lru_cache(maxsize=_KEPT)
-def least_within(drive: PmAcDrive, speed: float, link: float, torque: float, purpose: int) -> SteadyState:
+def least_within(drive: PmAcDrive, speed: float, link: float, torque: float, purpose: Purpose) -> SteadyState:
     """Find the steady state of least current or loss that gives a torque within the limits of current and link."""
-    return least_at(drive, undistorted_limits(drive, link), speed, torque, purpose)
+    from drivegate_models.pm_ac.oracle import undistorted_limits
+
+    return _least(drive, undistorted_limits(drive, link), speed, torque, purpose)
 
 
 @lru_cache(maxsize=_KEPT)
 def least_free(
-    drive: PmAcDrive, speed: float, torque: float, voltage: float = _UNLIMITED_V, purpose: int = CURRENT
+    drive: PmAcDrive, speed: float, torque: float, voltage: float = _UNLIMITED_V, purpose: Purpose = "current"
 ) -> SteadyState:
     """Find the steady state of least current, or loss, for a torque, whatever voltage it takes or within one (V)."""
-    return least_at(drive, Limits(2.0 * drive.current_limit, voltage), speed, torque, purpose)
+    from drivegate_models.pm_ac.oracle import Limits
+
+    return _least(drive, Limits(2.0 * drive.current_limit, voltage), speed, torque, purpose)
+
+
+def _least(drive: PmAcDrive, limits: Limits, speed: float, torque: float, purpose: Purpose) -> SteadyState:
+    from drivegate_models.pm_ac.oracle import CURRENT, LOSS, least_at
+
+    return least_at(drive, limits, speed, torque, LOSS if purpose == "loss" else CURRENT)

@@ -15,7 +15,6 @@ from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.duty.record import DutyRecord, DutyWindow
 from drivegate.runs.duty.run import DUTY_RATIOS, LEGS
 from drivegate.runs.record import RunRecord
-from drivegate_models.pm_ac.ripple import commanded_swing, ideal_swing
 from drivegate_models.units import RADIANS_PER_RPM
 
 LEAST_TORQUE_SHARE: Final = 0.1
@@ -41,6 +40,8 @@ def _watched(record: DutyRecord, window: DutyWindow) -> int:
 
 def _swing(record: DutyRecord, window: DutyWindow) -> float:
     """Give the greatest less the least torque at any instant of the end of a window (N·m)."""
+    from drivegate_models.pm_ac.ripple import commanded_swing
+
     run, length, count = record.run, record.scenario.control_period_s, _watched(record, window)
     first = round(window.end_s / length) - count - _LEAD
     # The plant begins with its lower switches on, which they are at the start of a carrier's period.
@@ -67,6 +68,8 @@ def _swing(record: DutyRecord, window: DutyWindow) -> float:
 
 
 def _ideal_swing(record: DutyRecord, window: DutyWindow) -> float:
+    from drivegate_models.pm_ac.ripple import ideal_swing
+
     drive, length = plant_of(record), record.scenario.control_period_s
     slowest = max(drive.direct_inductance, drive.quadrature_inductance)
     settled = _TIME_CONSTANTS * slowest / (drive.resistance * length) if drive.resistance > 0.0 else _LONGEST

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import hypot, isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,8 +16,10 @@ from drivegate.checks.duty.optimum import greatest_at, least_free, undistorted
 from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.duty.record import DutyRecord
 from drivegate.runs.record import RunRecord
-from drivegate_models.pm_ac.fundamental import SteadyState
 from drivegate_models.units import RADIANS_PER_RPM
+
+if TYPE_CHECKING:
+    from drivegate_models.pm_ac.fundamental import SteadyState
 
 SMALLEST_SHARE = 0.1
 """Least step that is judged, over rated torque (1)."""

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isfinite
+from typing import Final
 
 import numpy as np
 
 from drivegate.checks.check import Check
 from drivegate.checks.duty.current import FREE_SHARE
 from drivegate.checks.duty.judged import at, duty_record, is_within_reach, plant_of, worst
-from drivegate.checks.duty.optimum import CURRENT, LOSS, greatest_at, least_free, undistorted
+from drivegate.checks.duty.optimum import Purpose, greatest_at, least_free, undistorted
 from drivegate.checks.duty.steps import TorqueStep, torque_steps
 from drivegate.checks.margin import Margin, at_most, normalised
 from drivegate.runs.duty.record import DutyRecord, DutyWindow
 from drivegate.runs.record import RunRecord
 from drivegate_models.units import RADIANS_PER_RPM
+
+_PURPOSES: Final[tuple[Purpose, ...]] = ("current", "loss")
 
 
 def weakened_torque(record: RunRecord) -> Margin | None:
@@ -65,7 +68,7 @@ def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
     voltage = FREE_SHARE * undistorted(window.link)
     best, cool = (
         least_free(plant_of(record), window.speed, window.torque, voltage, purpose).direct
-        for purpose in (CURRENT, LOSS)
+        for purpose in _PURPOSES
     )
     if not (isfinite(best) and isfinite(cool)):
         return None

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
+from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.drives.running import run_scenario
 from drivegate.studies.bench.measurement import Correctness, Value, rate, timed
 from drivegate.studies.bench.workbench import Workbench, operating_scenario
@@ -40,10 +41,12 @@ def run_correctness(scenario: Scenario, run: ClosedLoopRun) -> Correctness:
     return Correctness(right, f"ends at {speed:.1f} rpm, energy within {residual:.0e}")
 
 
-def loop_rate(bench: Workbench, candidate: str, speed_rpm: int, sensors: str) -> Value:
-    """Measure the closed loop with one candidate at one speed."""
+def loop_rate(
+    bench: Workbench, candidate: str, speed_rpm: int, sensors: str, drive: str = DEFAULT_DRIVE
+) -> Value:
+    """Measure the closed loop of a drive with one candidate at one speed."""
     seconds = bench.simulated(SIMULATED[candidate])
-    scenario = operating_scenario(speed_rpm, sensors, seconds)
+    scenario = operating_scenario(speed_rpm, sensors, seconds, drive)
     clock = time.perf_counter if candidate == "exec" else time.process_time
     with _one_processor():
         controller = bench.controller(candidate)

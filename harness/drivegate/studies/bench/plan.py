@@ -28,7 +28,10 @@ from drivegate_models.errors import InputError
 RATE_UNIT: Final = "× real time"
 """Unit of the closed loop's rate: simulated seconds a second."""
 NATIVE_BAR: Final = 300.0
-"""Rate that the reference controller is meant to reach at 1500 rpm, 9.8 N·m and a control period of 0.5 ms."""
+"""Rate that the reference controller is meant to reach at 9.8 N·m and a control period of 0.5 ms, at 1500 rpm, and on
+the star at 1000 rpm."""
+STAR_DRIVE: Final = "star-3-phase"
+"""The star that is measured: the iron and copper of the default drive."""
 PYTHON_BAR: Final = 50.0
 """The same of a controller in Python."""
 EXEC_BAR: Final = 3.0
@@ -46,6 +49,7 @@ GATE_BARS: Final = {"warm": 60.0, "cold": 120.0}
 
 _POINT = (1500.0, 9.8)
 _BARRED_RPM = 1500
+_BARRED_STAR_RPM, _HIGHEST_STAR_RPM = 1000, 1500
 _REPORTED = ("name", "title", "setting", "unit", "better", "bar")
 
 
@@ -100,7 +104,7 @@ class Planned:
 
 def planned(*, quick: bool, cold: bool) -> tuple[Planned, ...]:
     """List all that can be measured."""
-    return (*_loops(quick), _overhead(quick), *_points(quick), *_processes(quick, cold))
+    return (*_loops(quick), _overhead(quick), *_points(quick), *_star(quick), *_processes(quick, cold))
 
 
 def run_setting(seconds: float, quick: bool) -> str:
@@ -151,6 +155,33 @@ def _loops(quick: bool) -> list[Planned]:
     ]
 
 
+def _star(quick: bool) -> list[Planned]:
+    """List the closed loop and the steady states of a star, whose phases share a neutral."""
+    loops = [
+        Planned(
+            f"star.loop.{speed}",
+            f"reference on {STAR_DRIVE}, {speed} rpm, ideal sensors",
+            run_setting(SIMULATED["reference"], quick),
+            RATE_UNIT,
+            "more",
+            NATIVE_BAR if speed == _BARRED_STAR_RPM else None,
+            partial(loop_rate, candidate="reference", speed_rpm=speed, sensors="ideal", drive=STAR_DRIVE),
+        )
+        for speed in SPEEDS_RPM
+        if speed <= _HIGHEST_STAR_RPM
+    ]
+    steady = Planned(
+        "star.steady",
+        f"steady states of {STAR_DRIVE}, band 0 A",
+        _points_setting(quick),
+        "points/s",
+        "more",
+        POINTS_BAR,
+        partial(steady_rate, band=0.0, drive_name=STAR_DRIVE),
+    )
+    return [*loops, steady]
+
+
 def _overhead(quick: bool) -> Planned:
     return Planned(
         "overhead.python",
@@ -164,13 +195,12 @@ def _overhead(quick: bool) -> Planned:
 
 
 def _points(quick: bool) -> list[Planned]:
-    count = POINTS // 10 if quick else POINTS
     speed, torque = _POINT
     steady = [
         Planned(
             f"steady.{name}",
             f"steady states, band {band:g} A",
-            f"{count} points over speed, angle and current",
+            _points_setting(quick),
             "points/s",
             "more",
             POINTS_BAR,
@@ -188,6 +218,10 @@ def _points(quick: bool) -> list[Planned]:
         partial(oracle_time, speed_rpm=speed, torque=torque),
     )
     return [*steady, oracle]
+
+
+def _points_setting(quick: bool) -> str:
+    return f"{POINTS // 10 if quick else POINTS} points over speed, angle and current"
 
 
 def _processes(quick: bool, cold: bool) -> list[Planned]:

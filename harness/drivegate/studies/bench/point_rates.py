@@ -21,8 +21,8 @@ CLOSING: Final = 1e-9
 _EDGE = radians(2e-4)
 
 
-def steady_rate(bench: Workbench, band: float) -> Value:
-    """Measure the solution of steady states."""
+def steady_rate(bench: Workbench, band: float, drive_name: str = DEFAULT_DRIVE) -> Value:
+    """Measure the solution of steady states of a drive."""
     import numpy as np
 
     from drivegate_cases.drive.drive_document import load_drive
@@ -31,7 +31,7 @@ def steady_rate(bench: Workbench, band: float) -> Value:
     from drivegate_models.steady.steady_state import KEPT_TIME
 
     # Without core loss, which floating phases take from the shaft, powers add up from what a point tells.
-    drive = load_drive(DEFAULT_DRIVE).plant()._replace(hysteresis_band=band, core_loss_conductance=0.0)
+    drive = load_drive(drive_name).plant()._replace(hysteresis_band=band, core_loss_conductance=0.0)
     work, slices = make_phases(drive, KEPT_TIME), make_phases(drive)
     count = POINTS // 10 if bench.quick else POINTS
     places = np.arange(count, dtype=np.float64)

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.results.waivers import present_day
 from drivegate.studies.bench.measurement import NotMeasured
 from drivegate.studies.new.write import write_candidate
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
@@ -75,13 +77,16 @@ class Workbench:
             raise NotMeasured(str(error)) from error
 
 
-def operating_scenario(speed_rpm: int, sensors: str, seconds: float) -> Scenario:
+def operating_scenario(
+    speed_rpm: int, sensors: str, seconds: float, drive_name: str = DEFAULT_DRIVE
+) -> Scenario:
     """Make a run at one speed: 9.8 N·m, or less where that would be more than rated power."""
-    published = load_scenario("fig5-search")
-    rated = published.drive.rating.rated_power_w / (speed_rpm * RADIANS_PER_RPM)
+    published, drive = load_scenario("fig5-search"), load_drive(drive_name)
+    rated = drive.rating.rated_power_w / (speed_rpm * RADIANS_PER_RPM)
     torque = round(min(_MOST_TORQUE, _SHARE_OF_POWER * rated), 2)
     return published.replaced(
         name=f"bench-{speed_rpm}-{sensors}",
+        drive=drive,
         duration_s=seconds,
         initial_speed_rpm=float(speed_rpm),
         speed_rpm=((0.0, float(speed_rpm)),),

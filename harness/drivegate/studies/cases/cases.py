@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from drivegate_cases.drive.drive_document import drive_names, load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, drive_names, load_drive
 from drivegate_cases.scenario.drive_cycle import cycle_names, load_drive_cycle
 from drivegate_cases.scenario.operating_point import (
     load_operating_point,
@@ -85,13 +85,19 @@ def _drive_cycles() -> list[dict[str, Any]]:
     ]
 
 
+def _supply(drive: DriveDocument) -> str:
+    """Give the voltage of a drive's supply; one without a tap is no two halves to its user."""
+    half = drive.inverter.supply_voltage_v
+    return f"2 × {half:g} V" if drive.has_split_supply else f"{2.0 * half:g} V"
+
+
 def _drives() -> list[dict[str, Any]]:
     return [
         {
             "name": name,
             "description": f"{drive.machine.phases} phases, {2 * drive.machine.pole_pairs} poles, "
             f"{drive.rating.rated_power_w:g} W, "
-            f"{drive.rating.base_speed_rpm:g} rpm, 2 × {drive.inverter.supply_voltage_v:g} V",
+            f"{drive.rating.base_speed_rpm:g} rpm, {_supply(drive)}",
         }
         for name in drive_names()
         for drive in [load_drive(name)]

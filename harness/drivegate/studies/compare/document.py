@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from drivegate.candidates.fault import Fault, bounded_line
+from drivegate.checks.drive_numbers import sensors_of
 from drivegate.results.provenance import hash_of_content, provenance
 from drivegate.results.result import finite
 from drivegate.scenarios.drive_scale import scale_of
@@ -72,6 +73,7 @@ def comparison_document(
             "rated_power_w": drive.rating.rated_power_w,
             "speed_tolerance_rpm": limits_of(drive).speed_tolerance_rpm,
             "change_s": scale_of(drive).change_s,
+            "sensors": sensors_of(drive),
         },
         "size": _size(effort, plan),
         "cycle": _cycle(cycle, drive),

@@ -50,14 +50,14 @@ def solved(_loaded: JudgedCandidate, point: OraclePoint) -> dict[str, Any]:
     """Solve an operating point; this is what a worker process does."""
     oracle, drive = kind_of(point.drive).oracle(), point.drive.plant()
     speed = point.speed_rpm * RADIANS_PER_RPM
-    edge = oracle.feasible_edge(drive, speed, point.torques_nm[1])
+    edges = [oracle.feasible_edge(drive, speed, torque) for torque in point.torques_nm]
     sums = [oracle.least_current_sum(drive, speed, torque).current_sum for torque in point.torques_nm]
     powers = [oracle.least_input_power(drive, speed, torque).input_power for torque in point.torques_nm]
-    reachable = isfinite(edge) and all(map(isfinite, (*sums, *powers)))
+    reachable = all(map(isfinite, (*edges, *sums, *powers)))
     return {
         "feasible": reachable,
-        "edge_deg": degrees(edge) if reachable else None,
         "torques_nm": list(point.torques_nm),
+        "edges_deg": [*map(degrees, edges)] if reachable else None,
         "least_current_sums_a": sums if reachable else None,
         "least_input_powers_w": powers if reachable else None,
     }

@@ -37,7 +37,7 @@ def oracle_rows(
         {
             **_where(planned),
             "feasible": best["feasible"],
-            "edge_deg": best["edge_deg"],
+            "edge_deg": least_at(best, "edges_deg", torque),
             "electromagnetic_torque_nm": torque,
             "least_current_sum_a": least_at(best, "least_current_sums_a", torque),
             "least_input_power_w": least_at(best, "least_input_powers_w", torque),
@@ -74,16 +74,16 @@ def _gaps(figures: Row, best: Row) -> Row:
     if not (figures["held"] and best["feasible"]):
         return gaps
     torque = figures["torque_mean_nm"]
-    power, current = (
-        least_at(best, "least_input_powers_w", torque),
-        least_at(best, "least_current_sums_a", torque),
+    power, current, edge = (
+        least_at(best, key, torque) for key in ("least_input_powers_w", "least_current_sums_a", "edges_deg")
     )
     if power is not None and power > 0.0:
         gaps["gap_power_w"] = figures["input_power_w"] - power
         gaps["gap_power_percent"] = 100.0 * (figures["input_power_w"] / power - 1.0)
     if current is not None and current > 0.0:
         gaps["gap_current_percent"] = 100.0 * (figures["current_sum_a"] / current - 1.0)
-    gaps["above_edge_deg"] = figures["advance_deg"] - best["edge_deg"]
+    if edge is not None:
+        gaps["above_edge_deg"] = figures["advance_deg"] - edge
     return gaps
 
 

@@ -53,5 +53,5 @@ def show_point(console: Console, document: dict[str, Any], drive: AnyDrive, torq
             )
         )
     console.print(
-        plain("next: another angle shows what Σ|i| costs; drivegate cases lists published points", "dim")
+        plain("next: another angle shows what Σ|i| costs; drivegate map computes many at once", "dim")
     )

@@ -10,6 +10,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
 from drivegate.studies.bench import loop_rates, point_rates, python_overhead, run_memory
 from drivegate.studies.bench.measurement import NotMeasured
+from drivegate.studies.bench.plan import planned
 from drivegate.studies.bench.workbench import operating_scenario
 
 
@@ -40,6 +41,22 @@ def test_every_kind_of_candidate_is_measured(workbench, monkeypatch, candidate):
     value = loop_rates.loop_rate(workbench, candidate, 1500, "mcs96")
     assert value.correctness.valid, value.correctness.measured
     assert value.value >= value.median > 0.0
+
+
+def test_a_star_is_measured_on_its_own_plant(workbench, monkeypatch):
+    monkeypatch.setitem(loop_rates.SIMULATED, "reference", 1.0)
+    seen = []
+
+    def watched(scenario, controller):
+        seen.append(scenario.drive.name)
+        return run_scenario(scenario, controller)
+
+    monkeypatch.setattr(loop_rates, "run_scenario", watched)
+    for name in ("star.loop.1000", "star.steady"):
+        (one,) = (row for row in planned(quick=True, cold=False) if row.name == name)
+        value = one.measure(workbench)
+        assert value.correctness.valid, value.correctness.measured
+    assert set(seen) == {"star-3-phase"}
 
 
 def test_loops_are_measured_on_one_processor_which_they_give_back(workbench, monkeypatch):

@@ -20,6 +20,7 @@ def test_every_candidate_speed_and_sensor_is_measured():
     }
     others = {"steady.band", "steady.ideal", "oracle.least-sum", "gate.warm", "gate.cold", "start.help"}
     others |= {"start.import", "memory.run", "overhead.python"}
+    others |= {"star.loop.500", "star.loop.1000", "star.loop.1500", "star.steady"}
     assert others <= set(NAMES)
 
 
@@ -27,6 +28,8 @@ def test_bars_are_those_of_the_design():
     bars = {one.name: one.bar for one in PLAN if one.bar is not None}
     assert bars["loop.reference.1500.ideal"] == 300.0
     assert bars["loop.python.1500.ideal"] == 50.0
+    assert bars["star.loop.1000"] == 300.0
+    assert bars["star.steady"] == 50_000.0
     assert bars["loop.exec.1500.ideal"] == 3.0
     assert bars["overhead.python"] == 5.0
     assert bars["steady.band"] == bars["steady.ideal"] == 50_000.0
