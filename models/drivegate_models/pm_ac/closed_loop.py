@@ -112,6 +112,8 @@ class DutyRoom(NamedTuple):
     """Duty ratios of the period just ended, shape (3,)."""
 
 
+_LEAST_SHARE: Final = 1e-6
+"""Least throughput of a period that counts, over what the link and the current limit exchange in it (1)."""
 RUN_RECORD: Final = np.dtype(
     [("steps", np.int64), ("speed_final", np.float64), ("worst_balance", np.float64)], align=True
 )
@@ -189,14 +191,25 @@ def _speed_change(
 
 @inlined
 def _balance(
-    resistance: float, speed: float, growth: float, stored: float, period: NDArray[np.float64]
+    resistance: float,
+    speed: float,
+    growth: float,
+    stored: float,
+    rated: float,
+    period: NDArray[np.float64],
 ) -> float:
-    """Return what energy a period misses over its throughput (1)."""
+    """Return what energy a period misses over its throughput (1).
+
+    The flux that a period's voltages add up to is rounded, so currents that should be none are some 1e-16 of what
+    these voltages can drive, and so is their energy of what the link and the current limit exchange. A throughput
+    counts as `_LEAST_SHARE` of that at least: of less, rounding is all there is.
+    """
     net = period[ledger.UPPER] + period[ledger.LOWER]
     shaft = speed * period[ledger.IMPULSE]
     missing = net - resistance * period[ledger.SQUARE] - shaft - period[ledger.DEVICE] - growth
     throughput = period[ledger.EXCHANGED] + abs(shaft) + stored
-    return abs(missing) / throughput if throughput > 0.0 else 0.0
+    counted = max(throughput, _LEAST_SHARE * rated)
+    return abs(missing) / counted if counted > 0.0 else 0.0
 
 
 @inlined
@@ -296,7 +309,8 @@ def _run(
         ):
             return PLANT_FAULT, k
         now = stored_energy(drive, phases)
-        balance = _balance(plant.resistance, held, now - stored, now, period)
+        rated = link * drive.current_limit * length
+        balance = _balance(plant.resistance, held, now - stored, now, rated, period)
         observed[0].worst_balance = max(observed[0].worst_balance, balance)
         stored = now
         ledger.add_period(totals, period)
