@@ -19,7 +19,7 @@ from drivegate.candidates.builtin.faults.mutation import told_on
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.checks.coverage import JUDGED, NOT_VARIED, SENSED, Varied, drawn_by_family, varied_keys
 from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
-from drivegate.drives.drawn_bounds import BOUNDS
+from drivegate.drives.drawn_kinds import DRAWN_KINDS
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
 from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
@@ -113,8 +113,8 @@ def near_designs(_: str) -> str:
     return _table(("design", "what it does"), rows)
 
 
-def drawn_bounds(_: str) -> str:
-    """The bounds within which drives are drawn."""
+def drawn_bounds(kind: str) -> str:
+    """The bounds within which drives of a kind are drawn."""
     rows = (
         (
             _plain(bound.quantity),
@@ -123,7 +123,7 @@ def drawn_bounds(_: str) -> str:
             "ratio" if bound.by_ratio else "difference",
             _plain(bound.reason),
         )
-        for bound in BOUNDS.values()
+        for bound in DRAWN_KINDS[kind].bounds.values()
     )
     return _table(("quantity", "bounds", "unit", "evenly by", "reason"), rows)
 

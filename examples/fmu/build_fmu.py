@@ -1,6 +1,7 @@
-"""Build an FMU from a controller in C that implements the four functions of drivegate.h.
+"""Build an FMU from a controller in C that implements the functions of drivegate.h or of drivegate_duty.h.
 
     python build_fmu.py controller.c                      # controller.fmu, for FMI 2.0
+    python build_fmu.py firmware.c --contract duty        # of a controller that answers with duty ratios
     python build_fmu.py controller.c tables.c --fmi 3 --output mine.fmu
 
 It needs a C compiler, drivegate for drivegate.h and fmpy for the headers of FMI. The FMU has code for the platform
@@ -22,51 +23,70 @@ from pathlib import Path
 from typing import NamedTuple
 
 HERE = Path(__file__).resolve().parent
-WRAPPER = ("instance.h", "instance.c", "fmi2.c", "fmi3.c")
+WRAPPER = ("instance.h", "instance.c", "signals.h", "current_signals.c", "duty_signals.c", "fmi2.c", "fmi3.c")
 
 
 class Variable(NamedTuple):
-    """A variable of the FMU; its value reference is that of instance.h."""
+    """A variable of the FMU; its value reference is that of the contract's signals."""
 
     name: str
     reference: int
     causality: str
     kind: str = "real"
+    width: int = 1
+    """Values of an array, which has a value reference for each where the version of FMI knows no arrays."""
 
 
-INPUTS = (
-    Variable("speed_reference", 1, "input"),
-    Variable("speed", 2, "input"),
-    Variable("current_magnitude_sum", 3, "input"),
-    Variable("half_supply_voltage", 4, "input"),
-)
-PHASE_CURRENTS = 101
-OUTPUTS = (Variable("current_reference", 11, "output"), Variable("advance_angle", 12, "output"))
-INPUT_POWER = Variable("input_power", 13, "output")
-PARAMETERS = (
-    Variable("phases", 21, "parameter", "integer"),
-    Variable("pole_pairs", 22, "parameter", "integer"),
-    Variable("kind", 23, "parameter", "integer"),
-    Variable("nominal_half_supply_voltage", 31, "parameter"),
-    Variable("base_speed", 32, "parameter"),
-    Variable("rated_power", 33, "parameter"),
-    Variable("current_limit", 34, "parameter"),
-    Variable("control_period", 35, "parameter"),
-    Variable("hysteresis_band", 36, "parameter"),
-    Variable("resistance", 37, "parameter"),
-    Variable("inductance", 38, "parameter"),
-    Variable("emf_constant", 39, "parameter"),
-    Variable("inertia", 40, "parameter"),
-    Variable("window", 41, "parameter"),
-    Variable("conducting_phases", 42, "parameter"),
-    Variable("advance_start", 43, "parameter"),
-    Variable("advance_slope", 44, "parameter"),
-    Variable("highest_speed", 45, "parameter"),
-)
+def numbered(first: int, causality: str, names: str, kind: str = "real") -> tuple[Variable, ...]:
+    """Number variables from a value reference on."""
+    return tuple(
+        Variable(name, reference, causality, kind) for reference, name in enumerate(names.split(), first)
+    )
+
+
+def variables_of(contract: str, phases: int, estimates_power: bool) -> tuple[Variable, ...]:
+    """List the variables of a controller, as its signals have them."""
+    if contract == "duty":
+        return (
+            *numbered(
+                1, "input", "reference supply_voltage supply_current angle speed hall encoder_count trip"
+            ),
+            Variable("phase_currents", 101, "input", width=3),
+            Variable("duty_ratios", 111, "output", width=3),
+            Variable("legs", 121, "output", width=3),
+            *numbered(11, "output", "next_period torque input_power fault"),
+            *numbered(21, "parameter", "kind reference_kind pole_pairs updates update_delay", "integer"),
+            *numbered(
+                31,
+                "parameter",
+                "nominal_supply_voltage base_speed highest_speed rated_power current_limit control_period dead_time "
+                "resistance direct_inductance quadrature_inductance magnet_flux inertia core_loss_conductance",
+            ),
+        )
+    outputs = "current_reference advance_angle" + (" input_power" if estimates_power else "")
+    return (
+        *numbered(1, "input", "speed_reference speed current_magnitude_sum half_supply_voltage"),
+        Variable("phase_currents", 101, "input", width=phases),
+        *numbered(11, "output", outputs),
+        *numbered(21, "parameter", "phases pole_pairs kind", "integer"),
+        *numbered(
+            31,
+            "parameter",
+            "nominal_half_supply_voltage base_speed rated_power current_limit control_period hysteresis_band "
+            "resistance inductance emf_constant inertia window conducting_phases advance_start advance_slope "
+            "highest_speed",
+        ),
+    )
 
 
 def build_fmu(
-    sources: list[Path], output: Path, *, fmi: int = 2, phases: int = 5, estimates_power: bool = False
+    sources: list[Path],
+    output: Path,
+    *,
+    fmi: int = 2,
+    phases: int = 5,
+    estimates_power: bool = False,
+    contract: str = "current",
 ) -> Path:
     """Compile a controller with its wrapper and pack both with the description into an FMU.
 
@@ -81,7 +101,9 @@ def build_fmu(
     phases : int
         Number of phases of the drive, which is the number of phase currents.
     estimates_power : bool
-        Whether the controller gives an estimate of its input power.
+        Whether the controller gives an estimate of its input power; one of duty ratios always may.
+    contract : str
+        What the controller answers with: ``current``, by drivegate.h, or ``duty``, by drivegate_duty.h.
 
     Returns
     -------
@@ -89,14 +111,16 @@ def build_fmu(
         The FMU.
     """
     model = re.sub(r"\W", "_", sources[0].stem)
-    token = token_of([*sources, *(HERE / name for name in WRAPPER)], f"{fmi} {phases} {estimates_power}")
+    token = token_of(
+        [*sources, *(HERE / name for name in WRAPPER)], f"{fmi} {phases} {estimates_power} {contract}"
+    )
     with tempfile.TemporaryDirectory() as folder:
         library = Path(folder) / f"{model}{library_suffix()}"
-        compile_library(sources, library, fmi, phases, token)
+        compile_library(sources, library, fmi, contract, phases, token)
         only_once = ctypes.CDLL(str(library)).drivegate_state_size() == 0
-        outputs = (*OUTPUTS, INPUT_POWER) if estimates_power else OUTPUTS
+        variables = variables_of(contract, phases, estimates_power)
         describe = description_2 if fmi == 2 else description_3
-        pack(output, describe(model, token, phases, outputs, only_once), library, platform_folder(fmi))
+        pack(output, describe(model, token, variables, only_once), library, platform_folder(fmi))
     return output
 
 
@@ -108,10 +132,13 @@ def token_of(files: list[Path], options: str) -> str:
     return "{" + digest.hexdigest()[:32] + "}"
 
 
-def compile_library(sources: list[Path], library: Path, fmi: int, phases: int, token: str) -> None:
+def compile_library(
+    sources: list[Path], library: Path, fmi: int, contract: str, phases: int, token: str
+) -> None:
     """Compile with the system's compiler; its own messages say what is wrong."""
     command = ["cc", "-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"]
-    command += [f"-DCONTROLLER_PHASES={phases}", f'-DFMU_TOKEN="{token}"']
+    chosen = "-DCONTROLLER_DUTY" if contract == "duty" else f"-DCONTROLLER_PHASES={phases}"
+    command += [chosen, f'-DFMU_TOKEN="{token}"']
     command += [
         f"-I{folder}"
         for folder in (
@@ -120,7 +147,8 @@ def compile_library(sources: list[Path], library: Path, fmi: int, phases: int, t
             header_folder("fmpy", "c-code"),
         )
     ]
-    command += [str(file) for file in (*sources, HERE / "instance.c", HERE / f"fmi{fmi}.c")]
+    wrapper = ("instance.c", f"{contract}_signals.c", f"fmi{fmi}.c")
+    command += [str(file) for file in (*sources, *(HERE / name for name in wrapper))]
     subprocess.run([*command, "-o", str(library), "-lm"], check=True)
 
 
@@ -145,7 +173,7 @@ def platform_folder(fmi: int) -> str:
 
 
 def description_2(
-    model: str, token: str, phases: int, outputs: tuple[Variable, ...], only_once: bool
+    model: str, token: str, variables: tuple[Variable, ...], only_once: bool
 ) -> ElementTree.Element:
     """Describe the FMU as FMI 2.0 has it."""
     root = ElementTree.Element("fmiModelDescription", fmiVersion="2.0", modelName=model, guid=token)
@@ -154,11 +182,8 @@ def description_2(
         slave.set("canBeInstantiatedOnlyOncePerProcess", "true")
     add_log_categories(root)
     listed = ElementTree.SubElement(root, "ModelVariables")
-    currents = [
-        Variable(f"phase_currents[{phase + 1}]", PHASE_CURRENTS + phase, "input") for phase in range(phases)
-    ]
-    variables = [*INPUTS, *currents, *outputs, *PARAMETERS]
-    for variable in variables:
+    single = [element for variable in variables for element in elements_of(variable)]
+    for variable in single:
         scalar = ElementTree.SubElement(
             listed,
             "ScalarVariable",
@@ -173,13 +198,24 @@ def description_2(
     structure = ElementTree.SubElement(root, "ModelStructure")
     for group in ("Outputs", "InitialUnknowns"):
         unknowns = ElementTree.SubElement(structure, group)
-        for output in outputs:
-            ElementTree.SubElement(unknowns, "Unknown", index=str(variables.index(output) + 1))
+        for place, variable in enumerate(single, 1):
+            if variable.causality == "output":
+                ElementTree.SubElement(unknowns, "Unknown", index=str(place))
     return root
 
 
+def elements_of(variable: Variable) -> list[Variable]:
+    """Give the elements of an array one by one; a variable of one value is its own."""
+    if variable.width == 1:
+        return [variable]
+    return [
+        variable._replace(name=f"{variable.name}[{place + 1}]", reference=variable.reference + place, width=1)
+        for place in range(variable.width)
+    ]
+
+
 def description_3(
-    model: str, token: str, phases: int, outputs: tuple[Variable, ...], only_once: bool
+    model: str, token: str, variables: tuple[Variable, ...], only_once: bool
 ) -> ElementTree.Element:
     """Describe the FMU as FMI 3.0 has it."""
     root = ElementTree.Element(
@@ -191,8 +227,7 @@ def description_3(
     add_log_categories(root)
     listed = ElementTree.SubElement(root, "ModelVariables")
     ElementTree.SubElement(listed, "Float64", name="time", valueReference="0", causality="independent")
-    currents = Variable("phase_currents", PHASE_CURRENTS, "input")
-    for variable in (*INPUTS, currents, *outputs, *PARAMETERS):
+    for variable in variables:
         value = ElementTree.SubElement(
             listed,
             "Float64" if variable.kind == "real" else "Int64",
@@ -201,14 +236,13 @@ def description_3(
             causality=variable.causality,
             variability="fixed" if variable.causality == "parameter" else "discrete",
         )
-        count = phases if variable is currents else 1
         if variable.causality != "output":
-            value.set("start", " ".join(["0"] * count))
-        if variable is currents:
-            ElementTree.SubElement(value, "Dimension", start=str(phases))
+            value.set("start", " ".join(["0"] * variable.width))
+        if variable.width > 1 or variable.name == "phase_currents":
+            ElementTree.SubElement(value, "Dimension", start=str(variable.width))
     structure = ElementTree.SubElement(root, "ModelStructure")
     for group in ("Output", "InitialUnknown"):
-        for output in outputs:
+        for output in (variable for variable in variables if variable.causality == "output"):
             ElementTree.SubElement(structure, group, valueReference=str(output.reference))
     return root
 
@@ -244,6 +278,9 @@ def main() -> None:
     parser.add_argument(
         "--estimates-power", action="store_true", help="the controller estimates its input power"
     )
+    parser.add_argument(
+        "--contract", choices=("current", "duty"), default="current", help="what the controller answers with"
+    )
     options = parser.parse_args()
     output = options.output or Path(f"{options.sources[0].stem}.fmu")
     try:
@@ -253,6 +290,7 @@ def main() -> None:
             fmi=options.fmi,
             phases=options.phases,
             estimates_power=options.estimates_power,
+            contract=options.contract,
         )
     except subprocess.CalledProcessError as error:
         raise SystemExit("the controller does not compile") from error

@@ -88,7 +88,7 @@ fmi2Status fmi2Reset(fmi2Component c) {
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference references[], size_t count,
                        const fmi2Real values[]) {
     for (size_t i = 0; i < count; i++) {
-        double *variable = instance_real(((component *)c)->controller, references[i]);
+        double *variable = signals_real(&((component *)c)->controller->signals, references[i]);
         if (!variable) return unknown(c, "fmi2SetReal", references[i]);
         *variable = values[i];
     }
@@ -97,7 +97,7 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference references[], s
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference references[], size_t count, fmi2Real values[]) {
     for (size_t i = 0; i < count; i++) {
-        double *variable = instance_real(((component *)c)->controller, references[i]);
+        double *variable = signals_real(&((component *)c)->controller->signals, references[i]);
         if (!variable) return unknown(c, "fmi2GetReal", references[i]);
         values[i] = *variable;
     }
@@ -107,7 +107,7 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference references[], s
 fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference references[], size_t count,
                           const fmi2Integer values[]) {
     for (size_t i = 0; i < count; i++) {
-        int64_t *variable = instance_integer(((component *)c)->controller, references[i]);
+        int64_t *variable = signals_integer(&((component *)c)->controller->signals, references[i]);
         if (!variable) return unknown(c, "fmi2SetInteger", references[i]);
         *variable = values[i];
     }
@@ -117,7 +117,7 @@ fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference references[]
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference references[], size_t count,
                           fmi2Integer values[]) {
     for (size_t i = 0; i < count; i++) {
-        int64_t *variable = instance_integer(((component *)c)->controller, references[i]);
+        int64_t *variable = signals_integer(&((component *)c)->controller->signals, references[i]);
         if (!variable) return unknown(c, "fmi2GetInteger", references[i]);
         values[i] = (fmi2Integer)*variable;
     }

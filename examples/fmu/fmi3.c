@@ -27,11 +27,6 @@ static fmi3Status unknown(fmi3Instance c, const char *function) {
     return status_of(instance_report(controller_of(c), "%s: there is no such variable of this type", function));
 }
 
-/* The array of phase currents is one variable with many values. */
-static size_t width_of(fmi3ValueReference reference) {
-    return reference == PHASE_CURRENTS ? CONTROLLER_PHASES : 1;
-}
-
 const char *fmi3GetVersion(void) { return fmi3Version; }
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String categories[]) {
@@ -83,9 +78,9 @@ fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference references[],
                           const fmi3Float64 values[], size_t total) {
     (void)total;
     for (size_t i = 0; i < count; i++) {
-        double *variable = instance_real(controller_of(c), references[i]);
+        double *variable = signals_real(&controller_of(c)->signals, references[i]);
         if (!variable) return unknown(c, "fmi3SetFloat64");
-        for (size_t k = width_of(references[i]); k > 0; k--) *variable++ = *values++;
+        for (size_t k = signals_width(references[i]); k > 0; k--) *variable++ = *values++;
     }
     return fmi3OK;
 }
@@ -94,9 +89,9 @@ fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference references[],
                           fmi3Float64 values[], size_t total) {
     (void)total;
     for (size_t i = 0; i < count; i++) {
-        double *variable = instance_real(controller_of(c), references[i]);
+        double *variable = signals_real(&controller_of(c)->signals, references[i]);
         if (!variable) return unknown(c, "fmi3GetFloat64");
-        for (size_t k = width_of(references[i]); k > 0; k--) *values++ = *variable++;
+        for (size_t k = signals_width(references[i]); k > 0; k--) *values++ = *variable++;
     }
     return fmi3OK;
 }
@@ -105,7 +100,7 @@ fmi3Status fmi3SetInt64(fmi3Instance c, const fmi3ValueReference references[], s
                         const fmi3Int64 values[], size_t total) {
     (void)total;
     for (size_t i = 0; i < count; i++) {
-        int64_t *variable = instance_integer(controller_of(c), references[i]);
+        int64_t *variable = signals_integer(&controller_of(c)->signals, references[i]);
         if (!variable) return unknown(c, "fmi3SetInt64");
         *variable = values[i];
     }
@@ -116,7 +111,7 @@ fmi3Status fmi3GetInt64(fmi3Instance c, const fmi3ValueReference references[], s
                         size_t total) {
     (void)total;
     for (size_t i = 0; i < count; i++) {
-        int64_t *variable = instance_integer(controller_of(c), references[i]);
+        int64_t *variable = signals_integer(&controller_of(c)->signals, references[i]);
         if (!variable) return unknown(c, "fmi3GetInt64");
         values[i] = *variable;
     }

@@ -1,4 +1,4 @@
-/* instance.c: calls the four functions of drivegate.h as an FMU's life goes on. */
+/* instance.c: calls the functions of a controller as an FMU's life goes on. */
 #include "instance.h"
 
 #include <math.h>
@@ -52,70 +52,20 @@ void instance_free(instance *self) {
     live--;
 }
 
-void instance_reset(instance *self) {
-    memset(&self->nameplate, 0, sizeof self->nameplate);
-    memset(&self->sense, 0, sizeof self->sense);
-    memset(self->phase_currents, 0, sizeof self->phase_currents);
-    self->nameplate.struct_size = sizeof self->nameplate;
-    self->sense.struct_size = sizeof self->sense;
-    self->sense.phase_count = CONTROLLER_PHASES;
-    self->sense.phase_currents = self->phase_currents;
-    self->command = (drivegate_command){sizeof self->command, 0.0, 0.0, NAN};
-}
-
-double *instance_real(instance *self, unsigned reference) {
-    drivegate_nameplate *nameplate = &self->nameplate;
-    if (reference >= PHASE_CURRENTS && reference < PHASE_CURRENTS + CONTROLLER_PHASES)
-        return &self->phase_currents[reference - PHASE_CURRENTS];
-    switch (reference) {
-    case SPEED_REFERENCE: return &self->sense.speed_reference;
-    case SPEED: return &self->sense.speed;
-    case CURRENT_MAGNITUDE_SUM: return &self->sense.current_magnitude_sum;
-    case HALF_SUPPLY_VOLTAGE: return &self->sense.half_supply_voltage;
-    case CURRENT_REFERENCE: return &self->command.current_reference;
-    case ADVANCE_ANGLE: return &self->command.advance_angle;
-    case INPUT_POWER: return &self->command.input_power;
-    case NOMINAL_HALF_SUPPLY_VOLTAGE: return &nameplate->half_supply_voltage;
-    case BASE_SPEED: return &nameplate->base_speed;
-    case RATED_POWER: return &nameplate->rated_power;
-    case CURRENT_LIMIT: return &nameplate->current_limit;
-    case CONTROL_PERIOD: return &nameplate->control_period;
-    case HYSTERESIS_BAND: return &nameplate->hysteresis_band;
-    case RESISTANCE: return &nameplate->resistance;
-    case INDUCTANCE: return &nameplate->inductance;
-    case EMF_CONSTANT: return &nameplate->emf_constant;
-    case INERTIA: return &nameplate->inertia;
-    case WINDOW: return &nameplate->window;
-    case CONDUCTING_PHASES: return &nameplate->conducting_phases;
-    case ADVANCE_START: return &nameplate->advance_start;
-    case ADVANCE_SLOPE: return &nameplate->advance_slope;
-    case HIGHEST_SPEED: return &nameplate->highest_speed;
-    default: return NULL;
-    }
-}
-
-int64_t *instance_integer(instance *self, unsigned reference) {
-    switch (reference) {
-    case PHASES: return &self->nameplate.phases;
-    case POLE_PAIRS: return &self->nameplate.pole_pairs;
-    case KIND: return &self->nameplate.kind;
-    default: return NULL;
-    }
-}
+void instance_reset(instance *self) { signals_reset(&self->signals); }
 
 int instance_begin(instance *self) {
     int64_t size = drivegate_state_size();
     if (size > 0) memset(self->state, 0, (size_t)size);
-    int refused = drivegate_reset(self->state, &self->nameplate);
+    int refused = signals_begin(&self->signals, self->state);
     return refused ? instance_report(self, "drivegate_reset returned %d", refused) : 0;
 }
 
 int instance_step(instance *self, double time, double period) {
-    if (fabs(period - self->nameplate.control_period) > 1e-6 * period)
+    double known = self->signals.nameplate.control_period;
+    if (fabs(period - known) > 1e-6 * period)
         return instance_report(self, "the communication step is %g s, but the parameter control_period is %g s",
-                               period, self->nameplate.control_period);
-    self->sense.time = time;
-    self->command = (drivegate_command){sizeof self->command, NAN, NAN, NAN};
-    drivegate_step(self->state, &self->sense, &self->command);
+                               period, known);
+    signals_step(&self->signals, self->state, time);
     return 0;
 }

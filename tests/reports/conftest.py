@@ -368,7 +368,9 @@ def _campaign_candidate(name: str, *, fails: bool, **changes: Any) -> Document:
         "set_aside": 0,
         "not_passed": violated if fails else met,
         "cases": {"fig5-search": violated if fails else met, "fig6-settled": met},
-        "checks": [_campaign_check(check, violated=fails and check == "ROB-1") for check in JUDGED_CHECKS],
+        "checks": [
+            _campaign_check(check, violated=fails and check == "ROB-1") for check in JUDGED_CHECKS["current"]
+        ],
         "first_faults": [],
     } | changes
 

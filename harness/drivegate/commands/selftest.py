@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 ALL_SEEDS = 1000
 MOST_DRIVES = 10_000
 OUTPUT = Path("drivegate-selftest")
+DRAWN = ("half-bridge", "pm-ac")
+"""Kinds of drives that are drawn, the default one first; named here since their bundles take long to import."""
 
 
 @click.command("selftest")
@@ -58,7 +60,12 @@ OUTPUT = Path("drivegate-selftest")
     "--drives",
     type=click.IntRange(1, MOST_DRIVES),
     metavar="N",
-    help="Draw N drives, and see on how many of them the reference passes.",
+    help="Draw N drives, and see on how many of them the reference, or foc, passes.",
+)
+@click.option(
+    "--kind",
+    type=click.Choice(DRAWN),
+    help="With --drives: kind of the drives that are drawn; half-bridge by default.",
 )
 @click.option("--drawing-seed", type=click.IntRange(0), help="Seed of the drawn drives; by default 0.")
 @click.option(
@@ -82,6 +89,7 @@ def command(
     drawn_only: bool,
     workers: int | None,
     drives: int | None,
+    kind: str | None,
     drawing_seed: int | None,
     every_fault: bool,
     output: Path | None,
@@ -93,12 +101,13 @@ def command(
     candidate of its own, as faulty:NAME. The exit code is 1 when a check misses its fault or a correct design
     is accused.
 
-    With --drives N the reference is checked on N drives that are drawn within stated bounds, and the faulty
-    controllers that --fault or --faults names on those that it passes. The exit code is 1 when the reference
+    With --drives N the reference, on PM AC drives foc, is checked on N drives that are drawn within stated bounds,
+    and the faulty controllers that --fault or --faults names on those that it passes. The exit code is 1 when it
     fails on any.
     """
     if drives is None:
         given = {
+            "--kind": kind is not None,
             "--drawing-seed": drawing_seed is not None,
             "--faults": every_fault,
             "--output": output is not None,
@@ -111,9 +120,10 @@ def command(
             "--fault": bool(faults) and every_fault,
         }
         _refuse(given, f"does not go with {'--faults' if faults and every_fault else '--drives'}")
-    from drivegate.studies.selftest.selftest import chosen_mutations, selftested
+    from drivegate.studies.selftest.selftest import chosen_names, selftested
 
-    mutations = () if drives is None else chosen_mutations(faults)
+    drawn_kind = kind or DRAWN[0]
+    names = () if drives is None else chosen_names(faults, drawn_kind)
 
     from drivegate.drives.choice import drive_for
     from drivegate.studies.selftest.display import show_matrix
@@ -121,8 +131,9 @@ def command(
     from drivegate.studies.selftest.run import SelftestEffort
 
     if drives is not None:
-        named = mutations if faults or every_fault else ()
+        named = names if faults or every_fault else ()
         request = DrivesRequest(
+            drawn_kind,
             drives,
             drawing_seed or 0,
             named,

@@ -60,7 +60,12 @@ def drawn_drive(seed: int, number: int) -> DrawnDrive:
         missed = unreachable_ripple(drive)
         if all(point.nearest_percent for point in missed):
             return DrawnDrive(_with_ripple(document, missed), rejected)
-    raise HarnessFault(
+    raise none_is_met(seed, number)
+
+
+def none_is_met(seed: int, number: int) -> HarnessFault:
+    """Tell that the bounds leave no drive whose rating can be met."""
+    return HarnessFault(
         f"none of {MOST_DRAWS} drives drawn with seed {seed} for number {number} meets its rating"
     )
 
@@ -226,7 +231,7 @@ def _provenance(drive: DriveDocument) -> Provenance:
     """Tell of each value what was drawn, and within which bounds."""
     values = per_unit_values(drive)
     told = {
-        table: {key: _told(BOUNDS[name], values.get(name)) for key, name in keys.items()}
+        table: {key: told_bound(BOUNDS[name], values.get(name)) for key, name in keys.items()}
         for table, keys in _DRAWN_AS.items()
     }
     told["machine"]["emf_shape"] = f"drawn: a sine in {SINES:.0%} of the drives, a trapezoid in the others"
@@ -235,7 +240,7 @@ def _provenance(drive: DriveDocument) -> Provenance:
     return told
 
 
-def _told(bound: Bound, value: float | None) -> str:
+def told_bound(bound: Bound, value: float | None) -> str:
     """Tell what was drawn; what stands in the document itself is not told again."""
     unit = f" {bound.unit}" if bound.unit else ""
     within = f"from {bound.lowest:g} to {bound.highest:g}{unit}"

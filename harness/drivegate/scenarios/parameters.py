@@ -6,6 +6,8 @@ from typing import Final
 
 from drivegate_cases.drive.advance import Advance
 from drivegate_cases.drive.drive_document import TABLE_KEYS
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.requirements import PmAcRequirements
 from drivegate_cases.drive.requirements import Requirements
 from drivegate_cases.drive.scales import Scales
 
@@ -20,5 +22,8 @@ SPEED: Final = "speed_rpm"
 _NO_GRID: Final = ("emf_shape", "emf_table", *Advance.model_fields, *Requirements.model_fields)
 DRIVE_KEYS: Final = tuple(key for key in TABLE_KEYS if key not in _NO_GRID)
 """Numeric keys of the nominal drive, which the controller knows."""
-GRID_KEYS: Final = (*SPREADABLE, SPEED, *DRIVE_KEYS)
-"""Parameters that may stand on a grid."""
+_NO_DUTY_GRID: Final = ("carrier", *PmAcRequirements.model_fields)
+DUTY_DRIVE_KEYS: Final = tuple(key for key in PmAcDocument.table_of_key() if key not in _NO_DUTY_GRID)
+"""The same of a drive whose controllers answer with duty ratios."""
+GRID_KEYS: Final = tuple(dict.fromkeys((*SPREADABLE, SPEED, *DRIVE_KEYS, *DUTY_DRIVE_KEYS)))
+"""Parameters that may stand on a grid, of a drive that has them."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,9 @@ from drivegate_models.pm_ac.sensing import (
 )
 from drivegate_models.pm_ac.shaft import speed_change
 
+_LEAST_SHARE: Final = 1e-6
+"""Least throughput of a period that counts, over what the link and the current limit exchange in it (1)."""
+
 
 class DutyTiming(NamedTuple):
     """When things happen in a run."""
@@ -67,14 +70,25 @@ class DutyRoom(NamedTuple):
 
 @inlined
 def _balance(
-    resistance: float, speed: float, growth: float, stored: float, period: NDArray[np.float64]
+    resistance: float,
+    speed: float,
+    growth: float,
+    stored: float,
+    rated: float,
+    period: NDArray[np.float64],
 ) -> float:
-    """Return what energy a period misses over its throughput (1)."""
+    """Return what energy a period misses over its throughput (1).
+
+    The flux that a period's voltages add up to is rounded, so currents that should be none are some 1e-16 of what
+    these voltages can drive, and so is their energy of what the link and the current limit exchange. A throughput
+    counts as `_LEAST_SHARE` of that at least: of less, rounding is all there is.
+    """
     net = period[ledger.UPPER] + period[ledger.LOWER]
     shaft = speed * period[ledger.IMPULSE]
     missing = net - resistance * period[ledger.SQUARE] - shaft - period[ledger.DEVICE] - growth
     throughput = period[ledger.EXCHANGED] + abs(shaft) + stored
-    return abs(missing) / throughput if throughput > 0.0 else 0.0
+    counted = max(throughput, _LEAST_SHARE * rated)
+    return abs(missing) / counted if counted > 0.0 else 0.0
 
 
 @unallocating
@@ -174,7 +188,8 @@ def run_periods(
         ):
             return PLANT_FAULT, k
         now = stored_energy(drive, phases)
-        balance = _balance(plant.resistance, held, now - stored, now, period)
+        rated = link * drive.current_limit * length
+        balance = _balance(plant.resistance, held, now - stored, now, rated, period)
         observed[0].worst_balance = max(observed[0].worst_balance, balance)
         stored = now
         ledger.add_period(records.totals, period)

@@ -267,9 +267,14 @@ class Scenario(Document):
                         )
 
     def replaced(self, **changes: Any) -> Self:
-        """Make a scenario that differs in a few keys; on another drive, its converters are chosen anew."""
+        """Make a scenario that differs in a few keys.
+
+        On another drive, its converters are chosen anew, and so is a control period that the drive has stated.
+        """
         if "drive" in changes:
             changes.setdefault("sensors", unfitted(self.sensors, self.drive))
+            if self.drive.control_period_s is not None:
+                changes.setdefault("control_period_s", LONGEST_CONTROL_PERIOD_S)
         return super().replaced(**changes)
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -111,7 +112,9 @@ def python_source(folder: Path, fifth_step: str = "pass") -> str:
     return f"{file}:Mine"
 
 
-def test_every_kind_gives_the_same_commands_by_the_same_algorithm(tmp_path: Path) -> None:
+def test_every_kind_gives_the_same_commands_by_the_same_algorithm(
+    tmp_path: Path, build_fmu: Callable[..., Path]
+) -> None:
     (tmp_path / "mine.c").write_text(duty_source(), encoding="utf-8")
     (tmp_path / "compiled.py").write_text(NUMBA, encoding="utf-8")
     (tmp_path / "program.py").write_text(PROGRAM % "", encoding="utf-8")
@@ -120,6 +123,7 @@ def test_every_kind_gives_the_same_commands_by_the_same_algorithm(tmp_path: Path
         "python": python_source(tmp_path),
         "numba": f"{tmp_path / 'compiled.py'}:mine",
         "exec": f"exec:python3 {tmp_path / 'program.py'}",
+        "fmu": str(build_fmu([tmp_path / "mine.c"], tmp_path / "mine.fmu", fmi=3, contract="duty")),
     }
     digests = {}
     for kind, name in names.items():

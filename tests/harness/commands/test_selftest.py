@@ -5,6 +5,8 @@ from dataclasses import replace
 import pytest
 
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
+from drivegate.commands import selftest
+from drivegate.drives.drawn_kinds import DRAWN_KINDS
 from drivegate.studies.selftest import seeded_fault
 from drivegate.studies.selftest.drawn import run
 from drivegate.studies.selftest.drawn.gate_row import GateRow
@@ -63,11 +65,18 @@ def test_the_reference_and_a_fault_are_tried_on_a_drawn_drive(command, monkeypat
     assert load_drive(tmp_path / document["drives"][0]["file"]).name == document["drives"][0]["name"]
 
 
+def test_the_kinds_of_drives_that_can_be_drawn_are_those_of_the_option() -> None:
+    assert tuple(DRAWN_KINDS) == selftest.DRAWN
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
         (("--output", "somewhere"), "--output goes with --drives N only"),
         (("--faults",), "--faults goes with --drives N only"),
+        (("--kind", "pm-ac"), "--kind goes with --drives N only"),
+        (("--drives", "1", "--kind", "pm-ac", "--fault", "drifts"), "answers with a current reference"),
+        (("--drives", "1", "--kind", "star"), "'star' is not one of 'half-bridge', 'pm-ac'"),
         (("--drawing-seed", "0"), "--drawing-seed goes with --drives N only"),
         (("--drives", "1", "--drive", "paper-5-phase"), "--drive does not go with --drives"),
         (("--drives", "1", "--drawn-only"), "--drawn-only does not go with --drives"),

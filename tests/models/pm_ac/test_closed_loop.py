@@ -17,6 +17,7 @@ from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.schedule import Course, steady
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import CONSTANT_POWER, CONSTANT_TORQUE, Load
+from drivegate_models.pm_ac import closed_loop
 from drivegate_models.pm_ac.closed_loop import run_duty_loop
 from drivegate_models.pm_ac.oracle import CURRENT, least_at
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive
@@ -191,3 +192,11 @@ def test_the_same_run_gives_the_same_bits(interior: Factory) -> None:
     ]
     assert runs[0].trace.tobytes() == runs[1].trace.tobytes()
     assert runs[0].totals[ledger.EVENTS] == runs[1].totals[ledger.EVENTS]
+
+
+def test_of_energies_that_are_but_rounding_none_is_missed_and_any_other_is() -> None:
+    rated, period = 1.0, np.zeros(ledger.ENTRIES)
+    for missed, balanced in ((1e-17, True), (1e-12, False)):
+        period[ledger.UPPER] = period[ledger.EXCHANGED] = missed * rated
+        balance = closed_loop._balance(0.5, 0.0, 0.0, 0.0, rated, period)
+        assert (balance < 1e-9) is balanced, f"{missed:g} of what is rated is {balance:g} of the throughput"

@@ -7,18 +7,8 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 from xml.parsers import expat
 
-from drivegate.candidates.fmu.variables import (
-    INPUT_POWER,
-    PHASE_CURRENTS,
-    REAL,
-    REQUIRED_INPUTS,
-    REQUIRED_OUTPUTS,
-    TIME,
-    Connections,
-    Mismatch,
-    Variable,
-    connections_of,
-)
+from drivegate.candidates.fmu.ports import PHASE_CURRENTS, Ports
+from drivegate.candidates.fmu.variables import REAL, Connections, Mismatch, Variable, connections_of
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -83,7 +73,9 @@ def read_description(file: Path, folder: Path) -> FmuDescription:
     try:
         connections = connections_of(_variables(model), version)
     except Mismatch as error:
-        raise InputError(f"{shown_path(file)} is no controller: {error}; {_required(version)}") from error
+        raise InputError(
+            f"{shown_path(file)} is no controller: {error}; {_required(error.ports, version)}"
+        ) from error
     return FmuDescription(
         version,
         identifier,
@@ -192,11 +184,19 @@ def _variables(model: Any) -> Iterator[Variable]:
         )
 
 
-def _required(version: int) -> str:
+def _required(ports: Ports, version: int) -> str:
+    """Tell which variables a controller has."""
     real = REAL[version]
-    array = f"{PHASE_CURRENTS}[1], {PHASE_CURRENTS}[2] and so on"
+    needs = f"{real} input{'s' if len(ports.inputs) > 1 else ''} {', '.join(ports.inputs)}"
+    gives = f"{real} outputs {' and '.join((*(_elements(name) for name in ports.arrays), *ports.outputs))}"
+    may_take = " and ".join((", ".join(ports.more_inputs), _elements(PHASE_CURRENTS)))
+    may_give = ", ".join((*(_elements(name) for name in ports.more_arrays), *ports.more_outputs))
+    plural = "s" if ports.more_arrays or len(ports.more_outputs) > 1 else ""
     return (
-        f"a controller has the {real} inputs {', '.join(REQUIRED_INPUTS)} and the {real} outputs "
-        f"{' and '.join(REQUIRED_OUTPUTS)}, and may have the inputs {TIME} and {array}, the output {INPUT_POWER} and "
-        "parameters named like the nameplate's fields"
+        f"a controller has the {needs} and the {gives}, and may have the inputs {may_take}, the output{plural} "
+        f"{may_give} and parameters named like the nameplate's fields"
     )
+
+
+def _elements(name: str) -> str:
+    return f"{name}[1], {name}[2] and so on"

@@ -10,13 +10,14 @@ import weakref
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from operator import itemgetter
 from struct import Struct
 from typing import Any, ClassVar, Final
 
+from drivegate.candidates.contract import AnyNameplate
+from drivegate.candidates.fmu.answer import answer_of
 from drivegate.candidates.fmu.description import FmuDescription
 from drivegate.candidates.fmu.log import forget_messages, with_messages
-from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
+from drivegate.candidates.fmu.ports import CURRENT, DUTY
 
 WARNING: Final = 1
 """The worst status of an FMI function with which a run goes on."""
@@ -41,15 +42,17 @@ class FmuInstance(ABC):
 
     def __init__(self, description: FmuDescription, slave: Any) -> None:
         connections = description.connections
-        signals = [Sense._fields.index(name) for name in connections.signals]
-        inputs, outputs = len(signals) + connections.phase_currents, len(connections.output_references)
+        fields = (DUTY if connections.contract == "duty" else CURRENT).fields
+        inputs = len(connections.signals) + connections.phase_currents
+        outputs = sum(count for _, count in connections.outputs)
         self.description = description
         self._slave = slave
         self._component: int | None = None
         self._free: weakref.finalize[[int], FmuInstance] | None = None
         self._initialised = False
         self._period = 0.0
-        self._signals: Callable[[Sense], tuple[float, ...]] = itemgetter(*signals)
+        self._signals = [fields.index(name) for name in connections.signals]
+        self._answer = answer_of(connections)
         self._has_currents = connections.phase_currents > 0
         self._input_references = _references(connections.input_references)
         self._output_references = _references(connections.output_references)
@@ -62,7 +65,7 @@ class FmuInstance(ABC):
         self._get_outputs: Callable[[], int]
         self._do_step: Callable[[float, float], int]
 
-    def reset(self, nameplate: Nameplate) -> None:
+    def reset(self, nameplate: AnyNameplate) -> None:
         """Replace the instance by a new one, so that nothing of an earlier run is left in it."""
         self.close()
         forget_messages()
@@ -86,7 +89,7 @@ class FmuInstance(ABC):
                     parameter.kind, parameter.value_reference, getattr(nameplate, parameter.field)
                 )
 
-    def step(self, sense: Sense) -> Command:
+    def step(self, sense: Any) -> Any:
         """Answer for one control period."""
         if self._component is None:
             raise FmuError(
@@ -94,7 +97,7 @@ class FmuInstance(ABC):
             )
         time = sense.time
         currents = sense.phase_currents if self._has_currents else ()
-        self._write(self._inputs, 0, *self._signals(sense), *currents)
+        self._write(self._inputs, 0, *[sense[place] for place in self._signals], *currents)
         if not self._initialised:
             with self._failures_reported():
                 self._initialise(time)
@@ -107,7 +110,7 @@ class FmuInstance(ABC):
             raise FmuError(with_messages(f"{self.prefix}DoStep requested the end of the simulation"))
         if (status := self._get_outputs()) > WARNING:
             self._fail(self.get_name, status)
-        return Command(*self._read(self._outputs))
+        return self._answer(self._read(self._outputs))
 
     def close(self) -> None:
         """Free the instance, if there is one."""

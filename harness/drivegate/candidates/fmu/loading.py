@@ -13,13 +13,13 @@ from functools import cache
 from pathlib import Path
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.candidates.contract import AnyNameplate
+from drivegate.candidates.contract import AnyNameplate, require_nameplate_of
 from drivegate.candidates.fmu.archive import unpack
 from drivegate.candidates.fmu.description import FmuDescription, read_description
 from drivegate.candidates.fmu.instance import FmuInstance
+from drivegate.candidates.fmu.ports import LEGS
 from drivegate.candidates.python.bridge import PythonController
 from drivegate_cases.documents.wording import one_line, shown_path
-from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import InputError
 
 
@@ -110,12 +110,13 @@ class FmuController(PythonController):
 
     def reset(self, nameplate: AnyNameplate) -> None:
         """Instantiate the FMU anew before a run."""
-        assert isinstance(nameplate, Nameplate), "an FMU is a candidate of the contract of current references"
-        count = self._unpacked.description.connections.phase_currents
-        if count not in (0, nameplate.phases):
+        connections = self._unpacked.description.connections
+        require_nameplate_of(connections.contract, nameplate)
+        count, phases = connections.phase_currents, getattr(nameplate, "phases", LEGS)
+        if count not in (0, phases):
             raise InputError(
                 f"{shown_path(self._unpacked.file)} takes {count} phase currents, but the motor has "
-                f"{nameplate.phases} phases; export it for that many, or without phase_currents"
+                f"{phases} phases; export it for that many, or without phase_currents"
             )
         self._unpacked.give_way(self._fmu)
         super().reset(nameplate)

@@ -39,4 +39,7 @@ def _candidate(
 ) -> Candidate:
     sources = tuple(dict.fromkeys((file, *further)))
     digest = hash_of(sources, "")
-    return Candidate(name, "fmu", specification, str(file), file.parent, sources, digest, declaration)
+    # Its variables tell its contract, which only a worker process reads.
+    return Candidate(
+        name, "fmu", specification, str(file), file.parent, sources, digest, declaration, contract=None
+    )

@@ -5,24 +5,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
+from drivegate.candidates.contract import ContractName
+from drivegate.candidates.fmu.ports import CURRENT, DUTY, DUTY_RATIOS, LEGS, PHASE_CURRENTS, Ports
 from drivegate_cases.documents.wording import nearest, one_line
-from drivegate_models.contract.outer_loop.signals import Nameplate, Sense
-
-REQUIRED_INPUTS: Final = ("speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage")
-TIME: Final = "time"
-PHASE_CURRENTS: Final = "phase_currents"
-REQUIRED_OUTPUTS: Final = ("current_reference", "advance_angle")
-INPUT_POWER: Final = "input_power"
-
-_RENAMED: Final = {"half_supply_voltage": "nominal_half_supply_voltage"}
-PARAMETERS: Final = {_RENAMED.get(field, field): field for field in Nameplate._fields}
-"""The nameplate's field that each parameter receives. One name is longer, for an input has the short one."""
 
 REAL: Final = {2: "Real", 3: "Float64"}
 """Type of a real number, by version of FMI."""
 _INTEGERS: Final = {2: ("Integer",), 3: ("Int32", "Int64")}
-_WHOLE: Final = ("phases", "pole_pairs", "kind")
-_ELEMENT: Final = re.compile(rf"{PHASE_CURRENTS}\[([1-9][0-9]*)\]")
 
 
 class Variable(NamedTuple):
@@ -73,21 +62,27 @@ class Connections:
 
     Attributes
     ----------
+    contract : str
+        Contract that it answers by.
     signals : tuple of str
         Fields of the Sense that it takes, phase currents apart.
     input_references : tuple of int
         Their value references, then those of the phase currents.
     phase_currents : int
         Number of phase currents that it takes; 0 for none.
+    outputs : tuple of tuple of str and int
+        Fields of the command that it gives, each with its number of values.
     output_references : tuple of int
-        Value references of current reference, advance angle and, where there is one, input power.
+        Value references of these, one for an array.
     parameters : tuple of Parameter
         What it reads of the nameplate.
     """
 
+    contract: ContractName
     signals: tuple[str, ...]
     input_references: tuple[int, ...]
     phase_currents: int
+    outputs: tuple[tuple[str, int], ...]
     output_references: tuple[int, ...]
     parameters: tuple[Parameter, ...]
 
@@ -95,41 +90,71 @@ class Connections:
 class Mismatch(Exception):
     """The variables of an FMU are not those of a controller."""
 
-    def __init__(self, problems: Sequence[str]) -> None:
+    def __init__(self, ports: Ports, problems: Sequence[str]) -> None:
         super().__init__(", ".join(problems))
+        self.ports = ports
 
 
 def connections_of(variables: Iterable[Variable], version: int) -> Connections:
-    """Connect the variables of an FMU."""
+    """Connect the variables of an FMU, by the contract that its outputs are of."""
     by_name = {variable.name: variable for variable in variables}
+    ports = DUTY if any(_is_part_of(DUTY_RATIOS, variable) for variable in by_name.values()) else CURRENT
     problems: list[str] = []
-    required = [
-        *((name, "input") for name in REQUIRED_INPUTS),
-        *((name, "output") for name in REQUIRED_OUTPUTS),
+    for names, causality in ((ports.inputs, "input"), (ports.outputs, "output")):
+        for name in names:
+            problems += _problems_of(name, causality, by_name, version)
+    signals = ports.inputs + _given(ports.more_inputs, "input", by_name, version, problems)
+    scalars = ports.outputs + _given(ports.more_outputs, "output", by_name, version, problems)
+    arrays = [
+        (name, _array(name, "output", by_name, version, problems))
+        for name in (*ports.arrays, *ports.more_arrays)
     ]
-    for name, causality in required:
-        problems += _problems_of(name, causality, by_name, version)
-    optional = [(name, causality) for name, causality in ((TIME, "input"), (INPUT_POWER, "output"))]
-    for name, causality in optional:
-        if name in by_name and by_name[name].causality == causality:
-            problems += _type_problems(by_name[name], version)
-    currents = _phase_currents(by_name, version, problems)
-    problems += _unknown_inputs(by_name, currents)
-    parameters = _parameters(by_name, version, problems)
+    problems += [
+        f"'{name}' has {_values(array)} values, but must have 3, one for each leg"
+        for name, array in arrays
+        if (array or name in ports.arrays) and _values(array) != LEGS
+    ]
+    currents = _array(PHASE_CURRENTS, "input", by_name, version, problems)
+    problems += _unknown_inputs(ports, by_name, currents)
+    parameters = _parameters(ports, by_name, version, problems)
     if problems:
-        raise Mismatch(problems)
-    with_time = TIME in by_name and by_name[TIME].causality == "input"
-    signals = ((TIME,) if with_time else ()) + REQUIRED_INPUTS
-    with_power = INPUT_POWER in by_name and by_name[INPUT_POWER].causality == "output"
-    outputs = REQUIRED_OUTPUTS + ((INPUT_POWER,) if with_power else ())
+        raise Mismatch(ports, problems)
+    taken = tuple(name for name in ports.fields if name in signals)
+    given = [(name, array) for name, array in arrays if array]
+    given += [(name, (by_name[name],)) for name in scalars]
     return Connections(
-        tuple(name for name in Sense._fields if name in signals),
-        tuple(by_name[name].value_reference for name in Sense._fields if name in signals)
+        ports.contract,
+        taken,
+        tuple(by_name[name].value_reference for name in taken)
         + tuple(current.value_reference for current in currents),
-        sum(current.shape[0] if current.shape else 1 for current in currents),
-        tuple(by_name[name].value_reference for name in outputs),
+        _values(currents),
+        tuple((name, _values(carriers)) for name, carriers in given),
+        tuple(carrier.value_reference for _, carriers in given for carrier in carriers),
         parameters,
     )
+
+
+def _is_part_of(name: str, variable: Variable) -> bool:
+    return variable.causality == "output" and variable.name.partition("[")[0] == name
+
+
+def _values(carriers: Iterable[Variable]) -> int:
+    """Count the values that variables carry."""
+    return sum(carrier.shape[0] if carrier.shape else 1 for carrier in carriers)
+
+
+def _given(
+    names: Iterable[str],
+    causality: str,
+    by_name: Mapping[str, Variable],
+    version: int,
+    problems: list[str],
+) -> tuple[str, ...]:
+    """Find those of some variables that there are."""
+    found = tuple(name for name in names if name in by_name and by_name[name].causality == causality)
+    for name in found:
+        problems += _type_problems(by_name[name], version)
+    return found
 
 
 def _problems_of(name: str, causality: str, by_name: Mapping[str, Variable], version: int) -> list[str]:
@@ -154,25 +179,26 @@ def _type_problems(variable: Variable, version: int, kinds: tuple[str, ...] = ()
     return []
 
 
-def _phase_currents(
-    by_name: Mapping[str, Variable], version: int, problems: list[str]
+def _array(
+    name: str, causality: str, by_name: Mapping[str, Variable], version: int, problems: list[str]
 ) -> tuple[Variable, ...]:
-    """Find the phase currents: one array, or its elements one by one."""
-    array = by_name.get(PHASE_CURRENTS)
-    if array is not None and array.causality == "input":
+    """Find what carries several values: one array, or its elements one by one."""
+    array = by_name.get(name)
+    if array is not None and array.causality == causality:
         if len(array.shape) != 1 or array.kind != REAL[version]:
             problems.append(
-                f"'{PHASE_CURRENTS}' must be an array of {REAL[version]} with one dimension, or inputs "
-                f"'{PHASE_CURRENTS}[1]' and so on"
+                f"'{name}' must be an array of {REAL[version]} with one dimension, or {causality}s "
+                f"'{name}[1]' and so on"
             )
         return (array,)
+    pattern = re.compile(rf"{name}\[([1-9][0-9]*)\]")
     elements = {
         int(match[1]): variable
-        for name, variable in by_name.items()
-        if variable.causality == "input" and (match := _ELEMENT.fullmatch(name))
+        for own, variable in by_name.items()
+        if variable.causality == causality and (match := pattern.fullmatch(own))
     }
     problems += [
-        f"there is no input '{PHASE_CURRENTS}[{index}]'"
+        f"there is no {causality} '{name}[{index}]'"
         for index in range(1, min(max(elements, default=0), 64))
         if index not in elements
     ]
@@ -181,22 +207,27 @@ def _phase_currents(
     return tuple(elements[index] for index in sorted(elements))
 
 
-def _unknown_inputs(by_name: Mapping[str, Variable], currents: tuple[Variable, ...]) -> list[str]:
-    known = {*REQUIRED_INPUTS, TIME, *(current.name for current in currents)}
+def _unknown_inputs(
+    ports: Ports, by_name: Mapping[str, Variable], currents: tuple[Variable, ...]
+) -> list[str]:
+    own = (*ports.inputs, *ports.more_inputs)
+    known = {*own, *(current.name for current in currents)}
     return [
         f"nothing is known of the input '{one_line(name)}' (the nearest known one is "
-        f"'{nearest(name, [*REQUIRED_INPUTS, TIME, PHASE_CURRENTS])}')"
+        f"'{nearest(name, [*own, PHASE_CURRENTS])}')"
         for name, variable in by_name.items()
         if variable.causality == "input" and name not in known
     ]
 
 
-def _parameters(by_name: Mapping[str, Variable], version: int, problems: list[str]) -> tuple[Parameter, ...]:
+def _parameters(
+    ports: Ports, by_name: Mapping[str, Variable], version: int, problems: list[str]
+) -> tuple[Parameter, ...]:
     found = []
-    for name, field in PARAMETERS.items():
+    for name, field in ports.parameters.items():
         variable = by_name.get(name)
         if variable is None or variable.causality != "parameter":
             continue
-        problems += _type_problems(variable, version, _INTEGERS[version] if field in _WHOLE else ())
+        problems += _type_problems(variable, version, _INTEGERS[version] if field in ports.whole else ())
         found.append(Parameter(field, variable.value_reference, variable.kind))
     return tuple(found)

@@ -30,7 +30,11 @@ DUTY_PWR_1 = Check(
     level="required",
     limit="1e-9 of the throughput in every control period",
     scenarios="every run",
-    formula="1 - greatest |link - copper - core - devices - shaft - stored| / throughput / 1e-9",
+    formula=(
+        "1 - greatest |link - copper - core - devices - shaft - stored| / throughput / 1e-9; a throughput counts as "
+        "1e-6 of what the link and the current limit exchange in the period at least, below which rounding is all "
+        "there is"
+    ),
     why="Every comparison of losses rests on it. It is drivegate's own obligation, not the candidate's.",
     evaluate=balanced_energy,
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from types import MappingProxyType
 from typing import Final, TypeAlias
 
 from drivegate.candidates.kinds import KINDS
@@ -19,8 +20,8 @@ from drivegate.studies.campaign.row import RowRequest, run_row
 from drivegate.studies.campaign.run import packed, run_chunk
 from drivegate.studies.campaign.table import table_bytes
 
-_REHEARSED: Final = "published"
-"""A candidate that fails checks, so that what only failures need is compiled too."""
+REHEARSED: Final = MappingProxyType({"current": "published", "duty": "foc-mtpa"})
+"""A candidate of each contract that fails checks, so that what only failures need is compiled too."""
 
 ReportProgress: TypeAlias = Callable[[int, int], None]
 """Takes the number of runs that are kept so far, and how many of them were there before."""
@@ -67,7 +68,7 @@ def rehearse(plan: CampaignPlan) -> None:
     """
     step = plan.campaign.runs_per_candidate // len(plan.cases)
     requests = [RowRequest(plan.run(place * step).scenario, plan.checks) for place in range(len(plan.cases))]
-    with WorkerPool(resolve_candidate(_REHEARSED), workers=1) as pool:
+    with WorkerPool(resolve_candidate(REHEARSED[plan.contract]), workers=1) as pool:
         deque(pool.map([Job(_rehearsed, requests)]), maxlen=0)
 
 

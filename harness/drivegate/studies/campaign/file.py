@@ -96,7 +96,9 @@ class Campaign(Document):
     def _are_checks(cls, names: tuple[str, ...] | None) -> tuple[str, ...] | None:
         from drivegate.studies.campaign.row import JUDGED_CHECKS
 
-        _refuse_unknown(names or (), JUDGED_CHECKS, "check that a campaign judges")
+        # Of which contract the cases are is known only when they have been found.
+        known = tuple(dict.fromkeys(name for checks in JUDGED_CHECKS.values() for name in checks))
+        _refuse_unknown(names or (), known, "check that a campaign judges")
         return names
 
     @field_validator("grid")

@@ -11,14 +11,17 @@ from pathlib import Path
 import numpy as np
 
 from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.contract import ANSWERS
 from drivegate.candidates.kinds import WHOLE_FILE_SUFFIXES
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.drives.choice import require_contract
 from drivegate.scenarios.parameters import SPREADABLE
 from drivegate.studies.campaign.file import Campaign
 from drivegate.studies.campaign.parameters import drawn, with_parameters
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.reference import reference_of
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError
 
@@ -96,12 +99,15 @@ class CampaignPlan:
     cases: tuple[Scenario, ...]
 
     @property
+    def contract(self) -> str:
+        """Contract of its candidates, which the drives of all cases take."""
+        return self.cases[0].drive.contract
+
+    @property
     def checks(self) -> tuple[str, ...]:
         """Checks that judge every run, in the order of the catalogue."""
-        requested = self.campaign.checks
-        return (
-            JUDGED_CHECKS if requested is None else tuple(name for name in JUDGED_CHECKS if name in requested)
-        )
+        known, requested = JUDGED_CHECKS[self.contract], self.campaign.checks
+        return known if requested is None else tuple(name for name in known if name in requested)
 
     @property
     def runs(self) -> int:
@@ -161,8 +167,6 @@ def planned(campaign: Campaign, folder: Path, drive: DriveDocument | None = None
     cases = tuple(load_scenario(beside(text, folder)) for text in campaign.cases)
     if drive is not None:
         cases = tuple(case.replaced(drive=drive) for case in cases)
-    for case in cases:
-        _require_angles(case)
     for noun, names in (
         ("candidates", [candidate.name for candidate in candidates]),
         ("cases", [case.name for case in cases]),
@@ -173,18 +177,41 @@ def planned(campaign: Campaign, folder: Path, drive: DriveDocument | None = None
                     f"two {noun} of the campaign are called '{one_line(name)}', but each needs a name of its own"
                 )
     plan = CampaignPlan(campaign, candidates, cases)
+    _require_one_contract(plan)
+    _require_followed_references(plan)
     plan.check_parameters()
     return plan
 
 
-def _require_angles(case: Scenario) -> None:
-    """Refuse a case whose controllers answer with duty ratios, of which a campaign's rows tell nothing."""
-    if case.drive.contract != "current":
-        raise InputError(
-            f"the case '{one_line(case.name)}' is of the drive '{one_line(case.drive.name)}' of the kind "
-            f"'{case.drive.kind}', but a campaign runs controllers of angles alone; drivegate check --effort nightly "
-            "draws scenarios and plants for this one, and drivegate compare --effort nightly runs a grid of them"
-        )
+def _require_one_contract(plan: CampaignPlan) -> None:
+    """Refuse cases, candidates and checks that are not of one contract: its checks are the columns of all rows."""
+    first = plan.cases[0]
+    for case in plan.cases:
+        if case.drive.contract != plan.contract:
+            raise InputError(
+                f"the case '{one_line(case.name)}' is of a drive that takes {ANSWERS[case.drive.contract]}, but "
+                f"'{one_line(first.name)}' of one that takes {ANSWERS[plan.contract]}; make a campaign of each"
+            )
+        for candidate in plan.candidates:
+            require_contract(candidate, case.drive)
+    for name in plan.campaign.checks or ():
+        if name not in plan.checks:
+            raise InputError(
+                f"the check '{name}' does not judge controllers that answer with {ANSWERS[plan.contract]}, which the "
+                f"campaign's cases take; the checks that do are {', '.join(JUDGED_CHECKS[plan.contract])}"
+            )
+
+
+def _require_followed_references(plan: CampaignPlan) -> None:
+    """Refuse a case with a reference that a candidate declares not to follow."""
+    for case in plan.cases:
+        reference = reference_of(case)
+        for candidate in plan.candidates:
+            if reference not in candidate.declaration.references:
+                raise InputError(
+                    f"the case '{one_line(case.name)}' has a reference of the {reference}, which the candidate "
+                    f"'{one_line(candidate.name)}' declares not to follow; make a campaign of each"
+                )
 
 
 def beside(text: str, folder: Path) -> str:

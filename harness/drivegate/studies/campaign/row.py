@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from math import degrees
-from typing import Any, Final
+from types import MappingProxyType
+from typing import Final
 
 from drivegate.candidates.fault import Fault, bounded_line
-from drivegate.checks.catalogue import CHECKS
-from drivegate.checks.check import judged_elsewhere
+from drivegate.checks.catalogue import CHECKS_OF, check_of
+from drivegate.checks.check import Check, judged_elsewhere
 from drivegate.checks.determinism import DET_1
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.runs.record import RunRecord
+from drivegate.studies.campaign.observations import observed
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import HarnessFault
-from drivegate_models.machine import ledger
-from drivegate_models.units import RPM
 
 PASS: Final = "pass"
 FAIL: Final = "fail"
@@ -31,27 +31,17 @@ HARNESS_FAULT: Final = "harness fault"
 UNCOUNTED: Final = (SET_ASIDE, NOT_JUDGED, HARNESS_FAULT)
 """Verdicts on runs that say nothing about the candidate."""
 
-JUDGED_CHECKS: Final = tuple(
-    check.id
-    for check in CHECKS
-    if check.evaluate is not judged_elsewhere and not check.volatile and check is not DET_1
+JUDGED_CHECKS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        contract: tuple(
+            check.id
+            for check in checks
+            if check.evaluate is not judged_elsewhere and not check.volatile and check is not DET_1
+        )
+        for contract, checks in CHECKS_OF.items()
+    }
 )
-"""Checks that judge a run by itself, whatever the machine."""
-OBSERVATIONS: Final = (
-    "speed_final_rpm",
-    "speed_error_worst_rpm",
-    "current_sum_mean_a",
-    "current_peak_a",
-    "torque_mean_nm",
-    "torque_ripple_worst_percent",
-    "input_power_mean_w",
-    "shaft_power_mean_w",
-    "advance_mean_deg",
-    "energy_residual",
-)
-"""What is observed of every run, in people's units."""
-
-CHECKS_BY_ID: Final = {check.id: check for check in CHECKS}
+"""Checks of each contract that judge a run by itself, whatever the machine."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +77,7 @@ class CampaignRow:
     advisory : tuple of str
         Checks among them that only advise in this run.
     observed : dict
-        Values by the names in `OBSERVATIONS`; empty of a run that did not come to its end.
+        Values by the names in `observations.OBSERVATIONS`; empty of a run that did not come to its end.
     """
 
     verdict: str
@@ -115,47 +105,27 @@ def fault_row(fault: Fault) -> CampaignRow:
 
 
 def _judged(record: RunRecord, checks: tuple[str, ...]) -> CampaignRow:
+    judging = {name: check_of(record.scenario.drive.contract, name) for name in checks}
     margins: list[Margin] = []
-    for name in checks:
-        check = CHECKS_BY_ID[name]
+    for check in judging.values():
         if check.reason_not_applicable(record.declaration, record.scenario.drive) is None:
             margin = check.evaluate(record)
             if margin is not None:
                 margins.append(margin)
     return CampaignRow(
-        _verdict(margins),
+        _verdict(margins, judging),
         margins={margin.check: margin.value for margin in margins},
         measured={margin.check: margin.measured for margin in margins},
         advisory=tuple(margin.check for margin in margins if margin.advisory),
-        observed=_observed(record),
+        observed=observed(record),
     )
 
 
-def _verdict(margins: list[Margin]) -> str:
-    unmet = [CHECKS_BY_ID[margin.check] for margin in margins if not margin.met and not margin.advisory]
+def _verdict(margins: list[Margin], judging: Mapping[str, Check]) -> str:
+    unmet = [judging[margin.check] for margin in margins if not margin.met and not margin.advisory]
     required = [check for check in unmet if check.level == "required"]
     if any(check.subject == "plant" for check in required):
         return HARNESS_FAULT
     if not margins:
         return NOT_JUDGED
     return FAIL if required else PASS
-
-
-def _observed(record: RunRecord) -> dict[str, Any]:
-    run, duration = record.run, record.scenario.duration_s
-    windows = run.windows
-    observed = {
-        "speed_final_rpm": run.observed.speed_final * RPM,
-        "current_sum_mean_a": run.totals[ledger.MAGNITUDE] / duration,
-        "current_peak_a": run.totals[ledger.PEAK],
-        "torque_mean_nm": run.totals[ledger.IMPULSE] / duration,
-        "input_power_mean_w": run.observed.input_energy / duration,
-        "shaft_power_mean_w": run.observed.shaft_energy / duration,
-        "energy_residual": run.observed.exchange_error,
-    }
-    if windows:
-        last = windows[-1]
-        observed["speed_error_worst_rpm"] = max(window.speed_error for window in windows) * RPM
-        observed["torque_ripple_worst_percent"] = max(window.ripple for window in windows) * 100.0
-        observed["advance_mean_deg"] = degrees(last.angle)
-    return {name: float(value) for name, value in observed.items()}

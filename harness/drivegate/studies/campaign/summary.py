@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+from drivegate.checks.catalogue import check_of
 from drivegate.checks.drive_numbers import on_drive
 from drivegate.results.result import finite
 from drivegate.studies.campaign.folder import CampaignFolder
 from drivegate.studies.campaign.plan import CampaignPlan
-from drivegate.studies.campaign.row import CHECKS_BY_ID, HARNESS_FAULT, SET_ASIDE
+from drivegate.studies.campaign.row import HARNESS_FAULT, SET_ASIDE
 from drivegate.studies.campaign.statistics import (
     QUANTILES,
     CandidateStatistics,
@@ -69,7 +70,8 @@ def _candidate(
 
 
 def _check(plan: CampaignPlan, folder: CampaignFolder, place: int, entry: CheckStatistics) -> dict[str, Any]:
-    check = on_drive(CHECKS_BY_ID[entry.check], plan.run(entry.worst_run or 0).scenario.drive)
+    drive = plan.run(entry.worst_run or 0).scenario.drive
+    check = on_drive(check_of(drive.contract, entry.check), drive)
     return {
         "id": entry.check,
         "level": check.level,

@@ -8,8 +8,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from drivegate.studies.campaign.observations import OBSERVATIONS
 from drivegate.studies.campaign.plan import CampaignRun
-from drivegate.studies.campaign.row import OBSERVATIONS, CampaignRow
+from drivegate.studies.campaign.row import CampaignRow
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -38,18 +39,24 @@ def table_bytes(
     import pyarrow
     from pyarrow import parquet
 
-    records = [_record(run, row, parameters, checks) for run, row in zip(runs, rows, strict=True)]
-    table = pyarrow.Table.from_pylist(records, schema=schema(parameters, checks))
+    # All cases of a campaign are of one contract.
+    observations = OBSERVATIONS[runs[0].scenario.drive.contract]
+    records = [
+        _record(run, row, parameters, checks)
+        | {name: (row.observed or {}).get(name) for name in observations}
+        for run, row in zip(runs, rows, strict=True)
+    ]
+    table = pyarrow.Table.from_pylist(records, schema=schema(parameters, checks, observations))
     buffer = io.BytesIO()
     parquet.write_table(table, buffer, compression="zstd", compression_level=3, version="2.6")
     return buffer.getvalue()
 
 
-def schema(parameters: Sequence[str], checks: Sequence[str]) -> pyarrow.Schema:
+def schema(parameters: Sequence[str], checks: Sequence[str], observations: Sequence[str]) -> pyarrow.Schema:
     """Give the columns of a campaign's files."""
     import pyarrow
 
-    columns = (*_FIXED, *parameters, *_JUDGED, *(MARGIN + check for check in checks), *OBSERVATIONS)
+    columns = (*_FIXED, *parameters, *_JUDGED, *(MARGIN + check for check in checks), *observations)
     types = dict.fromkeys(columns, pyarrow.float64())
     types |= dict.fromkeys(_INTEGERS, pyarrow.int64()) | dict.fromkeys(_TEXTS, pyarrow.string())
     return pyarrow.schema(list(types.items()))
@@ -74,7 +81,6 @@ def _record(
         "measured": (row.measured or {}).get(worst, ""),
         "advisory": " ".join(row.advisory),
         **{MARGIN + check: margins.get(check) for check in checks},
-        **{name: (row.observed or {}).get(name) for name in OBSERVATIONS},
     }
 
 

@@ -6,6 +6,7 @@ from typing import Any, Final
 from urllib.parse import quote
 
 from drivegate.candidates.fault import bounded_line
+from drivegate.checks.catalogue import check_of
 from drivegate.checks.drive_numbers import on_drive
 from drivegate.results.counterexample import KIND, Counterexample
 from drivegate.results.provenance import versions
@@ -13,7 +14,6 @@ from drivegate.results.result import finite
 from drivegate.scenarios.size import size_of
 from drivegate.studies.campaign.folder import CampaignFolder
 from drivegate.studies.campaign.plan import CampaignPlan
-from drivegate.studies.campaign.row import CHECKS_BY_ID
 from drivegate.studies.campaign.statistics import CandidateStatistics, CheckStatistics
 from drivegate.studies.campaign.table import columns_of
 from drivegate_cases.documents.document import parse_document
@@ -55,7 +55,8 @@ def _counterexample(
 ) -> str:
     """Write the worst run of a check that it violates, and tell where."""
     worst, candidate = plan.run(entry.worst_run or 0).scenario, plan.candidates[place]
-    check, scenario = on_drive(CHECKS_BY_ID[entry.check], worst.drive), worst.to_mapping()
+    drive, scenario = worst.drive, worst.to_mapping()
+    check = on_drive(check_of(drive.contract, entry.check), drive)
     content = {
         "schema": Counterexample.schema_current,
         "kind": KIND,

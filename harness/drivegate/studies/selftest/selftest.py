@@ -6,9 +6,6 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from drivegate.candidates.builtin.faults.catalogue import MUTATIONS, find_mutation
-from drivegate.candidates.builtin.faults.mutation import Mutation
-from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
 
@@ -21,11 +18,14 @@ if TYPE_CHECKING:
 TITLE = "faulty controllers"
 
 
-def chosen_mutations(names: Sequence[str]) -> tuple[Mutation, ...]:
-    """Find faulty controllers by their names; without any, all."""
-    if not names:
-        return tuple(MUTATIONS.values())
-    return tuple(find_mutation(name.removeprefix(FAULTY_PREFIX)) for name in dict.fromkeys(names))
+def chosen_names(names: Sequence[str], kind: str) -> tuple[str, ...]:
+    """Find faulty controllers for drives of a kind by their names; without any, all."""
+    from drivegate.drives.kinds import DRIVE_KINDS
+    from drivegate.studies.selftest.seeded_fault import chosen_faults
+    from drivegate_cases.drive.drive_document import load_drive
+
+    drive = load_drive(DRIVE_KINDS[kind].default_drive)
+    return tuple(fault.name for fault in chosen_faults(names, drive))
 
 
 def selftested(names: Sequence[str], effort: SelftestEffort, *, designs: bool) -> Matrix:

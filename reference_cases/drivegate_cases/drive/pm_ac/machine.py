@@ -38,3 +38,8 @@ class PmAcMachine(Section):
     def phases(self) -> int:
         """Number of phases."""
         return PHASES
+
+    @property
+    def emf_shape(self) -> str:
+        """Shape of the EMF, by the name that the machines have which can have others."""
+        return "sine"

@@ -1,7 +1,6 @@
 """FMUs as candidates: real ones, built from C, answer like the C they are built from; all others are reported."""
 
 import gc
-import importlib.util
 import io
 import subprocess
 import sys
@@ -16,14 +15,7 @@ from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.candidates.fmu.archive import unpack
 from drivegate.candidates.fmu.instance import FmuError
 from drivegate.candidates.fmu.loading import _unpacked
-from drivegate.candidates.fmu.variables import (
-    INPUT_POWER,
-    PARAMETERS,
-    PHASE_CURRENTS,
-    REQUIRED_INPUTS,
-    REQUIRED_OUTPUTS,
-    TIME,
-)
+from drivegate.candidates.fmu.ports import CURRENT, DUTY, PHASE_CURRENTS
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
@@ -84,17 +76,10 @@ SENSED = """
 """
 
 
-def builder():
-    spec = importlib.util.spec_from_file_location("build_fmu", BUILDER)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 @pytest.fixture(scope="module")
-def workshop(tmp_path_factory):
+def workshop(tmp_path_factory, build_fmu):
     """Build each FMU once, from what is particular of its controller."""
-    folder, build_fmu, built = tmp_path_factory.mktemp("workshop"), builder().build_fmu, {}
+    folder, built = tmp_path_factory.mktemp("workshop"), {}
 
     def make(version=2, *, phases=5, power=False, only_once=False, **parts):
         key = (version, phases, power, only_once, *sorted(parts.items()))
@@ -170,9 +155,9 @@ def refusal_of(fmu):
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_the_example_as_an_fmu_gives_the_trace_of_the_same_source_bit_for_bit(version, tmp_path):
+def test_the_example_as_an_fmu_gives_the_trace_of_the_same_source_bit_for_bit(version, tmp_path, build_fmu):
     source = EXAMPLES / "c" / "controller.c"
-    fmu = builder().build_fmu([source], tmp_path / "example.fmu", fmi=version)
+    fmu = build_fmu([source], tmp_path / "example.fmu", fmi=version)
     scenario = load_scenario("fig5-search").model_copy(update={"duration_s": 6.0})
     traces = [
         run_scenario(scenario, load_controller(resolve_candidate(str(file))), trace_every=1).trace
@@ -283,7 +268,10 @@ def altered_causality(fmu):
 
 def test_the_page_names_every_variable():
     page = (HERE.parents[1] / "docs" / "candidates" / "fmu.md").read_text(encoding="utf-8")
-    names = [*REQUIRED_INPUTS, *REQUIRED_OUTPUTS, TIME, INPUT_POWER, *PARAMETERS, f"{PHASE_CURRENTS}[1]"]
+    names = [f"{PHASE_CURRENTS}[1]"]
+    for ports in (CURRENT, DUTY):
+        names += [*ports.inputs, *ports.more_inputs, *ports.outputs, *ports.more_outputs, *ports.parameters]
+        names += [f"{array}[1]" for array in (*ports.arrays, *ports.more_arrays)]
     assert [name for name in names if f"`{name}`" not in page] == []
 
 

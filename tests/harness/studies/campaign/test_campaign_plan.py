@@ -6,7 +6,6 @@ import pytest
 from drivegate.studies.campaign.file import NormalSpread, UniformSpread, read_campaign
 from drivegate.studies.campaign.parameters import drawn
 from drivegate.studies.campaign.plan import beside, planned
-from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 
 
@@ -104,13 +103,6 @@ def test_a_locked_load_has_no_share(plan, folder, short_case):
     )
     with pytest.raises(InputError, match="has a load of kind 'locked', which has no share"):
         plan(cases=["locked.toml"], grid={"load_share": [1.0]})
-
-
-def test_a_case_of_duty_ratios_is_refused_with_what_to_use_instead(write, folder):
-    campaign, drive = read_campaign(write()), load_drive("pm-ac-surface")
-    with pytest.raises(InputError, match="drivegate check --effort nightly draws") as refused:
-        planned(campaign, folder, drive)
-    assert "of the kind 'pm-ac'" in str(refused.value)
 
 
 def test_chunks_cover_every_run_once_and_never_mix_candidates(plan):

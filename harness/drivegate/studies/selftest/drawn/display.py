@@ -17,11 +17,13 @@ _PER_UNIT: Final = {
     "speed_range": "speeds",
     "emf": "EMF",
     "reactance": "reactance",
+    "saliency": "saliency",
     "resistance": "resistance",
     "current_limit": "current limit",
+    "power": "power",
     "mechanical_time": "J·ω/T, s",
 }
-"""Values of a drive that the table of failed ones has, with their headings."""
+"""Values that the table of failed drives has, as far as their kind has them, with their headings."""
 
 
 def show_drives(console: Console, document: Mapping[str, Any]) -> None:
@@ -32,8 +34,8 @@ def show_drives(console: Console, document: Mapping[str, Any]) -> None:
     _show_faults(console, document)
     reference = document["reference"]
     words = (
-        f"reference passes {_in_words(reference, 'drives')}; {document['rejected_draws']} more were drawn and set "
-        "aside, since no controller can meet their rating"
+        f"{document['candidate']} passes {_in_words(reference, 'drives')}; {document['rejected_draws']} more were "
+        "drawn and set aside, since no controller can meet their rating"
     )
     console.print(plain(words, "green" if document["passed"] else "bold red"))
     if document["faults"]:
@@ -49,7 +51,8 @@ def _show_failed_drives(console: Console, document: Mapping[str, Any]) -> None:
     failed = [drive for drive in document["drives"] if not drive["passed"]]
     if not failed:
         return
-    numbers = ("phases", "W", "V", *_PER_UNIT.values())
+    shown = [key for key in _PER_UNIT if key in failed[0]["per_unit"]]
+    numbers = ("phases", "W", "V", *(_PER_UNIT[key] for key in shown))
     listed = table("drive", "fails", "EMF's shape", *numbers, right=numbers)
     for drive in failed:
         reasons = dict.fromkeys(
@@ -60,7 +63,7 @@ def _show_failed_drives(console: Console, document: Mapping[str, Any]) -> None:
         )
         values = (drive["phases"], drive["rated_power_w"], drive["supply_voltage_v"])
         own = drive["per_unit"]
-        cells = (*(f"{value:g}" for value in values), *(f"{own[key]:.3g}" for key in _PER_UNIT))
+        cells = (*(f"{value:g}" for value in values), *(f"{own[key]:.3g}" for key in shown))
         named = (f"{drive['number']:03d}", ", ".join(reasons), drive["emf_shape"])
         listed.add_row(*map(plain, (*named, *cells)))
     console.print(listed)
@@ -115,7 +118,7 @@ def _next_step(document: Mapping[str, Any]) -> str:
         worst = document["failures"][0]["worst"]
         effort = "" if document["effort"] == "default" else f" --effort {document['effort']}"
         seed = f" --seed {worst['seed']}" if worst["seed"] else ""
-        return f"drivegate check reference --drive {quote(worst['file'])}{effort}{seed}"
+        return f"drivegate check {document['candidate']} --drive {quote(worst['file'])}{effort}{seed}"
     missed = [(fault["name"], number) for fault in document["faults"] for number in fault["missed_on"]]
     files = {drive["number"]: drive["file"] for drive in document["drives"]}
     if missed:

@@ -27,11 +27,12 @@ _LOCK: Final = "selftest.lock"
 class DrivesFolder(ResumedFolder):
     """The folder, held for one self-test alone as long as the context lasts."""
 
-    def __init__(self, place: Path, drawing_seed: int, effort: SelftestEffort) -> None:
+    def __init__(self, place: Path, drive_kind: str, drawing_seed: int, effort: SelftestEffort) -> None:
         super().__init__(place, kind="self-test on drawn drives", manifest=MANIFEST, lock=_LOCK)
         self._ours = {
             "schema": SCHEMA,
             "kind": KIND,
+            "drive_kind": drive_kind,
             "drawing_seed": drawing_seed,
             "effort": effort.name,
             "seeds": effort.seeds,

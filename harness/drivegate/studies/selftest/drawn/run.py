@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.containment.backend import Backend, done_by
-from drivegate.drives.drawn_drives import DrawnDrive, drawn_drive
+from drivegate.drives.drawn_drives import DrawnDrive
+from drivegate.drives.drawn_kinds import DRAWN_KINDS
+from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.gate.warm_up import compile_missing
 from drivegate.output.progress import Display, with_rate
 from drivegate.results.result import finite
@@ -19,6 +20,7 @@ from drivegate.studies.selftest.drawn.gate_row import row_from
 from drivegate.studies.selftest.drawn.summary import JudgedDrive, summarised
 from drivegate.studies.selftest.drawn.tasks import packed, run_faults, run_gate
 from drivegate.studies.selftest.run import SelftestEffort
+from drivegate_cases.drive.drive_document import load_drive
 
 _TOGETHER: Final = 8
 """Most faulty controllers that one task tries."""
@@ -30,34 +32,38 @@ class DrivesRequest:
 
     Attributes
     ----------
+    kind : str
+        Kind of the drives, one of `drivegate.drives.drawn_kinds.DRAWN_KINDS`.
     drives : int
         Number of drives.
     drawing_seed : int
         Seed that they are drawn with.
-    mutations : tuple of Mutation
-        Faulty controllers that are tried on each drive that the reference passes.
+    faults : tuple of str
+        Names of the faulty controllers that are tried on each drive that the controller without a fault passes.
     effort : SelftestEffort
         How much is searched.
     output : Path
         Folder of drives and results.
     """
 
+    kind: str
     drives: int
     drawing_seed: int
-    mutations: tuple[Mutation, ...]
+    faults: tuple[str, ...]
     effort: SelftestEffort
     output: Path
 
 
 def selftest_on_drives(request: DrivesRequest, display: Display) -> dict[str, Any]:
-    """Judge the reference on every drive, and the faulty controllers where it passes."""
+    """Judge the kind's usual controller on every drive, and the faulty ones where it passes."""
     began = time.monotonic()
-    with DrivesFolder(request.output, request.drawing_seed, request.effort) as folder:
-        compile_missing()
+    kind = DRIVE_KINDS[request.kind]
+    with DrivesFolder(request.output, request.kind, request.drawing_seed, request.effort) as folder:
+        compile_missing([load_drive(kind.default_drive)])
         drawn = _drawn(request, folder, display)
         package = packed(request.effort, {number: drive.document for number, drive in drawn.items()})
         backend = Backend(workers=request.effort.workers)
-        made = _judge_reference(list(drawn), package, backend, folder, display)
+        made = _judge_usual(kind.usual_candidate, list(drawn), package, backend, folder, display)
         judged = [
             JudgedDrive(
                 number, drive.document, drive.rejected, _rows(folder, number), folder.drive_path(number)
@@ -65,11 +71,12 @@ def selftest_on_drives(request: DrivesRequest, display: Display) -> dict[str, An
             for number, drive in drawn.items()
         ]
         passed = [drive.number for drive in judged if drive.passed]
-        names = [mutation.name for mutation in request.mutations]
-        items = [(number, name) for number in passed for name in names]
+        items = [(number, name) for number in passed for name in request.faults]
         made += _try_faults(items, package, backend, folder, display)
         trials = {item: folder.kept(*item) or {} for item in items}
-        document = summarised(request.effort, request.drawing_seed, judged, request.mutations, trials)
+        document = summarised(
+            request.kind, request.effort, request.drawing_seed, judged, request.faults, trials
+        )
         folder.write(folder.place / SUMMARY, folder.as_json(finite(document)))
     timing = {"seconds": time.monotonic() - began, "made": made}
     return document | {"output": str(request.output), "timing": timing}
@@ -81,18 +88,23 @@ def _drawn(request: DrivesRequest, folder: DrivesFolder, display: Display) -> di
     report_progress(0, 0)
     drawn = {}
     for number in range(1, request.drives + 1):
-        drawn[number] = drawn_drive(request.drawing_seed, number)
+        drawn[number] = DRAWN_KINDS[request.kind].draw(request.drawing_seed, number)
         folder.keep_drive(number, drawn[number])
         report_progress(number, 0)
     return drawn
 
 
-def _judge_reference(
-    numbers: Sequence[int], package: bytes, backend: Backend, folder: DrivesFolder, display: Display
+def _judge_usual(
+    name: str,
+    numbers: Sequence[int],
+    package: bytes,
+    backend: Backend,
+    folder: DrivesFolder,
+    display: Display,
 ) -> int:
     left = [number for number in numbers if folder.kept(number) is None]
     done = before = len(numbers) - len(left)
-    report_progress = with_rate(display, "reference", len(numbers), "drives")
+    report_progress = with_rate(display, name, len(numbers), "drives")
     report_progress(done, before)
     for number, rows in done_by(backend, run_gate, package, left):
         folder.keep(number, {"number": number, "seeds": [row.document() for row in rows]})

@@ -8,8 +8,8 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from drivegate.candidates.builtin.faults.mutation import Mutation
-from drivegate.drives.drawn_drives import per_unit_values
+from drivegate.drives.drawn_kinds import DRAWN_KINDS
+from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.results.proportion import CONFIDENCE, proportion
 from drivegate.studies.selftest.drawn.folder import KIND, SCHEMA
 from drivegate.studies.selftest.drawn.gate_row import FailedCheck, GateRow
@@ -48,10 +48,11 @@ class JudgedDrive:
 
 
 def summarised(
+    kind: str,
     effort: SelftestEffort,
     drawing_seed: int,
     drives: Sequence[JudgedDrive],
-    mutations: Sequence[Mutation],
+    faults: Sequence[str],
     trials: Mapping[tuple[int, str], Mapping[str, Any]],
 ) -> dict[str, Any]:
     """Write a whole self-test on drawn drives as plain data."""
@@ -60,6 +61,8 @@ def summarised(
     return {
         "schema": SCHEMA,
         "kind": KIND,
+        "drive_kind": kind,
+        "candidate": DRIVE_KINDS[kind].usual_candidate,
         "passed": passed == len(drives),
         "exit_code": 0 if passed == len(drives) else 1,
         "effort": effort.name,
@@ -71,7 +74,7 @@ def summarised(
         "reference": _share(passed, len(drives)),
         "failures": _failures(drives),
         "trials": _share(sum(caught), len(caught)),
-        "faults": [_fault(mutation, trials) for mutation in mutations],
+        "faults": [_fault(name, trials) for name in faults],
         "drives": [_drive(drive) for drive in drives],
     }
 
@@ -108,7 +111,7 @@ def _failure(reason: str, entries: Sequence[tuple[JudgedDrive, GateRow, FailedCh
         "number": drive.number,
         "seed": row.seed,
         "file": str(drive.file),
-        "per_unit": per_unit_values(drive.drive),
+        "per_unit": DRAWN_KINDS[drive.drive.kind].per_unit(drive.drive),
         **asdict(check),
     }
     return {
@@ -118,13 +121,14 @@ def _failure(reason: str, entries: Sequence[tuple[JudgedDrive, GateRow, FailedCh
     }
 
 
-def _fault(mutation: Mutation, trials: Mapping[tuple[int, str], Mapping[str, Any]]) -> dict[str, Any]:
-    own = {number: trial for (number, name), trial in trials.items() if name == mutation.name}
+def _fault(name: str, trials: Mapping[tuple[int, str], Mapping[str, Any]]) -> dict[str, Any]:
+    own = {number: trial for (number, tried), trial in trials.items() if tried == name}
     tried = {number: trial for number, trial in own.items() if applies(trial)}
     missed = [number for number, trial in tried.items() if not trial["caught"]]
     return {
-        "name": mutation.name,
-        "named_check": mutation.check,
+        "name": name,
+        # Of controllers of duty ratios, the machine decides which check must catch a fault.
+        "named_check": " or ".join(dict.fromkeys(str(trial["check"]) for trial in own.values())),
         **_share(len(tried) - len(missed), len(tried)),
         "missed_on": missed,
         "does_not_apply_on": {
@@ -148,6 +152,6 @@ def _drive(judged: JudgedDrive) -> dict[str, Any]:
         "rated_power_w": drive.rating.rated_power_w,
         "supply_voltage_v": drive.inverter.supply_voltage_v,
         "base_speed_rpm": drive.rating.base_speed_rpm,
-        "per_unit": per_unit_values(drive),
+        "per_unit": DRAWN_KINDS[drive.kind].per_unit(drive),
         "seeds": [row.document() for row in judged.rows],
     }

@@ -1,4 +1,4 @@
-"""What is done with one drawn drive, in any process: the reference's gate, and trials of faulty controllers."""
+"""What is done with one drawn drive, in any process: the usual controller's gate, and trials of faulty ones."""
 
 from __future__ import annotations
 
@@ -8,17 +8,15 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any, Final
 
-from drivegate.candidates.builtin.faults.catalogue import find_mutation
-from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.drives.choice import drive_for
-from drivegate.drives.kinds import DEFAULT_KIND
+from drivegate.drives.kinds import kind_of
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import Display
 from drivegate.studies.selftest.correct_designs import CorrectDesign
 from drivegate.studies.selftest.detection import FaultRow
 from drivegate.studies.selftest.drawn.gate_row import GateRow, gate_row
 from drivegate.studies.selftest.run import SelftestEffort, design_check, try_faults
-from drivegate.studies.selftest.seeded_fault import seeded
+from drivegate.studies.selftest.seeded_fault import SeededFault, chosen_faults
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import HarnessFault, InputError
 
@@ -32,7 +30,7 @@ def packed(effort: SelftestEffort, drives: Mapping[int, DriveDocument]) -> bytes
 
 
 def run_gate(package: bytes, number: int) -> list[GateRow]:
-    """Check the reference on a drive with every seed."""
+    """Check the usual controller of its kind on a drive with every seed."""
     effort = _effort(package, number)
     return [_gate(seed, effort) for seed in range(effort.seeds)]
 
@@ -40,13 +38,12 @@ def run_gate(package: bytes, number: int) -> list[GateRow]:
 def run_faults(package: bytes, item: tuple[int, tuple[str, ...]]) -> list[dict[str, Any]]:
     """Put faulty controllers before their checks on a drive, one after another in the same process."""
     number, names = item
-    left = [find_mutation(name) for name in names]
+    effort = _effort(package, number)
+    left = list(chosen_faults(names, drive_for(None, effort.drive)))
     outcomes: list[dict[str, Any]] = []
     while left:
         try:
-            effort = _effort(package, number)
-            drive = drive_for(None, effort.drive)
-            for row in try_faults([seeded(mutation.name, mutation, drive) for mutation in left], effort):
+            for row in try_faults(tuple(left), effort):
                 outcomes.append(_outcome(row))
                 del left[0]
         except (OSError, MemoryError):
@@ -68,18 +65,17 @@ def _outcome(row: FaultRow) -> dict[str, Any]:
     }
 
 
-def _broken(mutation: Mutation, error: Exception) -> dict[str, Any]:
+def _broken(fault: SeededFault, error: Exception) -> dict[str, Any]:
     """Tell of a trial that came to no end; a fault that was not judged is not caught."""
     outcome = {"caught": False, "runs": 0, "also_failing": [], "message": _why(error), "does_not_apply": None}
-    return {"fault": mutation.name, "check": mutation.check} | outcome
+    return {"fault": fault.name, "check": fault.check} | outcome
 
 
 def _gate(seed: int, effort: SelftestEffort) -> GateRow:
-    """Check the reference; a drive that it cannot be judged on is an outcome too, and ends nothing else."""
+    """Check the usual controller; a drive that it cannot be judged on is an outcome too, and ends nothing else."""
     try:
-        return gate_row(
-            finished(design_check(CorrectDesign(DEFAULT_KIND.usual_candidate), seed, effort), Display())
-        )
+        usual = kind_of(drive_for(None, effort.drive)).usual_candidate
+        return gate_row(finished(design_check(CorrectDesign(usual), seed, effort), Display()))
     except (OSError, MemoryError):
         raise
     except Exception as error:

@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.output.console import console_for
 from drivegate.output.progress import Display
 from drivegate.studies.selftest.detection import FaultRow
@@ -21,7 +20,7 @@ from drivegate.studies.selftest.seeded_fault import SeededFault
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import HarnessFault, InputError
 
-MUTATION = MUTATIONS["slope-doubled"]
+FAULT = "slope-doubled"
 FAILED = FailedCheck("CNV-1", -0.5, "moves by 3°", "1°", "at 900 rpm")
 WORSE = replace(FAILED, margin=-0.7, measured="moves by 4°")
 
@@ -42,7 +41,10 @@ def judge(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[tuple[str, int]
             number, names = item
             asked.extend((name, number) for name in names)
             caught = number not in missed
-            return [{"fault": name, "caught": caught, "also_failing": [], "runs": 3} for name in names]
+            return [
+                {"fault": name, "check": "CNV-2", "caught": caught, "also_failing": [], "runs": 3}
+                for name in names
+            ]
 
         monkeypatch.setattr(run, "run_gate", gate)
         monkeypatch.setattr(run, "run_faults", faults)
@@ -53,7 +55,8 @@ def judge(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[tuple[str, int]
 
 def request(folder: Path, drives: int = 3, **changes: Any) -> DrivesRequest:
     return replace(
-        DrivesRequest(drives, 0, (), SelftestEffort("quick", workers=1), folder / "out"), **changes
+        DrivesRequest("half-bridge", drives, 0, (), SelftestEffort("quick", workers=1), folder / "out"),
+        **changes,
     )
 
 
@@ -136,8 +139,8 @@ def test_a_lack_of_memory_is_no_outcome_of_a_drive(monkeypatch: pytest.MonkeyPat
 
 def test_faults_are_tried_only_where_the_reference_passes(judge, tmp_path: Path) -> None:
     asked = judge({2: GateRow(0, "fail", False, 40, (FAILED,))}, missed=(3,))
-    document = selftest_on_drives(request(tmp_path, mutations=(MUTATION,)), Display())
-    assert [number for name, number in asked if name == MUTATION.name] == [1, 3]
+    document = selftest_on_drives(request(tmp_path, faults=(FAULT,)), Display())
+    assert [number for name, number in asked if name == FAULT] == [1, 3]
     (fault,) = document["faults"]
     assert (fault["count"], fault["of"], fault["missed_on"]) == (1, 2, [3])
     assert document["trials"]["share"] == 0.5
@@ -155,7 +158,7 @@ def test_a_fault_that_does_nothing_on_a_drive_is_not_counted_there(
         return [outcome | {"caught": not why, "does_not_apply": why} for outcome in tried(package, item)]
 
     monkeypatch.setattr(run, "run_faults", idle_on_the_first)
-    document = selftest_on_drives(request(tmp_path, mutations=(MUTATION,)), Display())
+    document = selftest_on_drives(request(tmp_path, faults=(FAULT,)), Display())
     (fault,) = document["faults"]
     assert (fault["count"], fault["of"], fault["missed_on"]) == (2, 2, [])
     assert fault["does_not_apply_on"] == {"001": "16 bits hold that"}
@@ -171,9 +174,9 @@ def test_a_trial_that_breaks_ends_no_other(monkeypatch: pytest.MonkeyPatch) -> N
 
     monkeypatch.setattr(tasks, "try_faults", tried)
     package = tasks.packed(SelftestEffort("quick"), {7: load_drive("paper-5-phase")})
-    outcomes = tasks.run_faults(package, (7, (MUTATION.name, "drifts", "slow-step")))
+    outcomes = tasks.run_faults(package, (7, (FAULT, "drifts", "slow-step")))
     told = [(outcome["fault"], outcome["runs"], outcome["message"]) for outcome in outcomes]
-    assert told == [(MUTATION.name, 4, ""), ("drifts", 0, "the plant is lost"), ("slow-step", 4, "")]
+    assert told == [(FAULT, 4, ""), ("drifts", 0, "the plant is lost"), ("slow-step", 4, "")]
 
 
 def test_it_goes_on_where_it_stopped_and_comes_to_the_same(
@@ -210,8 +213,8 @@ def test_more_drives_and_faults_can_be_asked_for_later(judge, tmp_path: Path) ->
     judge({})
     selftest_on_drives(request(tmp_path, 2), Display())
     asked = judge({})
-    selftest_on_drives(request(tmp_path, 3, mutations=(MUTATION,)), Display())
-    assert asked == [("reference", 3), *((MUTATION.name, number) for number in (1, 2, 3))]
+    selftest_on_drives(request(tmp_path, 3, faults=(FAULT,)), Display())
+    assert asked == [("reference", 3), *((FAULT, number) for number in (1, 2, 3))]
 
 
 @pytest.mark.parametrize(
@@ -261,3 +264,36 @@ def test_a_broken_result_is_refused_with_the_way_out(judge, tmp_path: Path) -> N
 def test_a_row_comes_back_as_it_was_kept() -> None:
     row = GateRow(3, "fail", False, 40, (FAILED, WORSE), "by itself")
     assert row_from(row.document()) == row
+
+
+def test_on_pm_ac_drives_foc_takes_the_place_of_the_reference(judge, tmp_path: Path) -> None:
+    asked = judge({2: GateRow(0, "fail", False, 40, (replace(FAILED, check="FWK-1"),))})
+    document = selftest_on_drives(request(tmp_path, kind="pm-ac", faults=("slow-currents",)), Display())
+    assert [number for name, number in asked if name == "slow-currents"] == [1, 3]
+    assert (document["drive_kind"], document["candidate"]) == ("pm-ac", "foc")
+    assert load_drive(document["drives"][0]["file"]).kind == "pm-ac"
+    text = shown(document)
+    assert "foc passes 2 of 3 drives" in text
+    assert "saliency" in text
+    assert f"next: drivegate check foc --drive {tmp_path}/out/drives/002.toml" in text
+    with pytest.raises(InputError, match="was begun with drive kind pm-ac, not half-bridge"):
+        selftest_on_drives(request(tmp_path), Display())
+
+
+def test_the_controller_and_the_faults_are_those_of_the_drive_s_kind(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[str] = []
+
+    def named(design: Any, *_: object) -> Iterator[Any]:
+        seen.append(design.candidate)
+        raise HarnessFault("seen")
+
+    def tried(faults: tuple[SeededFault, ...], _effort: SelftestEffort) -> Iterator[FaultRow]:
+        seen.extend((fault.name, fault.check) for fault in faults)
+        raise HarnessFault("seen")
+
+    monkeypatch.setattr(tasks, "design_check", named)
+    monkeypatch.setattr(tasks, "try_faults", tried)
+    package = tasks.packed(SelftestEffort("quick"), {7: load_drive("pm-ac-surface")})
+    tasks.run_gate(package, 7)
+    tasks.run_faults(package, (7, ("angle-offset",)))
+    assert seen == ["foc", ("angle-offset", "FWK-1")]

@@ -1,0 +1,84 @@
+"""The names by which variables of an FMU carry what a controller is given and answers, for each contract."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from drivegate.candidates.contract import ContractName
+from drivegate_models.contract.duty.signals import DutyNameplate, DutySense
+from drivegate_models.contract.outer_loop.signals import Nameplate, Sense
+
+PHASE_CURRENTS: Final = "phase_currents"
+"""The input that may be an array, or one input for each phase."""
+DUTY_RATIOS: Final = "duty_ratios"
+"""The output, an array or three of them, by which an FMU is told to answer with duty ratios."""
+LEGS: Final = 3
+"""Values of a variable that has one for each leg."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ports:
+    """The variables of a controller of one contract.
+
+    Attributes
+    ----------
+    contract : str
+        The contract.
+    fields : tuple of str
+        Fields of its Sense, in order.
+    inputs, more_inputs : tuple of str
+        Inputs that a controller must have, and that it may have, phase currents apart.
+    outputs, more_outputs : tuple of str
+        Outputs that are one value each, likewise.
+    arrays, more_arrays : tuple of str
+        Outputs of one value for each leg, likewise.
+    parameters : mapping
+        Field of the nameplate that each parameter receives.
+    whole : tuple of str
+        Those of the fields that are whole numbers.
+    """
+
+    contract: ContractName
+    fields: tuple[str, ...]
+    inputs: tuple[str, ...]
+    more_inputs: tuple[str, ...]
+    outputs: tuple[str, ...] = ()
+    more_outputs: tuple[str, ...] = ()
+    arrays: tuple[str, ...] = ()
+    more_arrays: tuple[str, ...] = ()
+    parameters: Mapping[str, str]
+    whole: tuple[str, ...]
+
+
+def _parameters(fields: tuple[str, ...], renamed: str) -> dict[str, str]:
+    """Name each parameter like its field; one has a longer name, for an input has the short one."""
+    return {f"nominal_{field}" if field == renamed else field: field for field in fields}
+
+
+CURRENT: Final = Ports(
+    contract="current",
+    fields=Sense._fields,
+    inputs=("speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage"),
+    more_inputs=("time",),
+    outputs=("current_reference", "advance_angle"),
+    more_outputs=("input_power",),
+    parameters=_parameters(Nameplate._fields, "half_supply_voltage"),
+    whole=("phases", "pole_pairs", "kind"),
+)
+"""Those of a controller that answers with a current reference and an advance angle."""
+
+DUTY: Final = Ports(
+    contract="duty",
+    fields=DutySense._fields,
+    inputs=("reference",),
+    more_inputs=tuple(name for name in DutySense._fields if name not in ("reference", PHASE_CURRENTS)),
+    # The estimates of angle and speed have the names of inputs.
+    more_outputs=("next_period", "torque", "input_power", "fault"),
+    arrays=(DUTY_RATIOS,),
+    more_arrays=("legs",),
+    parameters=_parameters(DutyNameplate._fields, "supply_voltage"),
+    whole=("kind", "reference_kind", "pole_pairs", "updates", "update_delay"),
+)
+"""Those of a controller that answers with duty ratios."""

@@ -1,0 +1,1 @@
+"""What campaigns of controllers of duty ratios have of their own."""
