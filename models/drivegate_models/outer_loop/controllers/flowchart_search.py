@@ -80,6 +80,25 @@ def rest_or_confirm(state: Any, power: float) -> None:
 
 
 @inlined
+def may_widen(state: Any) -> bool:
+    """Return whether the steps toward less angle have become small, and a whole one still fits.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    bool
+        Once for a load; never on the way to more angle, near a forbidden one, or where small steps look for the edge.
+    """
+    room: bool = state.offset - state.first_step >= state.forbidden + MARGIN
+    small: bool = state.direction < 0.0 and state.step < state.first_step
+    return room and small and state.retried == 0 and state.widened == 0
+
+
+@inlined
 def move(state: Any, power: float, change: float) -> None:
     """Take the next step, by as much as the forbidden angle leaves; rest where nothing is left.
 
@@ -145,10 +164,16 @@ def decide_guarded(state: Any) -> None:
     slack = max(state.power_tolerance * power, noise_of_power(state))
     if abs(change) <= slack:
         state.quiet += 1
-        # One flat step is not yet the optimum, nor are two that together save more than noise.
-        if state.quiet >= 2 and power > state.quiet_from - slack:
-            rest_or_confirm(state, power)
-            return
+        if state.quiet >= 2:
+            if may_widen(state):
+                # What small steps change is less than noise; a larger one shows whether anything is left.
+                state.step = state.first_step
+                state.widened = 1
+                state.quiet = 0
+            # One flat step is not yet the optimum, nor are two that together save more than noise.
+            elif power > state.quiet_from - slack:
+                rest_or_confirm(state, power)
+                return
         state.quiet_from = power - change
     else:
         state.quiet = 0

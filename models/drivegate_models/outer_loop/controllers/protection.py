@@ -115,7 +115,9 @@ def rearm(state: Any) -> None:
     state.regained = -inf
     state.calm_error = inf
     state.confirmed = 0
+    state.widened = 0
     state.jolted_at = inf
+    state.lost_speed = inf
     state.initial_power = 0.0
     begin_settling(state)
 
@@ -261,6 +263,47 @@ def walk_back(state: Any, angle: float, lost: bool) -> None:
 
 
 @inlined
+def falls_on(state: Any, sag: float, period: float) -> bool:
+    """Return whether as much speed again is lost, although the step that began to lose it was given back.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    sag : float
+        Speed reference minus speed (rad/s).
+    period : float
+        Control period in the drive's own time (s).
+
+    Returns
+    -------
+    bool
+        False as long as the angle that was given back has had no time to act.
+    """
+    falling: bool = sag > state.lost_speed + ALARM * state.speed_tolerance
+    return falling and state.count * period >= _DWELL
+
+
+@inlined
+def walk_farther_back(state: Any, sag: float) -> None:
+    """Give back more angle, since the speed falls on after the step that began to lose it was given back.
+
+    Past the current of greatest torque more current reference gives less, so that the regulator would wind up where the
+    angle has the torque in steady state.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sag : float
+        Speed reference minus speed (rad/s).
+    """
+    state.integral = min(state.integral, state.good_integral)
+    walk_back(state, max(state.first_step, min(-0.5 * state.offset, 2.0 * state.first_step)), True)
+    state.lost_speed = sag
+
+
+@inlined
 def seek_torque(state: Any, gained: float) -> None:
     """Climb from the initial angle, which cannot give the torque, to one that can; in growing steps.
 
@@ -280,6 +323,31 @@ def seek_torque(state: Any, gained: float) -> None:
     state.regained = gained
     # An angle at which speed returns, only slowly, has the torque and is not forbidden.
     walk_back(state, state.climb, gained <= 0.0 and state.climb > 0.0)
+
+
+@inlined
+def raise_angle(state: Any, gained: float, missing: float) -> None:
+    """Add angle where a regulator at its limit does not return the speed.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    gained : float
+        Speed gained at the limit (rad/s).
+    missing : float
+        Speed reference minus speed (rad/s).
+    """
+    state.saturated_run = 0
+    # Below the initial angle torque must return soon; at it, a heavy load may take its time to accelerate.
+    required = missing * _DWELL / _REGAIN
+    if state.offset >= 0.0:
+        required = min(missing / _REGAIN, _SLOWEST_REGAIN * state.base_speed) * _CLIMB_DWELL
+    if gained <= required and missing > 0.0:
+        if state.offset < 0.0:
+            walk_back(state, state.first_step, gained <= 0.0)
+        else:
+            seek_torque(state, gained)
 
 
 @inlined
@@ -347,6 +415,9 @@ def guard_regulation(
         # The integral has wound up in vain; with the old angle goes the old current.
         state.integral = state.good_integral
         walk_back(state, -state.moved + _RECOVERY, True)
+        state.lost_speed = sag
+    elif falls_on(state, sag, period):
+        walk_farther_back(state, sag)
     elif is_starved and state.offset < 0.0:
         state.starved_run = 0
         gained = speed - state.starved_mark
@@ -355,15 +426,4 @@ def guard_regulation(
             state.integral = min(state.integral, STARVED * flowing)
             walk_back(state, state.first_step, gained <= 0.0)
     elif state.saturated_run * period >= (_DWELL if state.offset < 0.0 else _CLIMB_DWELL):
-        state.saturated_run = 0
-        gained = speed - state.speed_mark
-        missing = speed_reference - speed
-        # Below the initial angle torque must return soon; at it, a heavy load may take its time to accelerate.
-        required = missing * _DWELL / _REGAIN
-        if state.offset >= 0.0:
-            required = min(missing / _REGAIN, _SLOWEST_REGAIN * state.base_speed) * _CLIMB_DWELL
-        if gained <= required and missing > 0.0:
-            if state.offset < 0.0:
-                walk_back(state, state.first_step, gained <= 0.0)
-            else:
-                seek_torque(state, gained)
+        raise_angle(state, speed - state.speed_mark, sag)

@@ -77,6 +77,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("winding", np.int64),
         ("starved_run", np.int64),
         ("starved_mark", np.float64),
+        # Speed that was lost when a step was last given back; infinite while none is lost.
+        ("lost_speed", np.float64),
         ("climb", np.float64),
         ("regained", np.float64),
         ("worse", np.int64),
@@ -84,6 +86,7 @@ CONTROLLER_STATE: Final = np.dtype(
         ("confirmed", np.int64),
         ("jolted_at", np.float64),
         ("waited", np.int64),
+        ("widened", np.int64),
         ("initial_power", np.float64),
     ],
     align=True,

@@ -32,6 +32,7 @@ from drivegate_models.outer_loop.controllers.protection import (
     is_heavier_load,
     rearm,
     walk_back,
+    walk_farther_back,
 )
 from drivegate_models.outer_loop.controllers.unrest import (
     EXACT,
@@ -89,7 +90,7 @@ def begin_holding(state: Any, power: float) -> None:
 
 
 @inlined
-def is_creeping(state: Any, power: float) -> bool:
+def is_creeping(state: Any, power: float, share: float) -> bool:
     """Return whether the regulator winds up in vain: more current reference for no more current.
 
     Parameters
@@ -98,6 +99,8 @@ def is_creeping(state: Any, power: float) -> bool:
         The state, with what was needed at the last good angle.
     power : float
         Mean current sum of the decision interval (A).
+    share : float
+        Share of the current sum beyond which it is more current.
 
     Returns
     -------
@@ -112,7 +115,7 @@ def is_creeping(state: Any, power: float) -> bool:
     creeping: bool = (
         near
         and state.integral > _CREEP * state.good_integral + _CREEP_LEAST * state.current_limit
-        and power < (1.0 + 0.5 * CHANGED) * known
+        and power < (1.0 + share) * known
     )
     return creeping
 
@@ -134,7 +137,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
         state.rest_power = power
     # A load that comes or goes slowly moves `held_power` along, step off the edge by step.
     changed = has_moved_on(state, power) or is_another_load(state, power, state.held_power)
-    if is_creeping(state, power):
+    if is_creeping(state, power, 0.5 * CHANGED):
         state.integral = state.good_integral
         walk_back(state, state.first_step if uneasy else SMALLEST_STEP, True)
     elif state.quiet <= 0:
@@ -238,8 +241,14 @@ def settle(state: Any, power: float, settled: bool) -> int:
         state.calm_error = max(state.calm_error, state.worst_error)
     if state.quiet < _SETTLED_INTERVALS or wound or is_uneasy(state):
         return WAITING
+    if is_creeping(state, power, CHANGED):
+        # Calm, but wound up on the way back: the next step would be one from too much current reference.
+        state.integral = state.good_integral
+        walk_back(state, SMALLEST_STEP, True)
+        return WAITING
     state.quiet = 0
     state.mode = SEARCHING
+    state.lost_speed = inf
     if state.offset == 0.0:
         state.initial_power = power
     state.climb = 0.5 * state.first_step
@@ -267,7 +276,7 @@ def unwind(state: Any, power: float) -> bool:
         # The reference is beyond what the angle lets flow; without a good angle known, the current counts.
         state.integral = min(state.integral, power / state.conducting_phases)
         angle = state.first_step
-    elif is_creeping(state, power):
+    elif is_creeping(state, power, 0.5 * CHANGED):
         state.integral = state.good_integral
         angle = 0.5 * state.first_step
     else:
@@ -307,6 +316,9 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     state.old_power = power
     if state.mode == HOLDING:
         decide_holding(state, power, change)
+        return WAITING, change
+    if state.mode == SETTLING and state.error > state.lost_speed:
+        walk_farther_back(state, state.error)
         return WAITING, change
     if is_uneasy(state) and unwind(state, power):
         return WAITING, change

@@ -4,10 +4,12 @@ import pytest
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.convergence import converges, reaches_optimum
+from drivegate.checks.convergence import converges, reaches_optimum, window_convergence
+from drivegate.drives.drawn_drives import drawn_drive
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import steady_scenario, vehicle_scenario
+from drivegate.scenarios.changes import with_scales
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -20,6 +22,14 @@ RUNS = (
     steady_scenario(BARE_ROTOR, 550.0, power_share=1.0, constant_power=True),
     steady_scenario(BARE_ROTOR, 1500.0, power_share=0.5, constant_power=False),
 )
+# Past the current of greatest torque, more current reference gives less torque.
+FALLING_ON = (
+    with_scales(
+        steady_scenario(drawn_drive(0, 9).document, 645.0, power_share=1.0, constant_power=True),
+        inductance=1.2,
+    ),
+    steady_scenario(drawn_drive(0, 60).document, 4840.0, power_share=0.5, constant_power=False),
+)
 
 
 @pytest.mark.parametrize("scenario", RUNS, ids=lambda scenario: f"{scenario.drive.name}, {scenario.name}")
@@ -29,3 +39,14 @@ def test_the_search_rests_at_the_optimum(scenario: Scenario) -> None:
     for check in (converges, reaches_optimum):
         margin = check(record)
         assert margin is None or margin.advisory or margin.met, margin
+
+
+@pytest.mark.parametrize(
+    "scenario", FALLING_ON, ids=lambda scenario: f"{scenario.drive.name}, {scenario.name}"
+)
+def test_a_speed_that_falls_on_is_caught_before_the_regulator_winds_up(scenario: Scenario) -> None:
+    candidate = resolve_candidate("reference")
+    record = RunRecord(scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration)
+    for window in record.windows():
+        value, measured = window_convergence(window)
+        assert value >= 0.0, measured
