@@ -15,14 +15,9 @@ from drivegate_models.outer_loop.controllers.another_load import (
     may_step_farther,
     rearm_unless_repeated,
 )
-from drivegate_models.outer_loop.controllers.protection import (
-    MARGIN,
-    SMALLEST_STEP,
-    begin_settling,
-    forget_other_load,
-    may_retry,
-    take_step,
-)
+from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, forget_other_load, may_retry
+from drivegate_models.outer_loop.controllers.protection import begin_settling, take_step
+from drivegate_models.outer_loop.controllers.state import SMALLEST_STEP
 from drivegate_models.outer_loop.controllers.unrest import JOLT, is_uneasy, noise_of_power
 from drivegate_models.outer_loop.controllers.watch import BEGINNING, WAITING, begin_holding, watch_search
 

@@ -10,21 +10,9 @@ from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.outer_loop.controllers.forbidden_angle import allow_all_angles, forbid
+from drivegate_models.outer_loop.controllers.state import HOLDING, SETTLING, SMALLEST_STEP
 
-SETTLING: Final = 0
-"""Mode: command or load has changed; wait until the current sum repeats."""
-SEARCHING: Final = 1
-"""Mode: each decision moves the angle."""
-HOLDING: Final = 2
-"""Mode: the optimum is found; wait for a change."""
-
-STEPPED_OFF: Final = -1
-"""Count of quiet intervals while holding, right after a step off the edge."""
-
-SMALLEST_STEP: Final = radians(0.24)
-"""Least step of a search (rad electrical)."""
-MARGIN: Final = radians(0.2)
-"""Distance that a search keeps from a forbidden angle (rad electrical)."""
 STARVED: Final = 3.0
 """Times the current that flows by which the current reference of a starved winding exceeds it."""
 SLACK: Final = 0.04
@@ -36,8 +24,6 @@ ALARM: Final = 0.3
 _SUPPLY_MOVED = 0.02
 # Given back besides the step, so that the walk back does not end on the edge itself.
 _RECOVERY = radians(0.3)
-# Of the first step. A larger one costs speed that would come back.
-_SURE_STEP = 1.2
 # Dwell times (s, in the drive's own time). The climb waits least: the load takes speed away faster than steps of a
 # degree return it.
 _STARVED_DWELL = 0.03
@@ -48,13 +34,7 @@ _REGAIN = 0.25
 # Of base speed (1/s).
 _SLOWEST_REGAIN = 0.04
 _LONGEST_CLIMB = radians(8.0)
-# Current sums, over that at which an angle was forbidden, that mean another load.
-_LIGHTER = 0.88
-_HEAVIER = 1.35
 _HEAVIER_THAN_HELD = 1.1
-# Mostly more than the way back to the initial angle explains, as long as the current sum there is not known.
-_HEAVIER_LOAD = 1.6
-_SAME_AS_INITIAL = 1.03
 
 
 @inlined
@@ -78,19 +58,6 @@ def begin_settling(state: Any) -> None:
     state.saturated_run = 0
     state.starved_run = 0
     state.waited = 0
-
-
-@inlined
-def allow_all_angles(state: Any) -> None:
-    """Drop the forbidden angle.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    """
-    state.forbidden = -inf
-    state.lost_at = -inf
 
 
 @inlined
@@ -120,101 +87,6 @@ def rearm(state: Any) -> None:
     state.lost_speed = inf
     state.initial_power = 0.0
     begin_settling(state)
-
-
-@inlined
-def forbid(state: Any) -> None:
-    """Forbid the present angle and those below it, for a load as heavy as the present one.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    """
-    # A step just made off the edge while holding is not to blame for what came before it.
-    blamed = state.offset - (SMALLEST_STEP if state.mode == HOLDING and state.quiet == STEPPED_OFF else 0.0)
-    state.forbidden = max(state.forbidden, blamed)
-    # Down a small step, or held: the angle is to blame, not the way on which the speed was lost.
-    if state.mode == HOLDING or -_SURE_STEP * state.first_step <= state.moved < 0.0:
-        state.lost_at = max(state.lost_at, blamed)
-    # What has been held is known better than the interval in which it was lost.
-    state.forbidden_power = state.held_power if state.mode == HOLDING else state.last_power
-
-
-@inlined
-def may_retry(state: Any) -> bool:
-    """Return whether angles are forbidden only since the speed was on its way back, and there is room among them.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-
-    Returns
-    -------
-    bool
-        Once for a load.
-    """
-    room = state.offset - state.lost_at >= SMALLEST_STEP + MARGIN
-    doubtful: bool = state.forbidden - state.lost_at > 2.0 * state.first_step
-    return state.retried == 0 and room and doubtful
-
-
-@inlined
-def is_way_back(state: Any, power: float) -> bool:
-    """Return whether the way back to the initial angle explains a current sum, under the load that is known.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-    power : float
-        Mean current sum of the decision interval (A).
-
-    Returns
-    -------
-    bool
-        False as long as the current sum at the initial angle is not known.
-    """
-    explained: bool = power <= _SAME_AS_INITIAL * state.initial_power
-    return explained
-
-
-@inlined
-def is_heavier_load(state: Any, power: float) -> bool:
-    """Return whether the load is much heavier than the one under which an angle was forbidden.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-    power : float
-        Mean current sum of the decision interval (A).
-
-    Returns
-    -------
-    bool
-        Whether the current sum is more than the way back to the initial angle makes of it.
-    """
-    heavier: bool = power > _HEAVIER_LOAD * state.forbidden_power
-    return heavier and not is_way_back(state, power)
-
-
-@inlined
-def forget_other_load(state: Any, power: float) -> None:
-    """Drop the forbidden angle where it was forbidden under another load.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    power : float
-        Mean current sum of the decision interval (A).
-    """
-    heavier = power > _HEAVIER * state.forbidden_power and not is_way_back(state, power)
-    if power < _LIGHTER * state.forbidden_power or heavier:
-        # A lighter load has a lower edge; and a load that has become much heavier costs speed at any angle.
-        allow_all_angles(state)
 
 
 @inlined

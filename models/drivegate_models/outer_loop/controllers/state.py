@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import radians
 from typing import Final
 
 import numpy as np
@@ -12,6 +13,17 @@ FLOWCHART: Final = 1
 """The search of Fig. 4, literally."""
 GUARDED: Final = 2
 """The search with the additions that its counterexamples made necessary."""
+
+SETTLING: Final = 0
+"""Mode: command or load has changed; wait until the current sum repeats."""
+SEARCHING: Final = 1
+"""Mode: each decision moves the angle."""
+HOLDING: Final = 2
+"""Mode: the optimum is found; wait for a change."""
+STEPPED_OFF: Final = -1
+"""Count of quiet intervals while holding, right after a step off the edge."""
+SMALLEST_STEP: Final = radians(0.24)
+"""Least step of a search (rad electrical)."""
 
 CONTROLLER_STATE: Final = np.dtype(
     [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.outer_loop.controllers.protection import SEARCHING
+from drivegate_models.outer_loop.controllers.state import SEARCHING
 
 EXACT: Final = 1e-9
 """Greatest error of a speed that an encoder shows as exact by chance (rad/s): by rounding alone."""

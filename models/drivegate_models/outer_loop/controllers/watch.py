@@ -18,21 +18,21 @@ from drivegate_models.outer_loop.controllers.another_load import (
     load_has_changed,
     rearm_unless_repeated,
 )
+from drivegate_models.outer_loop.controllers.forbidden_angle import allow_all_angles, forbid, is_heavier_load
 from drivegate_models.outer_loop.controllers.protection import (
-    HOLDING,
-    SEARCHING,
-    SETTLING,
     SLACK,
-    SMALLEST_STEP,
     STARVED,
-    STEPPED_OFF,
-    allow_all_angles,
     begin_settling,
-    forbid,
-    is_heavier_load,
     rearm,
     walk_back,
     walk_farther_back,
+)
+from drivegate_models.outer_loop.controllers.state import (
+    HOLDING,
+    SEARCHING,
+    SETTLING,
+    SMALLEST_STEP,
+    STEPPED_OFF,
 )
 from drivegate_models.outer_loop.controllers.unrest import (
     EXACT,

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.another_load import greatest_current_sum
-from drivegate_models.outer_loop.controllers.protection import MARGIN, allow_all_angles
+from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, allow_all_angles
 from drivegate_models.outer_loop.controllers.unrest import is_uneasy
 from drivegate_models.outer_loop.designs.state import LOWEST_ANGLE
 

@@ -6,7 +6,8 @@ from math import ceil, radians
 from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.outer_loop.controllers.protection import MARGIN, take_step
+from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN
+from drivegate_models.outer_loop.controllers.protection import take_step
 from drivegate_models.outer_loop.controllers.unrest import is_uneasy, noise_of_power
 from drivegate_models.outer_loop.designs.state import SWEEP
 

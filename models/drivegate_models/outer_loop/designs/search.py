@@ -12,7 +12,9 @@ from drivegate_models.outer_loop.controllers.another_load import (
     greatest_current_sum,
     is_lighter_load,
 )
-from drivegate_models.outer_loop.controllers.protection import HOLDING, MARGIN, forget_other_load, rearm
+from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, forget_other_load
+from drivegate_models.outer_loop.controllers.protection import rearm
+from drivegate_models.outer_loop.controllers.state import HOLDING
 from drivegate_models.outer_loop.controllers.unrest import is_uneasy
 from drivegate_models.outer_loop.controllers.watch import (
     BEGINNING,

@@ -6,7 +6,8 @@ from math import floor, trunc
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.outer_loop.controllers.protection import HOLDING, rearm
+from drivegate_models.outer_loop.controllers.protection import rearm
+from drivegate_models.outer_loop.controllers.state import HOLDING
 from drivegate_models.outer_loop.faults import state as faults
 
 # Of the search at the pace of 1 (s).

@@ -6,7 +6,7 @@ from math import pi, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.outer_loop.controllers.protection import HOLDING
+from drivegate_models.outer_loop.controllers.state import HOLDING
 from drivegate_models.outer_loop.faults import state as faults
 from drivegate_models.outer_loop.faults.state import TABLE_ROWS
 from drivegate_models.units import RPM

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.outer_loop.controllers.protection import HOLDING
+from drivegate_models.outer_loop.controllers.state import HOLDING
 from drivegate_models.outer_loop.faults import state as faults
 from drivegate_models.units import RPM
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.angle_line import initial_angle
-from drivegate_models.outer_loop.controllers.protection import HOLDING, SEARCHING
+from drivegate_models.outer_loop.controllers.state import HOLDING, SEARCHING
 from drivegate_models.outer_loop.faults import state as faults
 
 # What 16 bits of milliamperes span (A).

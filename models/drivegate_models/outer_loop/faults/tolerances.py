@@ -6,7 +6,7 @@ from math import floor, pi
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.outer_loop.controllers.protection import HOLDING
+from drivegate_models.outer_loop.controllers.state import HOLDING
 from drivegate_models.outer_loop.faults import state as faults
 
 _ANGLE_PERIOD: Final = 2.0
