@@ -17,7 +17,7 @@ from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.schedule import Course, steady
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import CONSTANT_POWER, CONSTANT_TORQUE, Load
-from drivegate_models.pm_ac import closed_loop
+from drivegate_models.pm_ac import loop_kernel
 from drivegate_models.pm_ac.closed_loop import run_duty_loop
 from drivegate_models.pm_ac.oracle import CURRENT, least_at
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive
@@ -198,5 +198,5 @@ def test_of_energies_that_are_but_rounding_none_is_missed_and_any_other_is() -> 
     rated, period = 1.0, np.zeros(ledger.ENTRIES)
     for missed, balanced in ((1e-17, True), (1e-12, False)):
         period[ledger.UPPER] = period[ledger.EXCHANGED] = missed * rated
-        balance = closed_loop._balance(0.5, 0.0, 0.0, 0.0, rated, period)
+        balance = loop_kernel._balance(0.5, 0.0, 0.0, 0.0, rated, period)
         assert (balance < 1e-9) is balanced, f"{missed:g} of what is rated is {balance:g} of the throughput"

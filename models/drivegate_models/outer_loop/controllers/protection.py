@@ -287,7 +287,7 @@ def guard_regulation(
         # The integral has wound up in vain; with the old angle goes the old current.
         state.integral = state.good_integral
         walk_back(state, -state.moved + _RECOVERY, True)
-        state.lost_speed = sag
+        state.lost_speed = sag if state.walks_farther == 1 else inf
     elif falls_on(state, sag, period):
         walk_farther_back(state, sag)
     elif is_starved and state.offset < 0.0:

@@ -47,6 +47,9 @@ CONTROLLER_STATE: Final = np.dtype(
         ("speed_tolerance", np.float64),
         ("power_tolerance", np.float64),
         ("least_change", np.float64),
+        # Whether more angle is given back where the speed falls on; what that forbids is tried again only by the
+        # reference.
+        ("walks_farther", np.int64),
         ("first_step", np.float64),
         ("decision_steps", np.int64),
         # Regulator and angle model.
