@@ -97,9 +97,7 @@ def test_drives_are_put_side_by_side_the_same_on_any_number_of_workers(compare, 
 
     # What is measured depends neither on the workers nor on the other drive.
     monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group: [])
-    again = compare("initial", "nonsense", *drives, "--workers", 1, "--output", "one", "--json").document
-    assert again["provenance"]["content_hash"] == document["provenance"]["content_hash"]
-    one_drive = ("--drive", "fan-3-phase", "--output", "alone")
+    one_drive = ("--drive", "fan-3-phase", "--workers", 1, "--output", "alone")
     alone = compare("initial", "nonsense", *one_drive, "--json").document
     kept = ((tmp_path / "two" / "drive-2" / "comparison.json"), (tmp_path / "alone" / "comparison.json"))
     part, by_itself = (json.loads(path.read_text(encoding="utf-8")) for path in kept)
