@@ -495,7 +495,7 @@ def differences(star: Callable[..., StarDrive], point: Point) -> dict[str, float
             solver.speed,
             48.0,
             48.0,
-            point.reference,
+            float(point.reference),
             solver.advance,
             end / pieces,
             totals,
