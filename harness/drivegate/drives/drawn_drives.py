@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor
 from random import Random
@@ -229,18 +229,24 @@ _DRAWN_AS: Final = MappingProxyType(
 
 def _provenance(drive: DriveDocument) -> Provenance:
     """Tell of each value what was drawn, and within which bounds."""
-    values = per_unit_values(drive)
-    told = {
-        table: {key: told_bound(BOUNDS[name], values.get(name)) for key, name in keys.items()}
-        for table, keys in _DRAWN_AS.items()
-    }
+    told = told_bounds(_DRAWN_AS, BOUNDS, per_unit_values(drive))
     told["machine"]["emf_shape"] = f"drawn: a sine in {SINES:.0%} of the drives, a trapezoid in the others"
     if drive.machine.emf_flat_deg is None:
         del told["machine"]["emf_flat_deg"]
     return told
 
 
-def told_bound(bound: Bound, value: float | None) -> str:
+def told_bounds(
+    drawn_as: Mapping[str, Mapping[str, str]], bounds: Mapping[str, Bound], values: Mapping[str, float]
+) -> Provenance:
+    """Tell of each key of each table what was drawn, by the name of the bound that its value follows from."""
+    return {
+        table: {key: _told_bound(bounds[name], values.get(name)) for key, name in keys.items()}
+        for table, keys in drawn_as.items()
+    }
+
+
+def _told_bound(bound: Bound, value: float | None) -> str:
     """Tell what was drawn; what stands in the document itself is not told again."""
     unit = f" {bound.unit}" if bound.unit else ""
     within = f"from {bound.lowest:g} to {bound.highest:g}{unit}"

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Final
 
 from drivegate.drives.drawn_bounds import rounded
-from drivegate.drives.drawn_drives import MOST_DRAWS, DrawnDrive, none_is_met, told_bound
+from drivegate.drives.drawn_drives import MOST_DRAWS, DrawnDrive, none_is_met, told_bounds
 from drivegate.drives.pm_ac_drawn_bounds import DOUBLE, FEWEST_PERIODS, PM_AC_BOUNDS
 from drivegate.drives.pm_ac_reach import unreachable_duty
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -193,11 +193,7 @@ _DRAWN_AS: Final = MappingProxyType(
 
 def _provenance(drive: PmAcDocument) -> Provenance:
     """Tell of each value what was drawn, and within which bounds."""
-    values = pm_ac_per_unit_values(drive)
-    told = {
-        table: {key: told_bound(PM_AC_BOUNDS[name], values.get(name)) for key, name in keys.items()}
-        for table, keys in _DRAWN_AS.items()
-    }
+    told = told_bounds(_DRAWN_AS, PM_AC_BOUNDS, pm_ac_per_unit_values(drive))
     told["inverter"]["carrier"] = f"drawn: double in {DOUBLE:.0%} of the drives, single in the others"
     told["requirements"] = {"rise_periods": "assumed: as the packaged drives have it"}
     return told
