@@ -193,7 +193,7 @@ def test_gitlab_checks_the_same_and_finds_junit(tmp_path: Path) -> None:
     job = GITLAB["gate"]
     installs, checks = job["script"]
     assert INSTALLS.fullmatch(installs)
-    write_candidate("python", "mine", tmp_path / "mine", datetime.now(UTC).date())
+    write_candidate("c", "mine", tmp_path / "mine", datetime.now(UTC).date())
     assert (tmp_path / "mine" / job["variables"]["DRIVEGATE"]).is_file()
     assert job["cache"]["key"]["files"] == [job["variables"]["DRIVEGATE"]]
     ended = ran(checks, tmp_path / "mine", job["variables"])
