@@ -15,12 +15,7 @@ from drivegate_models.outer_loop.controllers.another_load import (
     may_step_farther,
     rearm_unless_repeated,
 )
-from drivegate_models.outer_loop.controllers.forbidden_angle import (
-    MARGIN,
-    allow_doubtful_angles,
-    forget_other_load,
-    may_retry,
-)
+from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, forget_other_load, may_retry
 from drivegate_models.outer_loop.controllers.protection import begin_settling, take_step
 from drivegate_models.outer_loop.controllers.state import SMALLEST_STEP
 from drivegate_models.outer_loop.controllers.unrest import JOLT, is_uneasy, noise_of_power
@@ -120,7 +115,8 @@ def move(state: Any, power: float, change: float) -> None:
     made_worse = change > 0.0 and state.moved != 0.0
     if state.step < SMALLEST_STEP and not made_worse and may_retry(state):
         # In small steps from a calm speed it shows which of the forbidden angles lose the torque.
-        allow_doubtful_angles(state)
+        state.retried = 1
+        state.forbidden = state.lost_at
         state.step = SMALLEST_STEP
         state.improvements = 0
     if state.step < SMALLEST_STEP:

@@ -67,21 +67,8 @@ def may_retry(state: Any) -> bool:
         Once for a load.
     """
     room = state.offset - state.lost_at >= SMALLEST_STEP + MARGIN
-    doubtful: bool = state.forbidden > state.lost_at + 2.0 * state.first_step
+    doubtful: bool = state.forbidden - state.lost_at > 2.0 * state.first_step
     return state.retried == 0 and room and doubtful
-
-
-@inlined
-def allow_doubtful_angles(state: Any) -> None:
-    """Forbid no more than what has lost the torque by a small step, so that small steps try the others again.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    """
-    state.retried = 1
-    state.forbidden = state.lost_at
 
 
 @inlined

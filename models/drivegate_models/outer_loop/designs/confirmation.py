@@ -11,13 +11,7 @@ from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.another_load import greatest_current_sum
-from drivegate_models.outer_loop.controllers.forbidden_angle import (
-    MARGIN,
-    allow_all_angles,
-    allow_doubtful_angles,
-    may_retry,
-)
-from drivegate_models.outer_loop.controllers.state import SMALLEST_STEP
+from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, allow_all_angles
 from drivegate_models.outer_loop.controllers.unrest import is_uneasy, noise_of_regulator
 from drivegate_models.outer_loop.designs.state import LOWEST_ANGLE
 
@@ -38,7 +32,7 @@ ABOVE: Final = 4
 _LIGHT = 0.15
 # A speed that is never calmer than this share of k1 is that of an encoder or of Hall switches; and the share of the
 # current sum from which on what the regulator makes of it may lead over the edge.
-_SENSED = 0.023
+_SENSED = 0.045
 _NOISY = 0.0028
 _STRIDE = radians(0.8)
 _GROWTH = 1.5
@@ -108,11 +102,6 @@ def begin_confirmation(state: Any) -> float:
     state.finished = 0
     state.confirming = AT_ANGLE
     state.stride = _STRIDE
-    if may_retry(controller):
-        # Long steps cost speed that would come back: small strides show which of these angles lose the torque.
-        allow_doubtful_angles(controller)
-        controller.step = SMALLEST_STEP
-        controller.improvements = 0
     state.best_offset = max(state.best_offset, lowest_rest(controller))
     found: float = state.best_offset
     return found

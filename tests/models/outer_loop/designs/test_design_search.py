@@ -170,20 +170,6 @@ def test_a_rest_keeps_off_the_edge_that_a_small_step_has_shown(noisy: bool) -> N
     assert lowest_rest(controller) >= controller.forbidden, "what is forbidden is never returned to"
 
 
-def test_what_long_steps_have_forbidden_is_tried_again_by_small_ones() -> None:
-    state = loaded_state(SWEEP, 40.0)
-    controller = state.controller
-    controller.offset, controller.step = math.radians(-11.0), math.radians(2.0)
-    controller.forbidden, controller.lost_at = math.radians(-11.5), -math.inf
-    state.best_offset = math.radians(-11.0)
-    assert math.degrees(begin_confirmation(state)) == pytest.approx(-11.0)
-    assert controller.forbidden == -math.inf
-    assert math.degrees(controller.step) == pytest.approx(0.24)
-    controller.forbidden = math.radians(-13.0)
-    begin_confirmation(state)
-    assert math.degrees(controller.forbidden) == pytest.approx(-13.0), "once for a load"
-
-
 def test_no_angle_is_gone_to_aside_that_costs_more_than_the_optimum_allows() -> None:
     state = loaded_state(GOLDEN_SECTION, 10.0)
     state.best_power = 10.0
