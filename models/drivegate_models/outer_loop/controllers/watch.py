@@ -64,6 +64,8 @@ _RESTLESS = 0.003
 _WINDING = 0.005
 _IDLE = 0.002
 _WOUND = 3
+# First steps beyond which the last step of a climb says nothing of the edge any more.
+_FAR_CLIMB = 4.0
 
 
 @inlined
@@ -251,6 +253,9 @@ def settle(state: Any, power: float, settled: bool) -> int:
     state.lost_speed = inf
     if state.offset == 0.0:
         state.initial_power = power
+    if abs(state.climb) > _FAR_CLIMB * state.first_step:
+        # Climbed in growing steps, the angle is as far from the edge as the initial angle mostly is.
+        state.step = state.first_step
     state.climb = 0.5 * state.first_step
     state.regained = -inf
     return BEGINNING

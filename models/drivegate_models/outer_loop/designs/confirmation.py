@@ -12,7 +12,7 @@ from typing import Any, Final
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.another_load import greatest_current_sum
 from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, allow_all_angles
-from drivegate_models.outer_loop.controllers.unrest import is_uneasy
+from drivegate_models.outer_loop.controllers.unrest import is_uneasy, noise_of_regulator
 from drivegate_models.outer_loop.designs.state import LOWEST_ANGLE
 
 OFF_EDGE: Final = radians(0.8)
@@ -30,12 +30,39 @@ ABOVE: Final = 4
 """Angles above are tried as long as they are cheaper."""
 
 _LIGHT = 0.15
+# A speed that is never calmer than this share of k1 is that of an encoder or of Hall switches; and the share of the
+# current sum from which on what the regulator makes of it may lead over the edge.
+_SENSED = 0.045
+_NOISY = 0.0028
 _STRIDE = radians(0.8)
 _GROWTH = 1.5
 _LONGEST_STRIDE = radians(2.0)
 _CHEAPER = 0.001
 _OTHER_EDGE = 0.97
 _OTHER_LOAD = 0.05
+
+
+@inlined
+def lowest_rest(controller: Any) -> float:
+    """Return the lowest angle to rest at: farther from the edge where the sensors' noise is no small part of the sum.
+
+    Parameters
+    ----------
+    controller : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    float
+        Offset from the initial angle (rad electrical).
+    """
+    sensed = controller.calm_error > _SENSED * controller.speed_tolerance
+    noisy = sensed and noise_of_regulator(controller) > _NOISY * controller.last_power
+    # A small step shows the edge a little late, and the way back from it forbids more than that.
+    known = controller.lost_at > -inf
+    edge = 0.5 * (controller.lost_at + controller.forbidden) if known else controller.forbidden
+    lowest: float = max(edge + (2.0 * OFF_EDGE if noisy else OFF_EDGE), controller.forbidden + MARGIN)
+    return lowest
 
 
 @inlined
@@ -71,10 +98,11 @@ def begin_confirmation(state: Any) -> float:
     float
         Offset to probe (rad electrical).
     """
+    controller = state.controller
     state.finished = 0
     state.confirming = AT_ANGLE
     state.stride = _STRIDE
-    state.best_offset = max(state.best_offset, state.controller.forbidden + OFF_EDGE)
+    state.best_offset = max(state.best_offset, lowest_rest(controller))
     found: float = state.best_offset
     return found
 

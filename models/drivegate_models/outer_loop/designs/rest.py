@@ -36,6 +36,8 @@ _SWING = 0.008
 _SWINGING = 3
 _ASIDE = radians(0.7)
 _ASIDE_OF_UNREST = radians(0.9)
+# Over the current sum at the angle found.
+_DEAREST_ASIDE = 1.006
 
 
 @inlined
@@ -105,7 +107,7 @@ def creeps(state: Any) -> bool:
 
 @inlined
 def stands_still(state: Any) -> bool:
-    """Take in a decision interval; where the current sum beats or its reference creeps, aim a little higher.
+    """Take in a decision interval; where the sum beats or its reference creeps, aim a little higher, at little cost.
 
     Parameters
     ----------
@@ -140,7 +142,8 @@ def stands_still(state: Any) -> bool:
     # At light load the current sum takes long to settle: what counts is that it swings, or that the speed does.
     unrest = not loaded and (state.restless >= _RESTLESS or state.swings >= _SWINGING)
     beats = loaded and state.most - state.least > _BEATING * power + noise_of_regulator(controller)
-    if unrest or beats or creeps(state):
+    affordable = power < _DEAREST_ASIDE * state.best_power + noise_of_regulator(controller)
+    if affordable and (unrest or beats or creeps(state)):
         state.best_offset = controller.offset + (_ASIDE_OF_UNREST if unrest else _ASIDE)
         aim(state, state.best_offset)
         begin_watch(state)

@@ -30,6 +30,7 @@ from drivegate_models.outer_loop.designs.confirmation import (
     begin_confirmation,
     continue_confirmation,
     is_worth_confirming,
+    lowest_rest,
 )
 from drivegate_models.outer_loop.designs.golden_section import begin_golden_section, continue_golden_section
 from drivegate_models.outer_loop.designs.probe import aim, approach, is_reached, is_read
@@ -47,9 +48,9 @@ from drivegate_models.outer_loop.designs.sweep import begin_sweep, continue_swee
 from drivegate_models.outer_loop.designs.table import MOST_LOOKUPS, look_up
 
 MOST_DECISIONS: Final = 44
-"""Decisions after which a search ends with the cheapest angle so far."""
+"""Decisions after which a search is given up for the table."""
 LATEST_DECISION: Final = 50
-"""Decisions after which the confirmation ends, too."""
+"""Decisions after which confirmation and table end with the cheapest angle so far."""
 
 # Steps of two degrees explain more than one of a degree; upward they are rarer.
 _FALL = 0.25
@@ -59,6 +60,24 @@ _LOAD_CHANGED = 0.015
 _LEAST_TO_SEARCH = 0.2
 # Of the greatest current sum.
 _SMALLEST_CHANGE = 0.4 / 104.0
+
+
+@inlined
+def is_light(controller: Any) -> bool:
+    """Return whether the load is so light that the current sum says little to search by: the table knows more.
+
+    Parameters
+    ----------
+    controller : record of CONTROLLER_STATE
+        The state.
+
+    Returns
+    -------
+    bool
+        About the decision interval just ended.
+    """
+    light: bool = controller.last_power < _LEAST_TO_SEARCH * greatest_current_sum(controller)
+    return light
 
 
 @inlined
@@ -134,9 +153,7 @@ def begin_search(state: Any) -> float:
     state.home_power = state.controller.last_power
     state.best_offset = state.home
     state.best_power = state.home_power
-    # At light load the current sum says little to search by, whatever the search: the table knows more.
-    light = state.home_power < _LEAST_TO_SEARCH * greatest_current_sum(state.controller)
-    state.tabled = 1 if state.design == ANGLE_TABLE or light else 0
+    state.tabled = 1 if state.design == ANGLE_TABLE or is_light(state.controller) else 0
     state.finished = 0
     state.confirming = UNCONFIRMED
     state.stage = 0
@@ -180,7 +197,7 @@ def settle_for(state: Any, offset: float) -> None:
     while state.finished == 0 and requested < state.controller.forbidden + MARGIN:
         requested = next_probe(state, inf)
     if state.finished == 1:
-        requested = max(state.best_offset, state.controller.forbidden + OFF_EDGE)
+        requested = max(state.best_offset, lowest_rest(state.controller))
         begin_watch(state)
     aim(state, requested)
 
@@ -199,8 +216,47 @@ def is_late(state: Any) -> bool:
     bool
         About the decisions made since it began.
     """
-    late: bool = state.decisions >= (MOST_DECISIONS if state.confirming == UNCONFIRMED else LATEST_DECISION)
+    searching = state.tabled == 0 and state.confirming == UNCONFIRMED
+    late: bool = state.decisions >= (MOST_DECISIONS if searching else LATEST_DECISION)
     return late
+
+
+@inlined
+def should_resort_to_table(state: Any) -> bool:
+    """Return whether a search cannot end in time, or has too little current to search by.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        The state.
+
+    Returns
+    -------
+    bool
+        False once it was given up.
+    """
+    late = state.confirming == UNCONFIRMED and is_late(state)
+    return state.tabled == 0 and (late or is_light(state.controller))
+
+
+@inlined
+def resort_to_table(state: Any) -> float:
+    """Give the search up for the table.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+
+    Returns
+    -------
+    float
+        Offset to probe (rad electrical).
+    """
+    state.tabled = 1
+    state.confirming = UNCONFIRMED
+    state.probes = 0
+    return look_up(state, state.controller.last_power)
 
 
 @inlined
@@ -259,11 +315,14 @@ def accept_way_back(state: Any) -> None:
         return
     state.best_offset = controller.offset
     state.best_power = controller.last_power
-    # The way back may have been too long for the load that has grown; a table tells by how much.
+    # The way back may have been too long for the load that has grown; a table tells by how much, or small strides do.
     if state.design == ANGLE_TABLE and state.probes < MOST_LOOKUPS:
         state.finished = 0
         state.decisions = 0
         state.target = look_up(state, controller.last_power)
+    elif state.tabled == 0 and controller.offset > lowest_rest(controller):
+        state.decisions = 0
+        state.target = begin_confirmation(state)
 
 
 @inlined
@@ -328,7 +387,10 @@ def decide_design(state: Any) -> None:
     if controller.good_power == inf:
         # Without a good angle: command, supply or load has changed.
         settle_for(state, begin_search(state))
+    elif state.finished == 0 and should_resort_to_table(state):
+        settle_for(state, resort_to_table(state))
     elif state.finished == 0 and is_late(state):
+        note_cheapest(state)
         state.finished = 1
         settle_for(state, state.best_offset)
     elif not is_reached(state):

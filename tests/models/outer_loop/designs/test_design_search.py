@@ -6,7 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivegate_models.outer_loop.designs.confirmation import begin_confirmation, continue_confirmation
+from drivegate_models.outer_loop.designs.confirmation import (
+    AT_ANGLE,
+    UNCONFIRMED,
+    begin_confirmation,
+    continue_confirmation,
+    lowest_rest,
+)
 from drivegate_models.outer_loop.designs.probe import aim, approach
 from drivegate_models.outer_loop.designs.rest import begin_watch, stands_still
 from drivegate_models.outer_loop.designs.search import (
@@ -14,7 +20,9 @@ from drivegate_models.outer_loop.designs.search import (
     begin_search,
     next_probe,
     note_cheapest,
+    resort_to_table,
     settle_for,
+    should_resort_to_table,
 )
 from drivegate_models.outer_loop.designs.state import (
     ANGLE_TABLE,
@@ -36,7 +44,7 @@ def design_state(design: int) -> Any:
     state.line = LINE
     state.controller.first_step = math.radians(1.0)
     state.controller.step = math.radians(1.0)
-    state.controller.forbidden = -math.inf
+    state.controller.forbidden = state.controller.lost_at = -math.inf
     return state
 
 
@@ -124,17 +132,76 @@ def test_at_light_load_the_angle_is_that_of_the_drives_own_table(design: int) ->
     assert there - here == pytest.approx(math.radians(3.0))
 
 
-def first_offset(design: int, current_sum_a: float, *, higher_deg: float = 0.0) -> float:
-    """Begin a search at a current sum of the paper's drive at 1430 rpm."""
+@pytest.mark.parametrize("design", SEARCHES)
+@pytest.mark.parametrize(
+    ("current_sum_a", "decisions", "confirming", "given_up"),
+    [
+        (22.0, MOST_DECISIONS - 1, UNCONFIRMED, False),
+        (22.0, MOST_DECISIONS, UNCONFIRMED, True),
+        (22.0, MOST_DECISIONS, AT_ANGLE, False),
+        (20.0, 5, UNCONFIRMED, True),
+        (20.0, 5, AT_ANGLE, True),
+    ],
+)
+def test_a_search_without_time_or_current_is_given_up_for_the_table(
+    design: int, current_sum_a: float, decisions: int, confirming: int, given_up: bool
+) -> None:
+    state = loaded_state(design, 40.0)
+    begin_search(state)
+    assert state.tabled == 0
+    state.decisions, state.confirming = decisions, confirming
+    state.controller.last_power = current_sum_a
+    assert bool(should_resort_to_table(state)) is given_up
+    if given_up:
+        assert resort_to_table(state) == first_offset(ANGLE_TABLE, current_sum_a)
+        assert not should_resort_to_table(state), "once is enough"
+
+
+@pytest.mark.parametrize("noisy", [False, True])
+def test_a_rest_keeps_off_the_edge_that_a_small_step_has_shown(noisy: bool) -> None:
+    controller = loaded_state(SWEEP, 40.0).controller
+    controller.forbidden, controller.lost_at = math.radians(-20.0), -math.inf
+    controller.proportional, controller.calm_error = 2.0, 0.05 if noisy else 0.01
+    distance = 1.6 if noisy else 0.8
+    assert math.degrees(lowest_rest(controller)) == pytest.approx(-20.0 + distance), "all that is known"
+    controller.lost_at = math.radians(-21.0)
+    assert math.degrees(lowest_rest(controller)) == pytest.approx(-20.5 + distance)
+    controller.lost_at = math.radians(-24.0)
+    assert lowest_rest(controller) >= controller.forbidden, "what is forbidden is never returned to"
+
+
+def test_no_angle_is_gone_to_aside_that_costs_more_than_the_optimum_allows() -> None:
+    state = loaded_state(GOLDEN_SECTION, 10.0)
+    state.best_power = 10.0
+    state.controller.worst_error = math.inf
+    for power, goes in ((10.05, True), (10.07, False)):
+        state.controller.offset = state.target = 0.0
+        state.controller.last_power = power
+        begin_watch(state)
+        for _ in range(3):
+            stands_still(state)
+        assert bool(state.target > 0.0) is goes, power
+
+
+def loaded_state(design: int, current_sum_a: float) -> Any:
+    """Return the state of a design at a current sum of the paper's drive at 1430 rpm, with the drive's table."""
     state = design_state(design)
     state.table_from, state.table_step = 500.0 * math.pi / 30.0, 50.0 * math.pi / 30.0
-    state.table_sums, state.table_angles = CURRENT_SUMS, np.radians(np.array(ANGLES_DEG) + higher_deg)
+    state.table_sums, state.table_angles = CURRENT_SUMS, np.radians(np.array(ANGLES_DEG))
     state.controller.base_speed = 500.0 * math.pi / 30.0
     state.controller.rated_sum = 1500.0 / 48.0
     state.controller.conducting_phases, state.controller.current_limit = 4.0, 26.0
     state.controller.nominal_voltage = state.controller.supply_voltage = 48.0
+    state.controller.speed_tolerance = 5.0 * math.pi / 30.0
     state.speed = 1430.0 * math.pi / 30.0
     state.controller.last_power = current_sum_a
+    return state
+
+
+def first_offset(design: int, current_sum_a: float, *, higher_deg: float = 0.0) -> float:
+    """Begin a search at a current sum of the paper's drive at 1430 rpm."""
+    state = loaded_state(design, current_sum_a)
+    state.table_angles = np.radians(np.array(ANGLES_DEG) + higher_deg)
     return float(begin_search(state))
 
 
@@ -142,7 +209,7 @@ def test_a_speed_that_never_calms_is_no_place_to_rest() -> None:
     state = design_state(GOLDEN_SECTION)
     state.controller.conducting_phases, state.controller.current_limit = 4.0, 26.0
     state.controller.speed_tolerance = 5.0 * math.pi / 30.0
-    state.controller.last_power = 3.4
+    state.controller.last_power = state.best_power = 3.4
     state.controller.worst_error = 0.07 * math.pi / 30.0
     begin_watch(state)
     rests = [stands_still(state) for _ in range(3)]
