@@ -15,6 +15,25 @@ from drivegate_cases.scenario.scenario import Scenario
 
 FAN, TRACTION, PAPER = map(load_drive, ("fan-3-phase", "traction-7-phase", "paper-5-phase"))
 BARE_ROTOR = PAPER.replaced(name="bare-rotor", inertia_kg_m2=0.2 * PAPER.machine.inertia_kg_m2)
+THRUSTER = PAPER.replaced(
+    name="thruster",
+    advance=None,
+    pole_pairs=6,
+    resistance_ohm=0.097,
+    inductance_h=5.6e-3,
+    emf_constant_v_s_per_rad=0.785,
+    emf_flat_deg=105.0,
+    core_loss_conductance_s=1.7e-3,
+    inertia_kg_m2=0.3,
+    friction_n_m=1.5,
+    supply_voltage_v=200.0,
+    hysteresis_band_a=0.6,
+    base_speed_rpm=900.0,
+    highest_speed_rpm=2700.0,
+    overspeed_rpm=3600.0,
+    rated_power_w=15000.0,
+    current_limit_a=62.5,
+)
 RUNS = (
     steady_scenario(FAN, 5550.0, power_share=0.1, constant_power=False),
     vehicle_scenario(FAN, 6000.0, mass_units=4, gear_units=6, grade_percent=((0.0, 0.0),)),
@@ -39,6 +58,12 @@ def test_the_search_rests_at_the_optimum(scenario: Scenario) -> None:
     for check in (converges, reaches_optimum):
         margin = check(record)
         assert margin is None or margin.advisory or margin.met, margin
+
+
+def test_a_long_climb_for_torque_is_searched_back_by_whole_steps() -> None:
+    steady = steady_scenario(THRUSTER, 2100.0, power_share=1.0, constant_power=True)
+    sagging = steady.replaced(duration_s=38.0, supply_v=((0.0, 200.0), (20.0, 200.0), (20.0, 184.0)))
+    test_the_search_rests_at_the_optimum(sagging)
 
 
 @pytest.mark.parametrize(
