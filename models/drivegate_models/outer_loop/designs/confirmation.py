@@ -12,7 +12,7 @@ from typing import Any, Final
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.another_load import greatest_current_sum
 from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, allow_all_angles
-from drivegate_models.outer_loop.controllers.unrest import is_uneasy, noise_of_regulator
+from drivegate_models.outer_loop.controllers.unrest import is_uneasy
 from drivegate_models.outer_loop.designs.state import LOWEST_ANGLE
 
 OFF_EDGE: Final = radians(0.8)
@@ -30,10 +30,6 @@ ABOVE: Final = 4
 """Angles above are tried as long as they are cheaper."""
 
 _LIGHT = 0.15
-# A speed that is never calmer than this share of k1 is that of an encoder or of Hall switches; and the share of the
-# current sum from which on what the regulator makes of it may lead over the edge.
-_SENSED = 0.045
-_NOISY = 0.0028
 _STRIDE = radians(0.8)
 _GROWTH = 1.5
 _LONGEST_STRIDE = radians(2.0)
@@ -44,7 +40,7 @@ _OTHER_LOAD = 0.05
 
 @inlined
 def lowest_rest(controller: Any) -> float:
-    """Return the lowest angle to rest at: farther from the edge where the sensors' noise is no small part of the sum.
+    """Return the lowest angle to rest at, off the edge that is known.
 
     Parameters
     ----------
@@ -56,12 +52,10 @@ def lowest_rest(controller: Any) -> float:
     float
         Offset from the initial angle (rad electrical).
     """
-    sensed = controller.calm_error > _SENSED * controller.speed_tolerance
-    noisy = sensed and noise_of_regulator(controller) > _NOISY * controller.last_power
     # A small step shows the edge a little late, and the way back from it forbids more than that.
     known = controller.lost_at > -inf
     edge = 0.5 * (controller.lost_at + controller.forbidden) if known else controller.forbidden
-    lowest: float = max(edge + (2.0 * OFF_EDGE if noisy else OFF_EDGE), controller.forbidden + MARGIN)
+    lowest: float = max(edge + OFF_EDGE, controller.forbidden + MARGIN)
     return lowest
 
 

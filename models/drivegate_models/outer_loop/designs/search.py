@@ -47,10 +47,12 @@ from drivegate_models.outer_loop.designs.state import (
 from drivegate_models.outer_loop.designs.sweep import begin_sweep, continue_sweep
 from drivegate_models.outer_loop.designs.table import MOST_LOOKUPS, look_up
 
-MOST_DECISIONS: Final = 44
+LONGEST_SEARCH: Final = 40
 """Decisions after which a search is given up for the table."""
+MOST_DECISIONS: Final = 44
+"""Decisions after which the table is left with the cheapest angle so far."""
 LATEST_DECISION: Final = 50
-"""Decisions after which confirmation and table end with the cheapest angle so far."""
+"""Decisions after which the confirmation ends, too."""
 
 # Steps of two degrees explain more than one of a degree; upward they are rarer.
 _FALL = 0.25
@@ -216,8 +218,7 @@ def is_late(state: Any) -> bool:
     bool
         About the decisions made since it began.
     """
-    searching = state.tabled == 0 and state.confirming == UNCONFIRMED
-    late: bool = state.decisions >= (MOST_DECISIONS if searching else LATEST_DECISION)
+    late: bool = state.decisions >= (MOST_DECISIONS if state.confirming == UNCONFIRMED else LATEST_DECISION)
     return late
 
 
@@ -235,7 +236,7 @@ def should_resort_to_table(state: Any) -> bool:
     bool
         False once it was given up.
     """
-    late = state.confirming == UNCONFIRMED and is_late(state)
+    late = state.confirming == UNCONFIRMED and state.decisions >= LONGEST_SEARCH
     return state.tabled == 0 and (late or is_light(state.controller))
 
 

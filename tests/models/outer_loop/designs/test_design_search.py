@@ -16,6 +16,7 @@ from drivegate_models.outer_loop.designs.confirmation import (
 from drivegate_models.outer_loop.designs.probe import aim, approach
 from drivegate_models.outer_loop.designs.rest import begin_watch, stands_still
 from drivegate_models.outer_loop.designs.search import (
+    LONGEST_SEARCH,
     MOST_DECISIONS,
     begin_search,
     next_probe,
@@ -136,9 +137,9 @@ def test_at_light_load_the_angle_is_that_of_the_drives_own_table(design: int) ->
 @pytest.mark.parametrize(
     ("current_sum_a", "decisions", "confirming", "given_up"),
     [
-        (22.0, MOST_DECISIONS - 1, UNCONFIRMED, False),
-        (22.0, MOST_DECISIONS, UNCONFIRMED, True),
-        (22.0, MOST_DECISIONS, AT_ANGLE, False),
+        (22.0, LONGEST_SEARCH - 1, UNCONFIRMED, False),
+        (22.0, LONGEST_SEARCH, UNCONFIRMED, True),
+        (22.0, LONGEST_SEARCH, AT_ANGLE, False),
         (20.0, 5, UNCONFIRMED, True),
         (20.0, 5, AT_ANGLE, True),
     ],
@@ -157,12 +158,10 @@ def test_a_search_without_time_or_current_is_given_up_for_the_table(
         assert not should_resort_to_table(state), "once is enough"
 
 
-@pytest.mark.parametrize("noisy", [False, True])
-def test_a_rest_keeps_off_the_edge_that_a_small_step_has_shown(noisy: bool) -> None:
+def test_a_rest_keeps_off_the_edge_that_a_small_step_has_shown() -> None:
     controller = loaded_state(SWEEP, 40.0).controller
     controller.forbidden, controller.lost_at = math.radians(-20.0), -math.inf
-    controller.proportional, controller.calm_error = 2.0, 0.05 if noisy else 0.01
-    distance = 1.6 if noisy else 0.8
+    distance = 0.8
     assert math.degrees(lowest_rest(controller)) == pytest.approx(-20.0 + distance), "all that is known"
     controller.lost_at = math.radians(-21.0)
     assert math.degrees(lowest_rest(controller)) == pytest.approx(-20.5 + distance)
