@@ -43,6 +43,26 @@ def greatest_current_sum(state: Any) -> float:
 
 
 @inlined
+def draws_less_than(state: Any, share: float) -> bool:
+    """Return whether less than a share of the greatest current sum has flown in the last decision interval.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    share : float
+        Of the greatest current sum (1).
+
+    Returns
+    -------
+    bool
+        About its mean current sum.
+    """
+    less: bool = state.last_power < share * greatest_current_sum(state)
+    return less
+
+
+@inlined
 def differs(state: Any, power: float, known: float, share: float, either_way: float) -> bool:
     """Return whether a current sum is another one than a known one.
 

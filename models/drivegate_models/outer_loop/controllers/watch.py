@@ -12,7 +12,7 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.another_load import (
     CHANGED,
     TUNED_SUM,
-    greatest_current_sum,
+    draws_less_than,
     has_moved_on,
     is_another_load,
     load_has_changed,
@@ -192,8 +192,7 @@ def is_unloaded(state: Any) -> bool:
     bool
         About its mean current sum.
     """
-    unloaded: bool = state.last_power < _SMALLEST_POWER * greatest_current_sum(state)
-    return unloaded
+    return draws_less_than(state, _SMALLEST_POWER)
 
 
 @inlined

@@ -92,11 +92,10 @@ def begin_confirmation(state: Any) -> float:
     float
         Offset to probe (rad electrical).
     """
-    controller = state.controller
     state.finished = 0
     state.confirming = AT_ANGLE
     state.stride = _STRIDE
-    state.best_offset = max(state.best_offset, lowest_rest(controller))
+    state.best_offset = max(state.best_offset, lowest_rest(state.controller))
     found: float = state.best_offset
     return found
 

@@ -13,7 +13,7 @@ from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.outer_loop.controllers.another_load import greatest_current_sum
+from drivegate_models.outer_loop.controllers.another_load import draws_less_than
 from drivegate_models.outer_loop.controllers.unrest import EXACT, noise_of_regulator
 from drivegate_models.outer_loop.designs.confirmation import is_worth_confirming
 from drivegate_models.outer_loop.designs.probe import aim
@@ -37,7 +37,7 @@ _SWING = 0.008
 _SWINGING = 3
 _ASIDE = radians(0.7)
 _ASIDE_OF_UNREST = radians(0.9)
-# Over the current sum at the angle found.
+# Over the current sum at the angle found; and the share of the greatest one below which there is too little to save.
 _DEAREST_ASIDE = 1.006
 _LITTLE = 0.08
 
@@ -145,11 +145,10 @@ def stands_still(state: Any) -> bool:
     swings_on = not loaded and state.swings >= _SWINGING
     unrest = swings_on or (not loaded and state.restless >= _RESTLESS)
     beats = loaded and state.most - state.least > _BEATING * power + noise_of_regulator(controller)
-    affordable = power < _DEAREST_ASIDE * state.best_power + noise_of_regulator(controller)
-    # So little power is not worth saving.
-    affordable = affordable or power < _LITTLE * greatest_current_sum(controller)
+    cheap = power < _DEAREST_ASIDE * state.best_power + noise_of_regulator(controller)
     # A current sum that swings is no rest at any price.
-    if swings_on or (affordable and (unrest or beats or creeps(state))):
+    affordable = swings_on or cheap or draws_less_than(controller, _LITTLE)
+    if affordable and (unrest or beats or creeps(state)):
         state.best_offset = controller.offset + (_ASIDE_OF_UNREST if unrest else _ASIDE)
         aim(state, state.best_offset)
         begin_watch(state)

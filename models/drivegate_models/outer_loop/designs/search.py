@@ -9,7 +9,7 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.another_load import (
     LOAD_CHANGED,
     differs,
-    greatest_current_sum,
+    draws_less_than,
     is_lighter_load,
 )
 from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, forget_other_load
@@ -59,27 +59,10 @@ _FALL = 0.25
 _RISE = 0.135
 _LATEST_TO_CONFIRM = 38
 _LOAD_CHANGED = 0.015
+# At lighter load the current sum says little to search by, whatever the search: the table knows more.
 _LEAST_TO_SEARCH = 0.2
 # Of the greatest current sum.
 _SMALLEST_CHANGE = 0.4 / 104.0
-
-
-@inlined
-def is_light(controller: Any) -> bool:
-    """Return whether the load is so light that the current sum says little to search by: the table knows more.
-
-    Parameters
-    ----------
-    controller : record of CONTROLLER_STATE
-        The state.
-
-    Returns
-    -------
-    bool
-        About the decision interval just ended.
-    """
-    light: bool = controller.last_power < _LEAST_TO_SEARCH * greatest_current_sum(controller)
-    return light
 
 
 @inlined
@@ -155,7 +138,8 @@ def begin_search(state: Any) -> float:
     state.home_power = state.controller.last_power
     state.best_offset = state.home
     state.best_power = state.home_power
-    state.tabled = 1 if state.design == ANGLE_TABLE or is_light(state.controller) else 0
+    light = draws_less_than(state.controller, _LEAST_TO_SEARCH)
+    state.tabled = 1 if state.design == ANGLE_TABLE or light else 0
     state.finished = 0
     state.confirming = UNCONFIRMED
     state.stage = 0
@@ -237,12 +221,12 @@ def should_resort_to_table(state: Any) -> bool:
         False once it was given up.
     """
     late = state.confirming == UNCONFIRMED and state.decisions >= LONGEST_SEARCH
-    return state.tabled == 0 and (late or is_light(state.controller))
+    return state.tabled == 0 and (late or draws_less_than(state.controller, _LEAST_TO_SEARCH))
 
 
 @inlined
 def resort_to_table(state: Any) -> float:
-    """Give the search up for the table.
+    """Take the angle from the table from now on.
 
     Parameters
     ----------
@@ -276,8 +260,7 @@ def go_on(state: Any) -> float:
     """
     if state.design == ANGLE_TABLE:
         state.finished = 0
-        state.probes = 0
-        return look_up(state, state.controller.last_power)
+        return resort_to_table(state)
     # The optimum has moved with the load, but not so far that all has to be searched again.
     state.best_offset = state.controller.offset
     return begin_confirmation(state)

@@ -161,10 +161,9 @@ def test_a_search_without_time_or_current_is_given_up_for_the_table(
 def test_a_rest_keeps_off_the_edge_that_a_small_step_has_shown() -> None:
     controller = loaded_state(SWEEP, 40.0).controller
     controller.forbidden, controller.lost_at = math.radians(-20.0), -math.inf
-    distance = 0.8
-    assert math.degrees(lowest_rest(controller)) == pytest.approx(-20.0 + distance), "all that is known"
+    assert math.degrees(lowest_rest(controller)) == pytest.approx(-20.0 + 0.8), "all that is known"
     controller.lost_at = math.radians(-21.0)
-    assert math.degrees(lowest_rest(controller)) == pytest.approx(-20.5 + distance)
+    assert math.degrees(lowest_rest(controller)) == pytest.approx(-20.5 + 0.8)
     controller.lost_at = math.radians(-24.0)
     assert lowest_rest(controller) >= controller.forbidden, "what is forbidden is never returned to"
 
