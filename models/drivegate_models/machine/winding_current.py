@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import factorial, inf
+from typing import NamedTuple
 
 import numpy as np
 
@@ -75,6 +76,62 @@ _square_12 = _polynomial(_square_12_term)
 _square_22 = _polynomial(_square_22_term)
 
 
+class Phis(NamedTuple):
+    """The phi functions of one time; windings of one R/L share them."""
+
+    x: float
+    """R t / L (1)."""
+    first: float
+    second: float
+    third: float
+    fourth: float
+
+
+@inlined
+def phis_at(x: float) -> Phis:
+    """Return the phi functions of orders one to four.
+
+    Parameters
+    ----------
+    x : float
+        R t / L, at most `LONGEST`.
+
+    Returns
+    -------
+    Phis
+        Written so that little waits for phi4.
+    """
+    square = x * x
+    p4 = phi4(x)
+    return Phis(
+        x,
+        (1.0 - x * (0.5 - x * (1.0 / 6.0))) - (x * square) * p4,
+        (0.5 - x * (1.0 / 6.0)) + square * p4,
+        1.0 / 6.0 - x * p4,
+        p4,
+    )
+
+
+@inlined
+def current_by(start: float, slope: float, curvature: float, time: float, phis: Phis) -> tuple[float, float]:
+    """Return the current and its slope as `current_after` does, by phi functions that are known already.
+
+    Parameters
+    ----------
+    start, slope, curvature, time : float
+        As in `current_after`.
+    phis : Phis
+        Those of the time.
+
+    Returns
+    -------
+    current, slope : float
+        (A), (A/s).
+    """
+    current = start + time * (slope * phis.first - curvature * time * phis.second)
+    return current, slope * (1.0 - phis.x * phis.first) - curvature * time * phis.first
+
+
 @inlined
 def current_after(
     start: float, slope: float, curvature: float, rate: float, time: float
@@ -101,14 +158,7 @@ def current_after(
     slope : float
         (A/s).
     """
-    x = rate * time
-    # Written so that little waits for phi4.
-    square = x * x
-    p4 = phi4(x)
-    phi2 = (0.5 - x * (1.0 / 6.0)) + square * p4
-    phi1 = (1.0 - x * (0.5 - x * (1.0 / 6.0))) - (x * square) * p4
-    current = start + time * (slope * phi1 - curvature * time * phi2)
-    return current, slope * (1.0 - x * phi1) - curvature * time * phi1
+    return current_by(start, slope, curvature, time, phis_at(rate * time))
 
 
 @inlined
@@ -253,6 +303,54 @@ def crossing_time(
     return _root(start, slope, curvature, rate, level, turn, end, rising)
 
 
+class Squares(NamedTuple):
+    """The series of one time in the integral of the squared current; windings of one R/L share them."""
+
+    slope: float
+    mixed: float
+    curvature: float
+
+
+@inlined
+def squares_at(x: float) -> Squares:
+    """Return the series of R t / L that weigh squared slope, slope times curvature, and squared curvature."""
+    return Squares(_square_11(x), _square_12(x), _square_22(x))
+
+
+@inlined
+def integrals_by(
+    start: float, slope: float, curvature: float, time: float, phis: Phis, squares: Squares
+) -> tuple[float, float, float, float, float]:
+    """Return the current and its integrals as `current_integrals` does, by series that are known already.
+
+    Parameters
+    ----------
+    start, slope, curvature, time : float
+        As in `current_integrals`.
+    phis : Phis
+        Those of the time.
+    squares : Squares
+        Those of the time.
+
+    Returns
+    -------
+    end, end_slope, first, second, square : float
+        As from `current_integrals`.
+    """
+    rise = slope * time
+    bend = curvature * time * time
+    end = start + rise * phis.first - bend * phis.second
+    end_slope = slope * (1.0 - phis.x * phis.first) - curvature * time * phis.first
+    first = time * (start + rise * phis.second - bend * phis.third)
+    second = time * time * (0.5 * start + rise * phis.third - bend * phis.fourth)
+    square = time * (
+        start * (start + 2.0 * (rise * phis.second - bend * phis.third))
+        + rise * (rise * squares.slope - 2.0 * bend * squares.mixed)
+        + bend * bend * squares.curvature
+    )
+    return end, end_slope, first, second, square
+
+
 @inlined
 def current_integrals(
     start: float, slope: float, curvature: float, rate: float, time: float
@@ -280,20 +378,4 @@ def current_integrals(
         Integral of i**2 (A2 s).
     """
     x = rate * time
-    square_x = x * x
-    p4 = phi4(x)
-    p3 = 1.0 / 6.0 - x * p4
-    p2 = (0.5 - x * (1.0 / 6.0)) + square_x * p4
-    p1 = (1.0 - x * (0.5 - x * (1.0 / 6.0))) - (x * square_x) * p4
-    rise = slope * time
-    bend = curvature * time * time
-    end = start + rise * p1 - bend * p2
-    end_slope = slope * (1.0 - x * p1) - curvature * time * p1
-    first = time * (start + rise * p2 - bend * p3)
-    second = time * time * (0.5 * start + rise * p3 - bend * p4)
-    square = time * (
-        start * (start + 2.0 * (rise * p2 - bend * p3))
-        + rise * (rise * _square_11(x) - 2.0 * bend * _square_12(x))
-        + bend * bend * _square_22(x)
-    )
-    return end, end_slope, first, second, square
+    return integrals_by(start, slope, curvature, time, phis_at(x), squares_at(x))

@@ -8,9 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.machine.winding_current import crossing_time, current_after
-from drivegate_models.star.plant.drive import StarDrive
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.machine.winding_current import Phis, crossing_time, current_by, phis_at
 from drivegate_models.star.plant.neutral import TIE, Neutral
 from drivegate_models.star.plant.places import HELD
 from drivegate_models.star.plant.regulation import comparator_level
@@ -33,10 +32,10 @@ class Event(NamedTuple):
 
 
 @inlined
-def bound_motion(drive: StarDrive, circuit: Circuit, place: Any) -> None:
+def bound_motion(circuit: Circuit, place: Any) -> None:
     """Set the levels between which the current of a moving phase has no event (A)."""
     floor, ceiling = levels_of(Staircase(place.first, place.second, place.gate), place.tread)
-    level, side = comparator_level(drive, circuit, place)
+    level, side = comparator_level(circuit, place)
     if side > 0:
         ceiling = min(ceiling, level)
     elif side < 0:
@@ -46,12 +45,11 @@ def bound_motion(drive: StarDrive, circuit: Circuit, place: Any) -> None:
 
 
 @inlined
-def _of_current(circuit: Circuit, place: Any, start: float, length: float) -> tuple[float, float]:
+def _of_current(rate: float, place: Any, start: float, length: float, phis: Phis) -> tuple[float, float]:
     """Return when a moving current comes to one of its levels (s), and to which (A)."""
     slope = place.slope
     curvature = place.curvature
-    rate = circuit.rate
-    end, end_slope = current_after(start, slope, curvature, rate, length)
+    end, end_slope = current_by(start, slope, curvature, length, phis)
     time = inf
     level = 0.0
     if place.ceiling < inf and (slope > 0.0 or end_slope > 0.0 or end >= place.ceiling):
@@ -63,6 +61,18 @@ def _of_current(circuit: Circuit, place: Any, start: float, length: float) -> tu
             time = falling
             level = place.floor
     return time, level
+
+
+@inlined
+def _mirrors(place: Any, other: Any) -> bool:
+    """Tell whether one moving current is another's negative, and its levels too."""
+    return bool(
+        place.start == -other.start
+        and place.slope == -other.slope
+        and place.curvature == -other.curvature
+        and place.floor == -other.ceiling
+        and place.ceiling == -other.floor
+    )
 
 
 @inlined
@@ -116,9 +126,8 @@ def _of_parting(places: NDArray[Any], tie: float, length: float) -> Event:
     return first
 
 
-@unallocating
+@inlined
 def first_event(
-    drive: StarDrive,
     circuit: Circuit,
     places: NDArray[Any],
     currents: NDArray[np.float64],
@@ -129,8 +138,6 @@ def first_event(
 
     Parameters
     ----------
-    drive : StarDrive
-        The drive's constants.
     circuit : Circuit
         Constants of the advance.
     places : ndarray of PLACE, shape (m,)
@@ -150,14 +157,18 @@ def first_event(
     if neutral.moving == 0:
         return _of_parting(places, TIE * circuit.source, length)
     first = Event(length, -1, -1, 0.0, 0)
+    phis = phis_at(circuit.rate * length)
     for k in range(places.size):
         place = places[k]
         if place.tread == HELD:
             time, side = _of_voltage(place, neutral)
             level = 0.0
         else:
-            bound_motion(drive, circuit, place)
-            time, level = _of_current(circuit, place, currents[k], length)
+            bound_motion(circuit, place)
+            if first.phase >= 0 and first.side == 0 and _mirrors(place, places[first.phase]):
+                # It comes to its level at the very same instant; the search for that is dear.
+                continue
+            time, level = _of_current(circuit.rate, place, currents[k], length, phis)
             side = 0
         if time < first.length or (time == first.length and first.phase < 0 and time < inf):
             first = Event(max(time, 0.0), k, -1, level, side)

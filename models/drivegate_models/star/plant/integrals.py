@@ -7,11 +7,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine import ledger
 from drivegate_models.machine.segments import keep_segment
-from drivegate_models.machine.winding_current import current_after, current_integrals, turning_time
-from drivegate_models.star.plant.drive import StarDrive
+from drivegate_models.machine.winding_current import (
+    Phis,
+    Squares,
+    current_after,
+    integrals_by,
+    phis_at,
+    squares_at,
+    turning_time,
+)
 from drivegate_models.star.plant.neutral import Neutral, shared_middle
 from drivegate_models.star.plant.places import HELD
 from drivegate_models.star.plant.staircase import HIGHEST, LOWEST, MIDDLE, Circuit, tread_voltage
@@ -62,12 +69,10 @@ def span_of(places: NDArray[Any], neutral: Neutral, start: float, length: float)
 
 @inlined
 def _slide(
-    drive: StarDrive,
     circuit: Circuit,
     place: Any,
     span: Span,
     current: float,
-    emf_peak: float,
     totals: NDArray[np.float64],
 ) -> float:
     """Add a phase that the ideal regulator holds at i*; return the integral of its current's magnitude (A s)."""
@@ -95,40 +100,46 @@ def _slide(
     ) * charge
     shape = place.emf_shape
     shape_end = shape + place.shape_rate * length
-    totals[ledger.IMPULSE] += drive.emf_constant * 0.5 * (shape + shape_end) * current * length
+    totals[ledger.IMPULSE] += circuit.emf_constant * 0.5 * (shape + shape_end) * current * length
     squares = (shape * shape + shape * shape_end + shape_end * shape_end) / 3.0
     ripple = mean_share - (share * share + share * end_share + end_share * end_share) / 3.0
     totals[ledger.CORE_SOURCE] += (
-        drive.core_loss_conductance
+        circuit.core_loss_conductance
         * length
-        * (emf_peak * emf_peak * squares + span.ripple_share * (front - back) * (front - back) * ripple)
+        * (
+            circuit.emf_peak * circuit.emf_peak * squares
+            + span.ripple_share * (front - back) * (front - back) * ripple
+        )
     )
     return charge
 
 
 @inlined
-def _drag(drive: StarDrive, place: Any, length: float, emf_peak: float, totals: NDArray[np.float64]) -> None:
+def _drag(circuit: Circuit, place: Any, length: float, totals: NDArray[np.float64]) -> None:
     """Add the drag of a phase without a current, whose core loss the shaft supplies."""
     shape = place.emf_shape
     shape_end = shape + place.shape_rate * length
     squares = length * (shape * shape + shape * shape_end + shape_end * shape_end) / 3.0
-    totals[ledger.CORE_DRAG_IMPULSE] += drive.core_loss_conductance * drive.emf_constant * emf_peak * squares
+    totals[ledger.CORE_DRAG_IMPULSE] += (
+        circuit.core_loss_conductance * circuit.emf_constant * circuit.emf_peak * squares
+    )
 
 
 @inlined
 def _conduct(
-    drive: StarDrive,
     circuit: Circuit,
     place: Any,
     span: Span,
     current: float,
+    phis: Phis,
+    squares: Squares,
     totals: NDArray[np.float64],
 ) -> tuple[float, float]:
     """Add a phase whose current moves; return the current at the end (A) and the integral of its magnitude (A s)."""
     length = span.length
     slope = place.slope
     curvature = place.curvature
-    end, end_slope, first, second, square = current_integrals(current, slope, curvature, circuit.rate, length)
+    end, end_slope, first, second, square = integrals_by(current, slope, curvature, length, phis, squares)
     peak = max(totals[ledger.PEAK], abs(end))
     if slope * end_slope < 0.0:
         turn = turning_time(slope, curvature, circuit.rate)
@@ -152,26 +163,24 @@ def _conduct(
         totals[ledger.RETURNED] += circuit.source * magnitude
     totals[ledger.DEVICE] += (circuit.diode_drop if returning else circuit.switch_drop) * magnitude
     shape_end = place.emf_shape + place.shape_rate * length
-    totals[ledger.IMPULSE] += drive.emf_constant * (shape_end * first - place.shape_rate * second)
+    totals[ledger.IMPULSE] += circuit.emf_constant * (shape_end * first - place.shape_rate * second)
     # Gap voltage v - v_n - R i: a straight line less R i.
     line = tread_voltage(circuit, place.gate, tread) - span.neutral
     fall = span.neutral_rate
     lines = length * (line * line - fall * length * (line - fall * length / 3.0))
     products = line * first - fall * (length * first - second)
     resistance = circuit.resistance
-    totals[ledger.CORE_SOURCE] += drive.core_loss_conductance * (
+    totals[ledger.CORE_SOURCE] += circuit.core_loss_conductance * (
         lines - resistance * (2.0 * products - resistance * square)
     )
     return end, magnitude
 
 
-@unallocating
+@inlined
 def add_stretch(
-    drive: StarDrive,
     circuit: Circuit,
     places: NDArray[Any],
     span: Span,
-    emf_peak: float,
     currents: NDArray[np.float64],
     magnitudes: NDArray[np.float64],
     totals: NDArray[np.float64],
@@ -182,16 +191,12 @@ def add_stretch(
 
     Parameters
     ----------
-    drive : StarDrive
-        The drive's constants.
     circuit : Circuit
         Constants of the advance.
     places : ndarray of PLACE, shape (m,)
         With the motion of every phase.
     span : Span
         The stretch.
-    emf_peak : float
-        Peak of a back-EMF (V).
     currents : ndarray, shape (m,)
         Phase currents (A), updated.
     magnitudes : ndarray, shape (m,)
@@ -201,6 +206,10 @@ def add_stretch(
     rows, row_counts : ndarray
         Receive the segments, as in `machine.segments`.
     """
+    # All phases share R/L, and so the series.
+    x = circuit.rate * span.length
+    phis = phis_at(x)
+    squares = squares_at(x)
     for k in range(places.size):
         place = places[k]
         current = currents[k]
@@ -209,14 +218,14 @@ def add_stretch(
             voltage_rate = span.neutral_rate + place.opposed_rate
             rate = 0.0
             if current == 0.0:
-                _drag(drive, place, span.length, emf_peak, totals)
+                _drag(circuit, place, span.length, totals)
             else:
-                magnitudes[k] += _slide(drive, circuit, place, span, current, emf_peak, totals)
+                magnitudes[k] += _slide(circuit, place, span, current, totals)
         else:
             voltage = tread_voltage(circuit, place.gate, place.tread)
             voltage_rate = 0.0
             rate = circuit.rate
-            currents[k], magnitude = _conduct(drive, circuit, place, span, current, totals)
+            currents[k], magnitude = _conduct(circuit, place, span, current, phis, squares, totals)
             magnitudes[k] += magnitude
         row_counts[k] = keep_segment(
             rows,

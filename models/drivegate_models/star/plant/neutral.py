@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.star.plant.kirchhoff import balance
 from drivegate_models.star.plant.places import HELD
 from drivegate_models.star.plant.staircase import Circuit, tread_voltage
@@ -132,7 +132,7 @@ def shared_middle(places: NDArray[Any], time: float) -> float:
     return 0.5 * (low + high)
 
 
-@unallocating
+@inlined
 def settle(
     circuit: Circuit, places: NDArray[Any], bounds: NDArray[np.float64], currents: NDArray[np.float64]
 ) -> Neutral:

@@ -101,7 +101,7 @@ def _set_shape(place: Any, shape: Shape) -> None:
 
 
 @inlined
-def _circuit(drive: StarDrive, upper: float, lower: float, reference: float) -> Circuit:
+def _circuit(drive: StarDrive, speed: float, upper: float, lower: float, reference: float) -> Circuit:
     """Return the constants of an advance."""
     inverse_inductance = 1.0 / drive.inductance
     rate = drive.resistance * inverse_inductance
@@ -117,6 +117,13 @@ def _circuit(drive: StarDrive, upper: float, lower: float, reference: float) -> 
         # Such a current comes and goes within the rounding of time; the gates stay blocked, as at zero.
         reference if reference >= _LEAST_REFERENCE else 0.0,
         drive.hysteresis_band,
+        drive.window,
+        drive.regulation,
+        drive.turn_on_energy,
+        drive.turn_off_energy,
+        drive.emf_constant,
+        drive.emf_constant * speed,
+        drive.core_loss_conductance,
     )
 
 
@@ -138,7 +145,7 @@ def _place_phase(
     angle = wrapped(angle)
     _set_shape(place, shape_at(corners, corner_values, corner_slopes, angle, electrical))
     place.piece, place.piece_end = piece_at(angle + advance, drive.window, drive.regulation, electrical)
-    place.gate = gate_of(circuit, drive.regulation, piece_was, latch)
+    place.gate = gate_of(circuit, piece_was, latch)
     # A latch is on when its window opens, whatever it was in the last one.
     place.latch = latch if place.piece == piece_was else 1
     place.reached = 0
@@ -146,7 +153,7 @@ def _place_phase(
 
 @inlined
 def _pass_edges(
-    drive: StarDrive,
+    circuit: Circuit,
     corners: NDArray[np.float64],
     corner_values: NDArray[np.float64],
     corner_slopes: NDArray[np.float64],
@@ -162,14 +169,14 @@ def _pass_edges(
         _set_shape(place, next_shape(corners, corner_values, corner_slopes, shape, electrical))
     while until >= place.piece_end:
         place.piece, place.piece_end = next_piece(
-            place.piece, place.piece_end, drive.window, drive.regulation, electrical
+            place.piece, place.piece_end, circuit.window, circuit.regulation, electrical
         )
         place.latch = 1
 
 
 @unallocating
 def _pass_all(
-    drive: StarDrive,
+    circuit: Circuit,
     corners: NDArray[np.float64],
     corner_values: NDArray[np.float64],
     corner_slopes: NDArray[np.float64],
@@ -179,21 +186,19 @@ def _pass_all(
 ) -> None:
     """Take every phase past its corners and window edges up to a time (s)."""
     for k in range(places.size):
-        _pass_edges(drive, corners, corner_values, corner_slopes, places[k], until, electrical)
+        _pass_edges(circuit, corners, corner_values, corner_slopes, places[k], until, electrical)
 
 
 @inlined
-def _oppose(
-    circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64], emf_peak: float, time: float
-) -> float:
+def _oppose(circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64], time: float) -> float:
     """Set back-EMF and opposed voltage of every phase at a time; return the next corner or edge (s)."""
     limit = inf
     for k in range(places.size):
         place = places[k]
         place.emf_shape = place.shape_start + place.shape_rate * (time - place.shape_begin)
         place.start = currents[k]
-        place.opposed = emf_peak * place.emf_shape + circuit.resistance * currents[k]
-        place.opposed_rate = emf_peak * place.shape_rate
+        place.opposed = circuit.emf_peak * place.emf_shape + circuit.resistance * currents[k]
+        place.opposed_rate = circuit.emf_peak * place.shape_rate
         limit = min(limit, place.shape_end, place.piece_end)
     return limit
 
@@ -220,7 +225,7 @@ def _sum_and_size(currents: NDArray[np.float64]) -> tuple[float, float]:
     return total, size
 
 
-@unallocating
+@inlined
 def _land(
     places: NDArray[Any],
     currents: NDArray[np.float64],
@@ -321,8 +326,7 @@ def advance_phases(
     if electrical < _STANDSTILL:
         # So slow that the time of a radian is no number any more.
         electrical = 0.0
-    circuit = _circuit(drive, upper, lower, reference)
-    emf_peak = drive.emf_constant * speed
+    circuit = _circuit(drive, speed, upper, lower, reference)
     same_time = _SAME_ANGLE / electrical if electrical > 0.0 else 0.0
     for k in range(count):
         _place_phase(
@@ -341,7 +345,7 @@ def advance_phases(
         magnitudes[k] = 0.0
         row_counts[k] = 0
         totals[ledger.PEAK] = max(totals[ledger.PEAK], abs(currents[k]))
-    _pass_all(drive, corners, corner_values, corner_slopes, places, same_time, electrical)
+    _pass_all(circuit, corners, corner_values, corner_slopes, places, same_time, electrical)
     status = COMPLETED
     time = 0.0
     events = 0
@@ -350,20 +354,18 @@ def advance_phases(
         if events > EVENT_LIMIT:
             status = TOO_MANY_EVENTS
             break
-        totals[ledger.SWITCHING] += regulate(drive, circuit, places, currents)
-        limit = min(_oppose(circuit, places, currents, emf_peak, time), duration)
+        totals[ledger.SWITCHING] += regulate(circuit, places, currents)
+        limit = min(_oppose(circuit, places, currents, time), duration)
         neutral = settle(circuit, places, bounds, currents)
         length = min(limit - time, circuit.longest)
         is_whole = limit - time <= circuit.longest
-        event = first_event(drive, circuit, places, currents, neutral, length)
+        event = first_event(circuit, places, currents, neutral, length)
         if event.phase >= 0 or event.length < length:
             is_whole = False
             length = event.length
         if length > 0.0:
             span = span_of(places, neutral, time, length)
-            add_stretch(
-                drive, circuit, places, span, emf_peak, currents, magnitudes, totals, rows, row_counts
-            )
+            add_stretch(circuit, places, span, currents, magnitudes, totals, rows, row_counts)
         if event.side != 0:
             places[event.phase].reached = event.side
             if event.other >= 0:
@@ -374,7 +376,7 @@ def advance_phases(
         # The limit itself, not the sum, so that a corner is passed exactly once.
         time = limit if is_whole else time + length
         if time + same_time >= limit:
-            _pass_all(drive, corners, corner_values, corner_slopes, places, time + same_time, electrical)
+            _pass_all(circuit, corners, corner_values, corner_slopes, places, time + same_time, electrical)
     for k in range(count):
         phases.pieces[k] = places[k].piece
         phases.latches[k] = places[k].latch

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.star.plant.drive import StarDrive
+from drivegate_models.compilation.kernels import inlined
 from drivegate_models.star.plant.staircase import Circuit, staircase, treads_beside
 from drivegate_models.star.plant.window import chops, sector_of
 
@@ -27,26 +26,22 @@ def compared(circuit: Circuit, latch: int, along: float) -> int:
 
 
 @inlined
-def gate_of(circuit: Circuit, regulation: int, piece: int, latch: int) -> int:
+def gate_of(circuit: Circuit, piece: int, latch: int) -> int:
     """Return the switch that is on, or that the ideal regulator uses: 1 upper, -1 lower, 0 none."""
     sector = sector_of(piece)
     if sector == 0 or circuit.reference <= 0.0:
         return 0
-    if circuit.band > 0.0 and chops(regulation, piece):
+    if circuit.band > 0.0 and chops(circuit.regulation, piece):
         return sector * latch
     return sector
 
 
-@unallocating
-def regulate(
-    drive: StarDrive, circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64]
-) -> float:
+@inlined
+def regulate(circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64]) -> float:
     """Set latch, staircase and treads of every phase by its window and its current.
 
     Parameters
     ----------
-    drive : StarDrive
-        The drive's constants.
     circuit : Circuit
         Constants of the advance.
     places : ndarray of PLACE, shape (m,)
@@ -63,14 +58,14 @@ def regulate(
     for k in range(places.size):
         place = places[k]
         sector = sector_of(place.piece)
-        is_chopped = sector != 0 and chops(drive.regulation, place.piece)
+        is_chopped = sector != 0 and chops(circuit.regulation, place.piece)
         if is_chopped:
             place.latch = compared(circuit, place.latch, sector * currents[k])
-        gate = gate_of(circuit, drive.regulation, place.piece, place.latch)
+        gate = gate_of(circuit, place.piece, place.latch)
         if gate != place.gate:
             if circuit.band > 0.0:
-                lost += drive.turn_off_energy if place.gate != 0 else 0.0
-                lost += drive.turn_on_energy if gate != 0 else 0.0
+                lost += circuit.turn_off_energy if place.gate != 0 else 0.0
+                lost += circuit.turn_on_energy if gate != 0 else 0.0
             place.gate = gate
         steps = staircase(gate, is_chopped and circuit.band == 0.0, circuit.reference)
         place.first = steps.first
@@ -80,7 +75,7 @@ def regulate(
 
 
 @inlined
-def comparator_level(drive: StarDrive, circuit: Circuit, place: Any) -> tuple[float, int]:
+def comparator_level(circuit: Circuit, place: Any) -> tuple[float, int]:
     """Return the current at which the comparator of a phase switches (A), and the side to come from: 1 below, -1 above.
 
     A side of 0 stands for none.
@@ -90,7 +85,7 @@ def comparator_level(drive: StarDrive, circuit: Circuit, place: Any) -> tuple[fl
         sector == 0
         or circuit.band <= 0.0
         or circuit.reference <= 0.0
-        or not chops(drive.regulation, place.piece)
+        or not chops(circuit.regulation, place.piece)
     ):
         return 0.0, 0
     if place.latch == 1:

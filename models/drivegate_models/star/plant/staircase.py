@@ -29,7 +29,7 @@ HIGHEST: Final = 2
 
 
 class Circuit(NamedTuple):
-    """Constants of winding and inverter over one advance."""
+    """Constants of machine and inverter over one advance."""
 
     resistance: float
     """(ohm)."""
@@ -49,6 +49,20 @@ class Circuit(NamedTuple):
     """Current reference i* (A); 0 blocks the gates."""
     band: float
     """Half-width h of the current band (A)."""
+    window: float
+    """Width of each conduction window (rad electrical)."""
+    regulation: int
+    """Which halves of the windows chop, as in `drive.StarDrive`."""
+    turn_on_energy: float
+    """(J)."""
+    turn_off_energy: float
+    """(J)."""
+    emf_constant: float
+    """Peak of a back-EMF over the speed (V s/rad)."""
+    emf_peak: float
+    """(V)."""
+    core_loss_conductance: float
+    """(S)."""
 
 
 class Staircase(NamedTuple):
