@@ -53,7 +53,6 @@ def test_an_angle_of_a_computed_table_costs_little_more_than_the_least(name: str
         assert -1e-3 < excess < 0.012, f"{100 * excess:.2f} % at {angles[0]:.1f}° instead of {angles[1]:.1f}°"
 
 
-@pytest.mark.kernel
 def test_where_no_angle_gives_the_torque_the_row_goes_on_in_proportion() -> None:
     weak = PAPER.replaced(current_limit_a=24.0).plant()
     speed = speed_of_row(0)
