@@ -19,7 +19,7 @@ from drivegate_models.loop.schedule import Schedule, steady
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, run_duty_loop
 from drivegate_models.pm_ac.loop_records import TRACE
-from drivegate_models.pm_ac.plant.drive import Modulator, make_pm_ac_drive
+from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive, make_pm_ac_drive
 
 SIMULATED: Final = 8.0
 """Simulated time of each run (s)."""
@@ -42,6 +42,25 @@ def duty_rate(bench: Workbench, bridge: str) -> Value:
     )
     times = timed(lambda: _run(DEAD_TIMES[bridge], simulated), time.process_time, bench.rounds)
     return rate(simulated, times, correctness)
+
+
+def foc_run(
+    drive: PmAcDrive, nameplate: DutyNameplate, speed: float, torque: float, simulated: float
+) -> DutyRun:
+    """Run field-oriented control at a speed (rad/s) against a torque (N m)."""
+    state = np.zeros(1, FOC_STATE)
+    reset_function()(state, duty_nameplate_record(nameplate))
+    link = steady(0.5 * drive.link_voltage)
+    return run_duty_loop(
+        drive,
+        Load(CONSTANT_TORQUE, torque),
+        Schedule(steady(speed), steady(1.0), link, steady(0.0), steady(1.0), steady(1.0)),
+        step_address=step_function().address,
+        state_address=state.ctypes.data,
+        control_period=nameplate.control_period,
+        duration=simulated,
+        initial_speed=speed,
+    )
 
 
 def _run(dead_time: float, simulated: float) -> DutyRun:
@@ -75,16 +94,4 @@ def _run(dead_time: float, simulated: float) -> DutyRun:
         drive.magnet_flux,
         drive.inertia,
     )
-    state = np.zeros(1, FOC_STATE)
-    reset_function()(state, duty_nameplate_record(nameplate))
-    link = steady(0.5 * drive.link_voltage)
-    return run_duty_loop(
-        drive,
-        Load(CONSTANT_TORQUE, _TORQUE),
-        Schedule(steady(_SPEED), steady(1.0), link, steady(0.0), steady(1.0), steady(1.0)),
-        step_address=step_function().address,
-        state_address=state.ctypes.data,
-        control_period=PERIOD,
-        duration=simulated,
-        initial_speed=_SPEED,
-    )
+    return foc_run(drive, nameplate, _SPEED, _TORQUE, simulated)

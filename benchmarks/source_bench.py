@@ -15,6 +15,7 @@ import click
 
 import duty_rates
 import example_rates
+import peer_ratios
 import yardstick_ratio
 from drivegate.commands import bench
 from drivegate.commands.conduct import Outcome, conducted, wants_json
@@ -29,11 +30,15 @@ EXAMPLE_BAR: Final = 1.3
 
 DUTY_BARS: Final = {"ideal": 120.0, "dead-time": 100.0}
 """Rate that the loop of duty ratios is meant to reach with each bridge."""
+EXPORT_BAR: Final = 7.0
+"""Times the rate of motulator-export's bare loop that it is meant to reach on the same drive."""
+MOTULATOR_BAR: Final = 2000.0
+"""The same of motulator."""
 
 
 def source_rows(*, quick: bool) -> tuple[Planned, ...]:
     """List what can be measured in the sources alone."""
-    return (*_yardsticks(quick), *_examples(quick), *_duty_loops(quick))
+    return (*_yardsticks(quick), *_examples(quick), *_duty_loops(quick), *_peers(quick))
 
 
 def _yardsticks(quick: bool) -> list[Planned]:
@@ -94,6 +99,45 @@ def _duty_loops(quick: bool) -> list[Planned]:
         )
         for bridge, title in titles.items()
     ]
+
+
+def _peers(quick: bool) -> list[Planned]:
+    """List the loop of duty ratios beside those of others, on the drive of 2.2 kW."""
+    setting = f"{peer_ratios.SIMULATED * (0.5 if quick else 1.0):g} s at a control period of 0.125 ms"
+    unit = "× its rate"
+    bridges = {"ideal": "ideal switches", "dead-time": "2 µs dead time in both"}
+    against_export = [
+        Planned(
+            f"peer.export.{bridge}",
+            f"foc against motulator-export's bare loop, {words}",
+            setting,
+            unit,
+            "more",
+            EXPORT_BAR,
+            partial(peer_ratios.export_ratio, bridge=bridge),
+        )
+        for bridge, words in bridges.items()
+    ]
+    turns = f"{peer_ratios.slow_turns(quick)} of each"
+    motulator = Planned(
+        "peer.motulator",
+        "foc against motulator",
+        f"{setting}, {turns}",
+        unit,
+        "more",
+        MOTULATOR_BAR,
+        peer_ratios.motulator_ratio,
+    )
+    same = Planned(
+        "peer.same",
+        "motulator's flux-vector control on both plants",
+        f"0.5 s at a control period of 0.125 ms, {turns}",
+        unit,
+        "more",
+        None,
+        peer_ratios.same_controller_ratio,
+    )
+    return [*against_export, motulator, same]
 
 
 @click.command(params=bench.command.params)

@@ -16,8 +16,8 @@ LOAD_NM = 9.8
 LOAD_STEP_S = 0.2
 
 
-def drive():
-    """Return the drive and its controller, which motulator-export simulates too."""
+def drive(dead_time=0.0):
+    """Return the drive, of a dead time (s), and its controller, which motulator-export simulates too."""
     import motulator.drive.control.sm as control
     from motulator.drive import model
 
@@ -25,7 +25,7 @@ def drive():
     plant = model.Drive(
         model.SynchronousMachine(parameters),
         model.MechanicalSystem(J=0.015),
-        model.VoltageSourceConverter(u_dc=540),
+        model.VoltageSourceConverter(u_dc=540, t_d=dead_time),
         pwm=True,
     )
     vector = control.FluxVectorController(
@@ -35,13 +35,8 @@ def drive():
     return plant, system
 
 
-def main():
-    """Measure and print."""
-    try:
-        installed = version("motulator")
-    except PackageNotFoundError:
-        sys.stderr.write("motulator is not installed in this Python: not measured\n")
-        return
+def simulated():
+    """Simulate once; return the processor time, and the speed at the end."""
     from motulator.drive import model
 
     plant, system = drive()
@@ -50,8 +45,17 @@ def main():
     simulation = model.Simulation(plant, system, show_progress=False)
     began = time.process_time()
     results = simulation.simulate(t_stop=SIMULATED_S)
-    seconds = time.process_time() - began
-    speed = float(results.mdl.mechanics.w_M[-1])
+    return time.process_time() - began, float(results.mdl.mechanics.w_M[-1])
+
+
+def main():
+    """Measure and print."""
+    try:
+        installed = version("motulator")
+    except PackageNotFoundError:
+        sys.stderr.write("motulator is not installed in this Python: not measured\n")
+        return
+    seconds, speed = simulated()
     row = {
         "peer": "motulator",
         "version": installed,

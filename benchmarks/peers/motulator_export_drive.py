@@ -17,8 +17,8 @@ SIMULATED_S = 4.0
 ROUNDS = 5
 
 
-def simulated():
-    """Simulate once; return the processor times of compiled loop and whole call, and the speed at the end."""
+def simulated(dead_time=0.0):
+    """Simulate a drive of a dead time (s); return the processor times of loop and call, and the speed at the end."""
     from motulator_export import native
     from motulator_export.native._system import NativeSystem
 
@@ -31,7 +31,7 @@ def simulated():
         seconds.append(time.process_time() - began)
         return status
 
-    plant, system = drive()
+    plant, system = drive(dead_time)
     # Constants cost it the least time.
     system.set_speed_ref(SPEED)
     plant.mechanics.set_external_load_torque(LOAD_NM)

@@ -35,6 +35,10 @@ def test_rows_and_bars_are_those_of_the_design():
         "example.python": 50.0,
         "duty.foc.ideal": 120.0,
         "duty.foc.dead-time": 100.0,
+        "peer.export.ideal": 7.0,
+        "peer.export.dead-time": 7.0,
+        "peer.motulator": 2000.0,
+        "peer.same": None,
     }
     assert not {one.name for one in ROWS} & {one.name for one in planned(quick=False, cold=True)}
     quick = {one.name: one.setting for one in source_bench.source_rows(quick=True)}
@@ -54,6 +58,15 @@ def test_compiled_examples_are_measured_beside_the_reference(workbench, monkeypa
     value = example_rates.example_ratio(workbench, language)
     assert value.correctness.valid, value.correctness.measured
     assert 0.1 < value.value < 10.0
+
+
+@pytest.mark.parametrize("name", ["peer.export.ideal", "peer.motulator", "peer.same"])
+def test_a_peer_that_is_not_installed_is_said_to_be_missing(workbench, monkeypatch, name):
+    for package in ("motulator", "motulator_export"):
+        monkeypatch.setitem(sys.modules, package, None)
+    row = next(one for one in ROWS if one.name == name).row(workbench)
+    assert row.value is None
+    assert "is not installed in this Python" in row.check
 
 
 def test_the_example_in_python_is_measured(workbench, monkeypatch):
