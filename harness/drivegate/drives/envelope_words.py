@@ -12,8 +12,14 @@ from drivegate_cases.drive.limits import limits_of
 
 
 def facts(document: Mapping[str, Any]) -> list[str]:
-    """Tell the line of initial angles, the speed up to which none is needed, the times and what they mean."""
-    return [_line(document), _without_advance(document), _times(document), _meaning(document)]
+    """Tell the line of initial angles, where rated torque takes none or is lacking, the times and what they mean."""
+    return [
+        _line(document),
+        _without_advance(document),
+        *_out_of_reach(document),
+        _times(document),
+        _meaning(document),
+    ]
 
 
 def required(drive: DriveDocument) -> list[str]:
@@ -57,6 +63,24 @@ def _without_advance(document: Mapping[str, Any]) -> str:
     base = document["rating"]["base_speed_rpm"]
     where = "at no speed" if highest is None else f"up to {highest:.0f} rpm"
     return f"rated torque without advance: {where}; base speed is {base:g} rpm"
+
+
+def _out_of_reach(document: Mapping[str, Any]) -> list[str]:
+    """Tell where the drive lacks rated torque up to base speed, where candidates are not asked for all of it."""
+    base = document["rating"]["base_speed_rpm"]
+    lacking = [
+        point
+        for point in document["points"]
+        if point["speed_rpm"] <= base and point["greatest_torque_nm"] < point["rated_torque_nm"]
+    ]
+    if not lacking:
+        return []
+    worst = min(lacking, key=lambda point: float(point["greatest_torque_nm"]))
+    return [
+        f"rated torque is out of reach at {worst['speed_rpm']:g} rpm, where the current limit leaves "
+        f"{worst['greatest_torque_nm']:.4g} of {worst['rated_torque_nm']:.4g} N·m; candidates are asked for "
+        "rated power above base speed alone"
+    ]
 
 
 def _times(document: Mapping[str, Any]) -> str:

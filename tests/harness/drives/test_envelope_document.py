@@ -45,6 +45,13 @@ def test_words_of_a_result_are_those_of_what_was_computed(fan) -> None:
     assert "L/R endless" in facts(computed)[2]
 
 
+def test_rated_torque_out_of_reach_at_base_speed_is_said() -> None:
+    star = facts(envelope_of(load_drive("star-3-phase")))
+    (sentence,) = (fact for fact in star if "out of reach" in fact)
+    assert sentence.startswith("rated torque is out of reach at 500 rpm, where the current limit leaves 28.")
+    assert not any("out of reach" in fact for fact in facts(envelope_of(load_drive("star-3-phase-150-emf"))))
+
+
 def test_requirements_are_told_in_the_numbers_of_the_drive() -> None:
     of_search, of_torque = required(
         load_drive("paper-5-phase").replaced(speed_tolerance_rpm=4.0, settling_s=8.0)
