@@ -149,11 +149,33 @@ def decide_holding(state: Any, power: float, change: float) -> None:
             state.held_power = power
     elif changed:
         rearm(state)
-    elif is_sagging(state) or (not uneasy and abs(change) > _RESTLESS * power + noise_of_power(state)):
+    elif is_sagging(state) or (not uneasy and is_restless(state, power, change)):
         # The optimum may lie on the edge itself: a little above it costs less than a new search.
         forbid(state)
         state.offset += SMALLEST_STEP
         state.quiet = STEPPED_OFF
+
+
+@inlined
+def is_restless(state: Any, power: float, change: float) -> bool:
+    """Return whether the current sum has left where it was an interval ago, and where it was when the rest began.
+
+    Through coarse sensors it goes to and fro from one interval to the next; that is no sign of the edge.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state, at rest.
+    power, change : float
+        Mean current sum of the decision interval, and its change from the one before (A).
+
+    Returns
+    -------
+    bool
+        By more than regulator and sensors explain.
+    """
+    least = min(abs(change), abs(power - state.held_power))
+    return least > _RESTLESS * power + noise_of_power(state)
 
 
 @inlined
