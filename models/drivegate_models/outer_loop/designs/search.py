@@ -43,6 +43,7 @@ from drivegate_models.outer_loop.designs.state import (
     ANGLE_TABLE,
     GOLDEN_SECTION,
     QUADRATIC_INTERPOLATION,
+    SWEEP,
 )
 from drivegate_models.outer_loop.designs.sweep import begin_sweep, continue_sweep
 from drivegate_models.outer_loop.designs.table import MOST_LOOKUPS, look_up
@@ -225,6 +226,24 @@ def should_resort_to_table(state: Any) -> bool:
 
 
 @inlined
+def is_misled(state: Any) -> bool:
+    """Return whether a fine sweep goes on where the coarse one has led, though the load has changed since.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        The state, in which an angle was forbidden until now.
+
+    Returns
+    -------
+    bool
+        False once it was given up for the table.
+    """
+    fine = state.design == SWEEP and state.stage > 0
+    return fine and state.tabled == 0 and state.controller.forbidden == -inf
+
+
+@inlined
 def resort_to_table(state: Any) -> float:
     """Take the angle from the table from now on.
 
@@ -360,6 +379,7 @@ def decide_design(state: Any) -> None:
     state.decisions += 1
     # A table takes no steps at the end of which the current sum still rises.
     rise = LOAD_CHANGED if state.tabled == 1 else _RISE
+    had_edge = controller.forbidden > -inf
     work, change = watch_search(controller, _FALL, rise, inf)
     if work == WAITING:
         wait(state)
@@ -368,10 +388,13 @@ def decide_design(state: Any) -> None:
         rearm(controller)
         return
     forget_other_load(controller, controller.last_power)
+    misled = had_edge and is_misled(state)
+    if misled:
+        state.decisions = 0
     if controller.good_power == inf:
         # Without a good angle: command, supply or load has changed.
         settle_for(state, begin_search(state))
-    elif state.finished == 0 and should_resort_to_table(state):
+    elif state.finished == 0 and (misled or should_resort_to_table(state)):
         settle_for(state, resort_to_table(state))
     elif state.finished == 0 and is_late(state):
         note_cheapest(state)

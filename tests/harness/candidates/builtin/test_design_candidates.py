@@ -59,6 +59,13 @@ def test_a_table_is_looked_up_again_where_a_load_that_grows_has_pushed_the_angle
     assert not failed, failed
 
 
+def test_a_fine_sweep_is_given_up_where_the_load_changes_meanwhile() -> None:
+    steady = steady_scenario(load_drive("fan-3-phase"), 5600.0, power_share=1.0, constant_power=False)
+    changing = with_load_shares(steady, (0.0, 0.55), (5.5, 1.0), (6.7, 0.55))
+    failed = failed_margins("design:sweep", changing)
+    assert not failed, failed
+
+
 def test_at_light_load_a_design_takes_the_angle_of_the_table() -> None:
     steady = steady_scenario(load_drive("paper-5-phase"), 1430.0, power_share=0.3, constant_power=True)
     seen = steady.replaced(sensors={"kind": "mcs96"})
