@@ -174,8 +174,10 @@ def is_restless(state: Any, power: float, change: float) -> bool:
     bool
         By more than regulator and sensors explain.
     """
-    least = min(abs(change), abs(power - state.held_power))
-    return least > _RESTLESS * power + noise_of_power(state)
+    restless: bool = min(abs(change), abs(power - state.held_power)) > _RESTLESS * power + noise_of_power(
+        state
+    )
+    return restless
 
 
 @inlined

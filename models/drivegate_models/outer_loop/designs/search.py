@@ -240,7 +240,8 @@ def is_misled(state: Any) -> bool:
         False once it was given up for the table.
     """
     fine = state.design == SWEEP and state.stage > 0
-    return fine and state.tabled == 0 and state.controller.forbidden == -inf
+    misled: bool = fine and state.tabled == 0 and state.controller.forbidden == -inf
+    return misled
 
 
 @inlined
