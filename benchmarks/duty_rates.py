@@ -28,7 +28,12 @@ PERIOD: Final = 1e-4
 DEAD_TIMES: Final = {"ideal": 0.0, "dead-time": 2e-6}
 """Dead time of the bridge (s)."""
 
-_SPEED, _TORQUE, _BASE_SPEED = 110.0, 1.2, 230.0
+SPEED: Final = 110.0
+"""Speed of the runs (rad/s)."""
+TORQUE: Final = 1.2
+"""Their load (N m)."""
+
+_BASE_SPEED = 230.0
 
 
 def duty_rate(bench: Workbench, bridge: str) -> Value:
@@ -37,8 +42,8 @@ def duty_rate(bench: Workbench, bridge: str) -> Value:
     run = _run(DEAD_TIMES[bridge], simulated)
     speed = float(run.trace[-1, TRACE.index("speed")])
     correctness = Correctness(
-        run.status == COMPLETED and run.worst_balance <= 1e-9 and abs(speed / _SPEED - 1.0) <= 1e-3,
-        f"ended at {speed:.2f} of {_SPEED:g} rad/s, ledger within {run.worst_balance:.0e}",
+        run.status == COMPLETED and run.worst_balance <= 1e-9 and abs(speed / SPEED - 1.0) <= 1e-3,
+        f"ended at {speed:.2f} of {SPEED:g} rad/s, ledger within {run.worst_balance:.0e}",
     )
     times = timed(lambda: _run(DEAD_TIMES[bridge], simulated), time.process_time, bench.rounds)
     return rate(simulated, times, correctness)
@@ -63,8 +68,9 @@ def foc_run(
     )
 
 
-def _run(dead_time: float, simulated: float) -> DutyRun:
-    drive = make_pm_ac_drive(
+def interior_drive(dead_time: float) -> PmAcDrive:
+    """Return the machine with saliency, behind a bridge of a dead time (s)."""
+    return make_pm_ac_drive(
         pole_pairs=2,
         resistance=0.57,
         direct_inductance=8.72e-3,
@@ -75,7 +81,11 @@ def _run(dead_time: float, simulated: float) -> DutyRun:
         inertia=0.002,
         modulator=Modulator(dead_time=dead_time),
     )
-    nameplate = DutyNameplate(
+
+
+def interior_nameplate(drive: PmAcDrive) -> DutyNameplate:
+    """Return what its controller is told."""
+    return DutyNameplate(
         PM_AC,
         SPEED_REFERENCE,
         drive.pole_pairs,
@@ -84,14 +94,18 @@ def _run(dead_time: float, simulated: float) -> DutyRun:
         drive.link_voltage,
         _BASE_SPEED,
         3.0 * _BASE_SPEED,
-        2.0 * _TORQUE * _BASE_SPEED,
+        2.0 * TORQUE * _BASE_SPEED,
         drive.current_limit,
         PERIOD,
-        dead_time,
+        drive.modulator.dead_time,
         drive.resistance,
         drive.direct_inductance,
         drive.quadrature_inductance,
         drive.magnet_flux,
         drive.inertia,
     )
-    return foc_run(drive, nameplate, _SPEED, _TORQUE, simulated)
+
+
+def _run(dead_time: float, simulated: float) -> DutyRun:
+    drive = interior_drive(dead_time)
+    return foc_run(drive, interior_nameplate(drive), SPEED, TORQUE, simulated)

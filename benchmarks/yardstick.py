@@ -177,10 +177,10 @@ class PreparedRun:
         return YardstickRun(np.array(result.totals), result.speed, result.worst_mismatch, rows)
 
 
-def build_yardstick(folder: Path, scratch: Path) -> Path:
-    """Compile the yardstick."""
-    library = scratch / "yardstick.so"
-    source = str(folder.resolve() / SOURCE)
+def build_yardstick(folder: Path, scratch: Path, name: str = SOURCE) -> Path:
+    """Compile a yardstick."""
+    library = scratch / Path(name).with_suffix(".so")
+    source = str(folder.resolve() / name)
     words = [*c_compiler(), *FLAGS, "-fPIC", "-shared", f"-I{include_folder()}", source]
     environment = {"LC_ALL": "C", "TMPDIR": str(scratch)}
     ended = run_bounded(
@@ -191,6 +191,6 @@ def build_yardstick(folder: Path, scratch: Path) -> Path:
             (line for line in ended.output.splitlines() if "error" in line), "it reported nothing"
         )
         raise InputError(
-            f"{shown_path(folder / SOURCE)} does not compile with {' '.join(FLAGS)}: {one_line(reported)}"
+            f"{shown_path(folder / name)} does not compile with {' '.join(FLAGS)}: {one_line(reported)}"
         )
     return library

@@ -6,6 +6,7 @@ import sys
 import pytest
 
 import duty_rates
+import duty_yardstick
 import example_rates
 import source_bench
 import speed_tables
@@ -31,6 +32,7 @@ def test_rows_and_bars_are_those_of_the_design():
             for name in ("initial", "reference")
             for rpm in range(500, 2001, 500)
         },
+        "yardstick.foc": 1.2,
         **{f"example.{language}": 1.3 for language in ("c", "numba", "rust")},
         "example.python": 50.0,
         "duty.foc.ideal": 120.0,
@@ -50,6 +52,15 @@ def test_a_yardstick_out_of_step_is_no_measure(workbench, monkeypatch):
     assert yardstick_ratio.yardstick_ratio(workbench, "initial", 1500).correctness.valid
     monkeypatch.setattr(yardstick_ratio, "LOCK_STEP_TOLERANCE", 0.0)
     assert not yardstick_ratio.yardstick_ratio(workbench, "initial", 1500).correctness.valid
+
+
+def test_the_yardstick_of_duty_ratios_is_in_step(workbench, monkeypatch):
+    monkeypatch.setattr(duty_yardstick, "SIMULATED", 1.0)
+    value = duty_yardstick.yardstick_ratio(workbench)
+    assert value.correctness.valid, value.correctness.measured
+    monkeypatch.setattr(duty_yardstick, "LOCK_STEP_TOLERANCE", 0.0)
+    with pytest.raises(NotMeasured, match="misses"):
+        duty_yardstick.yardstick_ratio(workbench)
 
 
 @pytest.mark.parametrize("language", ["c", "numba", pytest.param("rust", marks=pytest.mark.needs("rustc"))])
@@ -101,7 +112,7 @@ def test_a_missing_compiler_is_reported_and_fails_nothing(capsys, monkeypatch):
     code = conducted(lambda: source_bench.command.main(words, standalone_mode=False), as_json=True)
     assert code == 0
     document = json.loads(capsys.readouterr().out)
-    assert len(document["rows"]) == 9
+    assert len(document["rows"]) == 10
     assert document["command"].startswith("python benchmarks/source_bench.py --quick --only yardstick")
     for row in document["rows"]:
         assert (row["value"], row["valid"]) == (None, None)
