@@ -3,33 +3,25 @@
 from __future__ import annotations
 
 import ctypes
-import time
-from functools import cache
 from pathlib import Path
-from statistics import median
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.studies.bench.measurement import Correctness, NotMeasured, Value, interleaved, ratio
+from drivegate.studies.bench.measurement import NotMeasured, Value
 from drivegate.studies.bench.workbench import Workbench
 from drivegate_models.contract.duty.records import DUTY_COMMAND, duty_command_record, duty_nameplate_record
 from drivegate_models.duty.controllers.foc import reset_function, step_function
 from drivegate_models.duty.controllers.state import FOC_STATE
-from drivegate_models.errors import InputError
 from drivegate_models.machine import ledger
 from drivegate_models.pm_ac.closed_loop import DutyRun
 from drivegate_models.pm_ac.loop_records import TRACE
 from duty_rates import PERIOD, SPEED, TORQUE, foc_run, interior_drive, interior_nameplate
-from yardstick import FOLDER, build_yardstick
+from yardstick_ratio import LOCK_STEP_TOLERANCE, TURNS, compiled_library, ratio_in_turns
 
 SIMULATED: Final = 8.0
 """Simulated time of a run (s)."""
-TURNS: Final = 3
-"""Turns of loop and yardstick for each round of other measurements."""
-LOCK_STEP_TOLERANCE: Final = 1e-9
-"""Difference up to which both did the same, over the greatest value."""
 RECORD: Final = ("speed", "torque", "direct", "quadrature", "peak_current", "input_power")
 """What the yardstick records of each control period, in SI units, by the names of drivegate's trace."""
 SOURCE: Final = "duty.c"
@@ -116,7 +108,7 @@ class DutyYardstick:
 def yardstick_ratio(bench: Workbench) -> Value:
     """Measure the closed loop of duty ratios against the yardstick in C, run by run in turns."""
     simulated = bench.simulated(SIMULATED)
-    yardstick = DutyYardstick(compiled(bench.scratch), simulated)
+    yardstick = DutyYardstick(compiled_library(bench.scratch, SOURCE), simulated)
 
     def ours() -> DutyRun:
         drive = interior_drive(0.0)
@@ -125,32 +117,17 @@ def yardstick_ratio(bench: Workbench) -> Value:
     rows = yardstick.rows()
     totals = yardstick(rows)
     apart = difference(ours(), rows, totals)
-    own, others = interleaved((ours, yardstick), time.process_time, TURNS * bench.rounds)
-    rates = [simulated / median(times) for times in (own, others)]
-    told = f"{rates[0]:.0f} against {rates[1]:.0f} × real time, in step within {apart:.0e}"
-    return ratio(own, others, Correctness(apart <= LOCK_STEP_TOLERANCE, told))
-
-
-@cache
-def compiled(scratch: Path) -> Path:
-    """Compile the yardstick, once in a folder."""
-    try:
-        return build_yardstick(FOLDER, scratch, SOURCE)
-    except InputError as error:
-        raise NotMeasured(str(error)) from error
+    return ratio_in_turns((ours, yardstick), simulated, TURNS * bench.rounds, apart)
 
 
 def difference(run: DutyRun, rows: NDArray[np.float64], totals: NDArray[np.float64]) -> float:
     """Give the greatest difference of both in any control period or integral, over the greatest value of each."""
-    worst = 0.0
-    for column, name in enumerate(RECORD):
-        worst = max(worst, _apart(run.trace[:, TRACE.index(name)], rows[:, column]))
+    signals = [_apart(run.trace[:, TRACE.index(name)], rows[:, column]) for column, name in enumerate(RECORD)]
     integrals = [entry for entry in range(ledger.ENTRIES) if entry not in (ledger.EVENTS, ledger.SWITCHING)]
-    return max(
-        worst, *(_apart(run.totals[entry : entry + 1], totals[entry : entry + 1]) for entry in integrals)
-    )
+    return max(*signals, *(_apart(run.totals[entry], totals[entry]) for entry in integrals))
 
 
 def _apart(ours: Any, theirs: Any) -> float:
+    """Return the greatest difference over the greatest value, or the difference itself where there is none."""
     size = float(np.max(np.abs(ours)))
-    return float(np.max(np.abs(ours - theirs))) / size if size > 0.0 else float(np.max(np.abs(theirs)))
+    return float(np.max(np.abs(ours - theirs))) / (size or 1.0)

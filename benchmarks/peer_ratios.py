@@ -37,20 +37,13 @@ def export_ratio(bench: Workbench, bridge: str) -> Value:
     dead_time = DEAD_TIMES[bridge]
     # It compiles its loop.
     peer.simulated(dead_time)
-
-    def theirs() -> tuple[float, float]:
-        seconds, _, speed = peer.simulated(dead_time)
-        return seconds / peer.SIMULATED_S, speed
-
-    return _in_turns(_foc(dead_time, peer, bench.simulated(SIMULATED)), theirs, peer.SPEED, bench.rounds)
+    return _in_turns(_foc(dead_time, peer, bench.simulated(SIMULATED)), peer, bench.rounds, dead_time)
 
 
 def motulator_ratio(bench: Workbench) -> Value:
     """Measure how many times the rate of motulator that of `foc` is."""
     peer = _peer("motulator_drive", "motulator")
-    return _in_turns(
-        _foc(0.0, peer, bench.simulated(SIMULATED)), _motulator(peer), peer.SPEED, slow_turns(bench.quick)
-    )
+    return _in_turns(_foc(0.0, peer, bench.simulated(SIMULATED)), peer, slow_turns(bench.quick))
 
 
 def same_controller_ratio(bench: Workbench) -> Value:
@@ -73,7 +66,7 @@ def same_controller_ratio(bench: Workbench) -> Value:
         recorded(loaded, scenario, controller)
         return (time.process_time() - began) / scenario.duration_s
 
-    return _in_turns(ours, _motulator(peer), peer.SPEED, slow_turns(bench.quick))
+    return _in_turns(ours, peer, slow_turns(bench.quick))
 
 
 def slow_turns(quick: bool) -> int:
@@ -114,25 +107,16 @@ def _foc(dead_time: float, peer: Any, simulated: float) -> Callable[[], float]:
     return seconds
 
 
-def _motulator(peer: Any) -> Callable[[], tuple[float, float]]:
-    def theirs() -> tuple[float, float]:
-        seconds, speed = peer.simulated()
-        return seconds / peer.SIMULATED_S, speed
-
-    return theirs
-
-
-def _in_turns(
-    ours: Callable[[], float], theirs: Callable[[], tuple[float, float]], wanted: float, turns: int
-) -> Value:
-    """Measure both in turns; the peer is right where it comes to the speed that is wanted (rad/s)."""
+def _in_turns(ours: Callable[[], float], peer: Any, turns: int, dead_time: float = 0.0) -> Value:
+    """Measure both in turns, the peer on a drive of a dead time (s); it is right where it comes to its speed."""
     # The first run compiles.
     ours()
     own, others, speed = [], [], 0.0
     for _ in range(turns):
-        seconds, speed = theirs()
-        others.append(seconds)
+        # motulator-export tells the time of the whole call, too.
+        seconds, *_, speed = peer.simulated(dead_time)
+        others.append(seconds / peer.SIMULATED_S)
         own.append(ours())
     rates = f"{1.0 / median(own):.3g} against {1.0 / median(others):.3g} × real time"
-    told = f"{rates}, which ends at {speed:.2f} of {wanted:g} rad/s"
-    return ratio(others, own, Correctness(abs(speed - wanted) < 1.0, told))
+    told = f"{rates}, which ends at {speed:.2f} of {peer.SPEED:g} rad/s"
+    return ratio(others, own, Correctness(abs(speed - peer.SPEED) < 1.0, told))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from statistics import median
@@ -17,7 +18,7 @@ from drivegate.studies.bench.workbench import Workbench, operating_scenario
 from drivegate_models.errors import InputError
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.units import RADIANS_PER_RPM
-from yardstick import FOLDER, RECORD, Yardstick, YardstickRun, build_yardstick
+from yardstick import FOLDER, RECORD, SOURCE, Yardstick, YardstickRun, build_yardstick
 
 SIMULATED: Final = 8.0
 """Simulated time of a run (s): long, so that loops are compared and not their preparation, but too short for a stretch
@@ -42,20 +43,36 @@ def yardstick_ratio(bench: Workbench, candidate: str, speed_rpm: int) -> Value:
     prepared = yardstick.prepared(scenario, None if candidate == "initial" else controller)
     own = run_scenario(scenario, controller, trace_every=1)
     apart = difference(own, prepared(recorded=True))
-    together = run_correctness(scenario, own).valid and apart <= LOCK_STEP_TOLERANCE
-    ours, theirs = interleaved(
-        (lambda: run_scenario(scenario, controller), prepared), time.process_time, TURNS * bench.rounds
-    )
-    speeds = [scenario.duration_s / median(times) for times in (ours, theirs)]
-    measured = f"{speeds[0]:.0f} against {speeds[1]:.0f} × real time, in step within {apart:.0e}"
-    return ratio(ours, theirs, Correctness(together, measured))
+    works = (lambda: run_scenario(scenario, controller), prepared)
+    is_right = run_correctness(scenario, own).valid
+    return ratio_in_turns(works, scenario.duration_s, TURNS * bench.rounds, apart, is_right=is_right)
+
+
+def ratio_in_turns(
+    works: tuple[Callable[[], object], Callable[[], object]],
+    simulated: float,
+    rounds: int,
+    apart: float,
+    *,
+    is_right: bool = True,
+) -> Value:
+    """Time loop and yardstick, each of a simulated time (s), in turns; both must have been in step."""
+    ours, theirs = interleaved(works, time.process_time, rounds)
+    rates = [simulated / median(times) for times in (ours, theirs)]
+    measured = f"{rates[0]:.0f} against {rates[1]:.0f} × real time, in step within {apart:.0e}"
+    return ratio(ours, theirs, Correctness(is_right and apart <= LOCK_STEP_TOLERANCE, measured))
+
+
+def compiled_yardstick(scratch: Path) -> Yardstick:
+    """Compile the yardstick, once in a folder."""
+    return Yardstick(compiled_library(scratch, SOURCE))
 
 
 @cache
-def compiled_yardstick(scratch: Path) -> Yardstick:
-    """Compile the yardstick, once in a folder."""
+def compiled_library(scratch: Path, name: str) -> Path:
+    """Compile a source of the yardstick's folder, once in a folder."""
     try:
-        return Yardstick(build_yardstick(FOLDER, scratch))
+        return build_yardstick(FOLDER, scratch, name)
     except InputError as error:
         raise NotMeasured(str(error)) from error
 

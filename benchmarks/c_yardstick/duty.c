@@ -133,8 +133,8 @@ static inline jet torque_of(const task *k, const currents *c) {
 static frame pass(const task *k, const rates *r, frame f, const int upper[3], double length, double *totals) {
     const double v0 = upper[0] * k->link, v1 = upper[1] * k->link, v2 = upper[2] * k->link;
     const double along = (2 * v0 - v1 - v2) * (1.0 / 3.0), across = (v1 - v2) * (0.5 / HALF_ROOT);
-    const double vd = (f.cosine * along + f.sine * across) * r->per_d, vq = (f.cosine * across - f.sine * along) * r->per_q;
     const double raw_d = f.cosine * along + f.sine * across, raw_q = f.cosine * across - f.sine * along;
+    const double vd = raw_d * r->per_d, vq = raw_q * r->per_q;
     const currents begin = derivatives(r, f.d, f.q, vd, vq);
     const int shortest = r->rate * length <= SHORTEST;
     double d, q;

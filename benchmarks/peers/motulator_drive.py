@@ -35,11 +35,11 @@ def drive(dead_time=0.0):
     return plant, system
 
 
-def simulated():
-    """Simulate once; return the processor time, and the speed at the end."""
+def simulated(dead_time=0.0):
+    """Simulate a drive of a dead time (s); return the processor time, and the speed at the end."""
     from motulator.drive import model
 
-    plant, system = drive()
+    plant, system = drive(dead_time)
     system.set_speed_ref(lambda t: SPEED)
     plant.mechanics.set_external_load_torque(lambda t: LOAD_NM * (t > LOAD_STEP_S))
     simulation = model.Simulation(plant, system, show_progress=False)

@@ -174,9 +174,8 @@ def is_restless(state: Any, power: float, change: float) -> bool:
     bool
         By more than regulator and sensors explain.
     """
-    restless: bool = min(abs(change), abs(power - state.held_power)) > _RESTLESS * power + noise_of_power(
-        state
-    )
+    explained = _RESTLESS * power + noise_of_power(state)
+    restless: bool = min(abs(change), abs(power - state.held_power)) > explained
     return restless
 
 

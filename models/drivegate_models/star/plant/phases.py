@@ -129,7 +129,6 @@ def _circuit(drive: StarDrive, speed: float, upper: float, lower: float, referen
 
 @inlined
 def _place_phase(
-    drive: StarDrive,
     circuit: Circuit,
     corners: NDArray[np.float64],
     corner_values: NDArray[np.float64],
@@ -144,7 +143,7 @@ def _place_phase(
     """Place a phase in its cycle at the start of an advance."""
     angle = wrapped(angle)
     _set_shape(place, shape_at(corners, corner_values, corner_slopes, angle, electrical))
-    place.piece, place.piece_end = piece_at(angle + advance, drive.window, drive.regulation, electrical)
+    place.piece, place.piece_end = piece_at(angle + advance, circuit.window, circuit.regulation, electrical)
     place.gate = gate_of(circuit, piece_was, latch)
     # A latch is on when its window opens, whatever it was in the last one.
     place.latch = latch if place.piece == piece_was else 1
@@ -330,7 +329,6 @@ def advance_phases(
     same_time = _SAME_ANGLE / electrical if electrical > 0.0 else 0.0
     for k in range(count):
         _place_phase(
-            drive,
             circuit,
             corners,
             corner_values,
