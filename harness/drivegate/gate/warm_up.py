@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
+from concurrent.futures import ThreadPoolExecutor
 
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
@@ -42,21 +43,32 @@ def compile_missing(drives: Iterable[DriveDocument | None] = (None,)) -> None:
 def compile_kernels(kinds: Collection[str]) -> None:
     """Compile every kernel of some kinds of drives in processes of their own, and note that it is done.
 
-    The oracle is compiled beside all else. What both need comes early in the one and late in the other, which finds it
-    compiled by then: the phase in the oracle, the whole steady state in what is beside it.
+    The kinds are compiled side by side: what one has in common with another is little beside what is its own.
     """
-    for kind in kinds:
-        candidate = resolve_candidate(DRIVE_KINDS[kind].usual_candidate)
-        rounds = ((_use_oracle, _use_closed_loop, _use_steady_state), (_judge_a_run,))
-        with WorkerPool(candidate, workers=2) as pool:
-            for targets in rounds:
-                for outcome in pool.map([Job(target, kind) for target in targets]):
-                    if isinstance(outcome, Fault):
-                        raise HarnessFault(f"the kernels cannot be compiled: {outcome.message}")
+    with ThreadPoolExecutor(len(kinds)) as together:
+        for fault in together.map(_fault_of_compiling, kinds):
+            if fault is not None:
+                raise HarnessFault(f"the kernels cannot be compiled: {fault.message}")
     folder = choose_cache_folder()
     assert folder is not None, "kernels without a folder are never to be compiled"
     for kind in kinds:
         (folder / f"{MARKER}-{kind}").touch()
+
+
+def _fault_of_compiling(kind: str) -> Fault | None:
+    """Compile the oracle of a kind beside all else.
+
+    What both need comes early in the one and late in the other, which finds it compiled by then: the phase in the
+    oracle, the whole steady state in what is beside it.
+    """
+    candidate = resolve_candidate(DRIVE_KINDS[kind].usual_candidate)
+    rounds = ((_use_oracle, _use_closed_loop, _use_steady_state), (_judge_a_run,))
+    with WorkerPool(candidate, workers=2) as pool:
+        for targets in rounds:
+            for outcome in pool.map([Job(target, kind) for target in targets]):
+                if isinstance(outcome, Fault):
+                    return outcome
+    return None
 
 
 def _use_oracle(_loaded: JudgedCandidate, kind: str) -> None:

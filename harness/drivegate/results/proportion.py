@@ -32,9 +32,12 @@ class Proportion:
 
 def proportion(happened: int, runs: int, confidence: float = CONFIDENCE) -> Proportion:
     """Estimate a probability from a count."""
-    from scipy.stats import binomtest
+    # The quantiles by themselves: scipy.stats takes a second to import.
+    from scipy.special import betaincinv
 
     if runs == 0:
         return Proportion(0, 0, None, 0.0, 1.0)
-    interval = binomtest(happened, runs).proportion_ci(confidence, method="exact")
-    return Proportion(happened, runs, happened / runs, float(interval.low), float(interval.high))
+    tail = 0.5 * (1.0 - confidence)
+    low = betaincinv(happened, runs - happened + 1, tail) if happened else 0.0
+    high = betaincinv(happened + 1, runs - happened, 1.0 - tail) if happened < runs else 1.0
+    return Proportion(happened, runs, happened / runs, float(low), float(high))
