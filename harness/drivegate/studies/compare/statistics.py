@@ -17,8 +17,8 @@ NO_DIFFERENCE: Final = "no real difference"
 METHOD: Final = (
     "Differences are paired: both candidates ran the same scenario with the same noise, and only pairs in which both "
     "held the speed count. The interval is Student's t interval of the mean difference (scipy.special.stdtrit), "
-    "widened after Bonferroni so that all pairs of candidates of one quantity hold together with 95 % confidence. A difference is "
-    "called real where its interval does not hold zero and its mean exceeds 0.1 % of the quantity."
+    "widened after Bonferroni so that all pairs of candidates of one quantity hold together with 95 % confidence. A "
+    "difference is called real where its interval does not hold zero and its mean exceeds 0.1 % of the quantity."
 )
 """The method in words."""
 
