@@ -137,3 +137,24 @@ def noise_of_power(state: Any) -> float:
     """
     noise: float = state.least_change + noise_of_regulator(state)
     return noise
+
+
+@inlined
+def is_answering(state: Any, power: float) -> bool:
+    """Return whether the regulator's answer to the speed error moves the current sum by more than a search resolves.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power : float
+        Mean current sum of the decision interval (A).
+
+    Returns
+    -------
+    bool
+        About the decision interval just ended.
+    """
+    answer = _ANSWER * state.conducting_phases * state.proportional * state.worst_error
+    answering: bool = answer > state.power_tolerance * power + _CALM * noise_of_power(state)
+    return answering

@@ -36,6 +36,7 @@ from drivegate_models.outer_loop.controllers.state import (
 )
 from drivegate_models.outer_loop.controllers.unrest import (
     EXACT,
+    is_answering,
     is_jolted,
     is_sagging,
     is_uneasy,
@@ -264,6 +265,9 @@ def settle(state: Any, power: float, settled: bool) -> int:
         # It has been calmer at other angles; at this one regulator and band beat.
         state.calm_error = max(state.calm_error, state.worst_error)
     if state.quiet < _SETTLED_INTERVALS or wound or is_uneasy(state):
+        return WAITING
+    if state.retried == 1 and state.quiet < _SETTLED_UNEASY and is_answering(state, power):
+        # Small steps follow a loss of speed; the rest of the way back would be taken for what the first one costs.
         return WAITING
     if is_creeping(state, power, CHANGED):
         # Calm, but wound up on the way back: the next step would be one from too much current reference.
