@@ -45,17 +45,16 @@ def compile_kernels(kinds: Collection[str]) -> None:
 
     The kinds are compiled side by side: what one has in common with another is little beside what is its own.
     """
-    with ThreadPoolExecutor(len(kinds)) as together:
-        for fault in together.map(_fault_of_compiling, kinds):
-            if fault is not None:
-                raise HarnessFault(f"the kernels cannot be compiled: {fault.message}")
+    with ThreadPoolExecutor() as together:
+        # Taking the results raises what has gone wrong.
+        list(together.map(_compile_kind, kinds))
     folder = choose_cache_folder()
     assert folder is not None, "kernels without a folder are never to be compiled"
     for kind in kinds:
         (folder / f"{MARKER}-{kind}").touch()
 
 
-def _fault_of_compiling(kind: str) -> Fault | None:
+def _compile_kind(kind: str) -> None:
     """Compile the oracle of a kind beside all else.
 
     What both need comes early in the one and late in the other, which finds it compiled by then: the phase in the
@@ -67,8 +66,7 @@ def _fault_of_compiling(kind: str) -> Fault | None:
         for targets in rounds:
             for outcome in pool.map([Job(target, kind) for target in targets]):
                 if isinstance(outcome, Fault):
-                    return outcome
-    return None
+                    raise HarnessFault(f"the kernels cannot be compiled: {outcome.message}")
 
 
 def _use_oracle(_loaded: JudgedCandidate, kind: str) -> None:
