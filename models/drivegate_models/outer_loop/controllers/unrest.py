@@ -102,6 +102,26 @@ def is_jolted(state: Any, jolt: float) -> bool:
 
 
 @inlined
+def answer_of_regulator(state: Any, error: float) -> float:
+    """Return what the regulator's answer to a speed error makes of the power.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    error : float
+        Speed error (rad/s).
+
+    Returns
+    -------
+    float
+        Current sum (A).
+    """
+    answer: float = _ANSWER * state.conducting_phases * state.proportional * error
+    return answer
+
+
+@inlined
 def noise_of_regulator(state: Any) -> float:
     """Return what the regulator's answer to the speed sensor's errors makes of the power.
 
@@ -116,9 +136,7 @@ def noise_of_regulator(state: Any) -> float:
         Current sum (A).
     """
     # A greater error is no noise but a speed about to be lost.
-    error = min(state.calm_error, _UNEASY * state.speed_tolerance)
-    noise: float = _ANSWER * state.conducting_phases * state.proportional * error
-    return noise
+    return answer_of_regulator(state, min(state.calm_error, _UNEASY * state.speed_tolerance))
 
 
 @inlined
@@ -155,6 +173,6 @@ def is_answering(state: Any, power: float) -> bool:
     bool
         About the decision interval just ended.
     """
-    answer = _ANSWER * state.conducting_phases * state.proportional * state.worst_error
-    answering: bool = answer > state.power_tolerance * power + _CALM * noise_of_power(state)
+    resolved = state.power_tolerance * power + _CALM * noise_of_power(state)
+    answering: bool = answer_of_regulator(state, state.worst_error) > resolved
     return answering
