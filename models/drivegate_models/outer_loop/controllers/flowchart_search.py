@@ -15,7 +15,12 @@ from drivegate_models.outer_loop.controllers.another_load import (
     may_step_farther,
     rearm_unless_repeated,
 )
-from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, forget_other_load, may_retry
+from drivegate_models.outer_loop.controllers.forbidden_angle import (
+    MARGIN,
+    forget_other_load,
+    may_retry,
+    retry,
+)
 from drivegate_models.outer_loop.controllers.protection import begin_settling, take_step
 from drivegate_models.outer_loop.controllers.state import SMALLEST_STEP
 from drivegate_models.outer_loop.controllers.unrest import JOLT, is_uneasy, noise_of_power
@@ -114,9 +119,7 @@ def move(state: Any, power: float, change: float) -> None:
         state.step = 0.5 * state.step
     made_worse = change > 0.0 and state.moved != 0.0
     if state.step < SMALLEST_STEP and not made_worse and may_retry(state):
-        # In small steps from a calm speed it shows which of the forbidden angles lose the torque.
-        state.retried = 1
-        state.forbidden = state.lost_at
+        retry(state)
         state.step = SMALLEST_STEP
         state.improvements = 0
     if state.step < SMALLEST_STEP:

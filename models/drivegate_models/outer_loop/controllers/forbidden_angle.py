@@ -72,6 +72,20 @@ def may_retry(state: Any) -> bool:
 
 
 @inlined
+def retry(state: Any) -> None:
+    """Allow the angles that are forbidden only since the speed was on its way back.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    # In small steps from a calm speed it shows which of the forbidden angles lose the torque.
+    state.retried = 1
+    state.forbidden = state.lost_at
+
+
+@inlined
 def is_way_back(state: Any, power: float) -> bool:
     """Return whether the way back to the initial angle explains a current sum, under the load that is known.
 

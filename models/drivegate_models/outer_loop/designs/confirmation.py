@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.another_load import greatest_current_sum
-from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, allow_all_angles
+from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, allow_all_angles, may_retry, retry
 from drivegate_models.outer_loop.controllers.unrest import is_uneasy
 from drivegate_models.outer_loop.designs.state import LOWEST_ANGLE
 
@@ -34,6 +34,8 @@ _STRIDE = radians(0.8)
 _GROWTH = 1.5
 _LONGEST_STRIDE = radians(2.0)
 _CHEAPER = 0.001
+# Of the current sum: half of what a rest may cost.
+_DEAR = 0.01
 _OTHER_EDGE = 0.97
 _OTHER_LOAD = 0.05
 
@@ -79,6 +81,26 @@ def is_worth_confirming(state: Any) -> bool:
 
 
 @inlined
+def is_kept_from_cheaper(state: Any) -> bool:
+    """Return whether an edge bounds the angle found, and the distance to keep from it costs much.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        The state.
+
+    Returns
+    -------
+    bool
+        By the mean fall of the current sum from the starting angle on.
+    """
+    at_edge = state.best_offset - _STRIDE < lowest_rest(state.controller)
+    fall = (state.home_power - state.best_power) * OFF_EDGE
+    dear: bool = fall > _DEAR * state.best_power * (state.home - state.best_offset)
+    return at_edge and dear
+
+
+@inlined
 def begin_confirmation(state: Any) -> float:
     """Return to the angle found, to read it again.
 
@@ -95,6 +117,9 @@ def begin_confirmation(state: Any) -> float:
     state.finished = 0
     state.confirming = AT_ANGLE
     state.stride = _STRIDE
+    if is_kept_from_cheaper(state) and may_retry(state.controller):
+        # Long strides have lost the torque: small ones may go on.
+        retry(state.controller)
     state.best_offset = max(state.best_offset, lowest_rest(state.controller))
     found: float = state.best_offset
     return found

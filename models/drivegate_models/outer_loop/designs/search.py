@@ -389,9 +389,11 @@ def decide_design(state: Any) -> None:
         rearm(controller)
         return
     forget_other_load(controller, controller.last_power)
-    misled = had_edge and is_misled(state)
-    if misled:
+    another_load = had_edge and controller.forbidden == -inf
+    if another_load:
+        # The time that a search may take begins with its load.
         state.decisions = 0
+    misled = another_load and is_misled(state)
     if controller.good_power == inf:
         # Without a good angle: command, supply or load has changed.
         settle_for(state, begin_search(state))

@@ -13,7 +13,7 @@ from drivegate.checks.margin import Margin
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import steady_scenario
-from drivegate.scenarios.changes import with_load_factor, with_load_shares, with_real_sensors
+from drivegate.scenarios.changes import with_beginning, with_load_factor, with_load_shares, with_real_sensors
 from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest.correct_designs import correct_designs
 from drivegate_cases.drive.drive_document import load_drive
@@ -63,6 +63,23 @@ def test_a_fine_sweep_is_given_up_where_the_load_changes_meanwhile() -> None:
     steady = steady_scenario(load_drive("fan-3-phase"), 5600.0, power_share=1.0, constant_power=False)
     changing = with_load_shares(steady, (0.0, 0.55), (5.5, 1.0), (6.7, 0.55))
     failed = failed_margins("design:sweep", changing)
+    assert not failed, failed
+
+
+@pytest.mark.parametrize(("speed_rpm", "share_w"), [(5900.0, 100.0), (6000.0, 65.0)])
+def test_an_edge_that_a_long_stride_has_shown_is_looked_for_again_by_small_ones(
+    speed_rpm: float, share_w: float
+) -> None:
+    steady = steady_scenario(load_drive("fan-3-phase"), speed_rpm, power_share=1.0, constant_power=True)
+    failed = failed_margins("design:quadratic-interpolation", with_load_shares(steady, (0.0, share_w / 100)))
+    assert not failed, failed
+
+
+def test_a_search_has_its_time_from_the_moment_on_at_which_the_load_changes() -> None:
+    steady = steady_scenario(load_drive("star-24v-3-phase"), 5350.0, power_share=1.0, constant_power=False)
+    changing = with_load_shares(steady, (0.0, 0.8), (3.5, 1.0), (4.9, 0.8))
+    beginning = with_beginning(changing, control_period_s=1e-4, clock_start_s=60.0, initial_angle_deg=144.0)
+    failed = failed_margins("design:quadratic-interpolation", beginning)
     assert not failed, failed
 
 

@@ -229,3 +229,23 @@ def test_an_angle_is_approached_by_steps_that_can_be_given_back() -> None:
     assert steps[:2] == pytest.approx([-1.0, -1.0]), "careful at first"
     assert min(steps) >= -2.0 - 1e-9, steps
     assert max(steps) < -0.5, "a step that were tiny would be no way back"
+
+
+@pytest.mark.parametrize(
+    ("home_sum_a", "retries"),
+    [
+        pytest.param(70.0, True, id="the sum falls by 2 % a degree"),
+        pytest.param(58.0, False, id="the sum falls by 0.8 % a degree"),
+    ],
+)
+def test_an_edge_found_by_a_long_stride_is_looked_for_again_where_its_distance_costs_much(
+    home_sum_a: float, retries: bool
+) -> None:
+    state = design_state(QUADRATIC_INTERPOLATION)
+    state.home, state.home_power = 0.0, home_sum_a
+    state.best_offset, state.best_power = math.radians(-20.0), 50.0
+    state.controller.offset = state.best_offset
+    state.controller.forbidden, state.controller.lost_at = math.radians(-20.5), -math.inf
+    begin_confirmation(state)
+    assert (state.controller.retried == 1) == retries
+    assert (state.controller.forbidden == -math.inf) == retries
