@@ -218,7 +218,7 @@ DUTY_FAULTS: Final = {
     ),
     "shallow-weakening": DutyFault(
         "FWK-1",
-        "Never weakens by more than 30 % of what the machine bears.",
+        "Never weakens by more than 30 % of the current limit.",
         alter=_scaled(0.3, "deepest"),
     ),
     "delay-overcompensated": DutyFault(

@@ -11,6 +11,8 @@ _HALVINGS = 24
 _NEWTON_STEPS = 16
 _CONVERGED = 1e-9
 _GOLDEN = 0.6180339887498949
+# Electrical speed that is as good as none (rad/s).
+_STANDSTILL = 1e-9
 
 
 @inlined
@@ -84,9 +86,27 @@ def _greatest_torque_at(state: Any, electrical: float, voltage: float, direct: f
 
 
 @inlined
+def _direct_of_most_torque_per_volt(state: Any, electrical: float, voltage: float) -> float:
+    """Return the current along the magnet's axis that gives most torque at a voltage, without resistance (A).
+
+    Notes
+    -----
+    With the voltage's flux ``F = V / w`` the torque goes with ``(L_q psi - s x) sqrt(F**2 - x**2)``, where x is the
+    flux along the magnet's axis and s = L_q - L_d. It is greatest at the lower root of
+    ``2 s x**2 - L_q psi x - s F**2 = 0``: a salient machine is weakened beyond the magnet's whole flux.
+    """
+    flux = state.quadrature_inductance * state.magnet_flux
+    saliency = state.quadrature_inductance - state.direct_inductance
+    greatest = voltage / max(electrical, _STANDSTILL)
+    beyond = sqrt(flux * flux + 8.0 * saliency * saliency * greatest * greatest)
+    beyond = 2.0 * saliency * greatest * greatest / (flux + beyond)
+    return float(-(state.magnet_flux + beyond) / state.direct_inductance)
+
+
+@inlined
 def _direct_of_greatest_torque(state: Any, electrical: float, voltage: float) -> float:
     """Return the current along the magnet's axis at which the limits leave the greatest torque (A)."""
-    low: float = state.deepest
+    low: float = max(state.deepest, _direct_of_most_torque_per_volt(state, electrical, voltage))
     high = most_torque_direct(state, state.current_limit)
     if low >= high:
         return high
@@ -173,7 +193,6 @@ def within_voltage(
 @inlined
 def with_torque(state: Any, direct: float, torque: float, is_backward: bool) -> tuple[float, float]:
     """Return the currents of a torque (N m) at one along the magnet's axis (A), within the current limit."""
-    # Further than the magnet's whole flux the voltage rises again, and what asks for more weakening would lock up.
     direct = max(direct, state.deepest)
     room = sqrt(max(state.current_limit * state.current_limit - direct * direct, 0.0))
     quadrature = min(torque / torque_per_quadrature(state, direct), room)

@@ -15,7 +15,7 @@ BANDWIDTH: Final = 0.2
 
 _INTEGRAL = 0.1
 # Current over the limit from which on the whole of a dead time is lost, or won.
-_DEAD_SHARE = 0.02
+_DEAD_SHARE = 0.0005
 _ROOT_THREE = sqrt(3.0)
 
 

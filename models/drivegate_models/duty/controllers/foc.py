@@ -75,7 +75,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     reset_prediction(state, nameplate)
     state.regulates_speed = 1 if nameplate.reference_kind == SPEED_REFERENCE else 0
     state.core_loss_conductance = nameplate.core_loss_conductance
-    state.deepest = -min(nameplate.current_limit, nameplate.magnet_flux / nameplate.direct_inductance)
+    state.deepest = -nameplate.current_limit
     most = most_torque_direct(state, state.current_limit)
     state.greatest_torque = torque_per_quadrature(state, most) * sqrt(
         state.current_limit * state.current_limit - most * most

@@ -45,7 +45,7 @@ FOC_STATE: Final = np.dtype(
         ("current_limit", np.float64),
         # At the current limit, where the voltage is free.
         ("greatest_torque", np.float64),
-        # Current along the magnet's axis beyond which there is no weakening: the limit, or the magnet's whole flux.
+        # Current along the magnet's axis beyond which there is no weakening.
         ("deepest", np.float64),
         # Time from sampling to the middle of the period in which the answer acts.
         ("lead", np.float64),
