@@ -14,7 +14,8 @@ BANDWIDTH: Final = 0.2
 """Bandwidth of the currents over the sampling rate, which a delay of one and a half periods bears."""
 
 _INTEGRAL = 0.1
-# Current over the limit from which on the whole of a dead time is lost, or won.
+# Current over the limit from which on the whole of a dead time is lost, or won: hardly more than none, since a wider
+# ramp leaves ripple where the voltage is small, and the current that is wanted has no noise to be kept out.
 _DEAD_SHARE = 0.0005
 _ROOT_THREE = sqrt(3.0)
 

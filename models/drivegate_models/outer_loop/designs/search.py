@@ -227,12 +227,12 @@ def should_resort_to_table(state: Any) -> bool:
 
 @inlined
 def is_misled(state: Any) -> bool:
-    """Return whether a fine sweep goes on where the coarse one has led, though the load has changed since.
+    """Return whether a load that has changed leaves the search where it no longer belongs, as it does a fine sweep.
 
     Parameters
     ----------
     state : record of DESIGN_STATE
-        The state, in which an angle was forbidden until now.
+        The state, under another load than the search began with.
 
     Returns
     -------
@@ -240,7 +240,7 @@ def is_misled(state: Any) -> bool:
         False once it was given up for the table.
     """
     fine = state.design == SWEEP and state.stage > 0
-    misled: bool = fine and state.tabled == 0 and state.controller.forbidden == -inf
+    misled: bool = fine and state.tabled == 0
     return misled
 
 

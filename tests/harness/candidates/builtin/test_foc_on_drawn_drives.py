@@ -25,8 +25,9 @@ CHECKS = {check.id: check for check in CHECKS_OF["duty"]}
 def test_foc_meets_a_check_on_a_drawn_drive(check_id: str, number: int, label: str) -> None:
     drive = drawn_pm_ac_drive(0, number).document
     loaded = own_candidate(resolve_candidate("foc"))
+    controller = loaded.controller()
     margins = [
-        CHECKS[check_id].evaluate(recorded(loaded, scenario, loaded.controller()))
+        CHECKS[check_id].evaluate(recorded(loaded, scenario, controller))
         for scenario in fixed_scenarios(drive)
         if label in scenario.name
     ]
