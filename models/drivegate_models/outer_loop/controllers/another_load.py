@@ -6,7 +6,9 @@ from math import inf
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.outer_loop.controllers.current_share import greatest_current_sum
 from drivegate_models.outer_loop.controllers.protection import ALARM, rearm
+from drivegate_models.outer_loop.controllers.state import NOT_RETRIED
 from drivegate_models.outer_loop.controllers.unrest import JOLT, unrest
 
 LOAD_CHANGED: Final = 0.12
@@ -22,44 +24,6 @@ _MORE = 0.02
 _EITHER_WAY = 0.4 / TUNED_SUM
 _EITHER_WAY_NEAR = 0.2 / TUNED_SUM
 _EITHER_WAY_STEADY = 0.3 / TUNED_SUM
-
-
-@inlined
-def greatest_current_sum(state: Any) -> float:
-    """Return the current sum with every conducting phase at the limit.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-
-    Returns
-    -------
-    float
-        Current sum (A).
-    """
-    full: float = state.conducting_phases * state.current_limit
-    return full
-
-
-@inlined
-def draws_less_than(state: Any, share: float) -> bool:
-    """Return whether less than a share of the greatest current sum has flown in the last decision interval.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-    share : float
-        Of the greatest current sum (1).
-
-    Returns
-    -------
-    bool
-        About its mean current sum.
-    """
-    less: bool = state.last_power < share * greatest_current_sum(state)
-    return less
 
 
 @inlined
@@ -211,6 +175,6 @@ def may_step_farther(state: Any, power: float, change: float) -> bool:
     """
     calm = min(state.calm_error, state.worst_error)
     # Where a step has been too large before, the next one must not seem to lose the torque.
-    jolt = ALARM if state.retried == 1 else JOLT
+    jolt = ALARM if state.retried != NOT_RETRIED else JOLT
     jolts = 2.0 * state.worst_error - calm > unrest(state, jolt, calm)
     return not jolts and 2.0 * abs(change) <= LOAD_CHANGED * power

@@ -98,7 +98,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.power_tolerance = 0.001
     state.least_change = _LEAST_CHANGE * nameplate.current_limit
     state.first_step = radians(1.0)
-    state.walks_farther = 1
+    state.tries_again = 1
     period = state.control_period if published else state.paced_period
     state.decision_steps = max(round(SEARCH_PERIOD / period), 1)
     state.integral = 0.0

@@ -15,19 +15,21 @@ from drivegate_models.outer_loop.controllers.another_load import (
     may_step_farther,
     rearm_unless_repeated,
 )
-from drivegate_models.outer_loop.controllers.forbidden_angle import (
-    MARGIN,
-    forget_other_load,
-    may_retry,
-    retry,
-)
+from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, forget_other_load
 from drivegate_models.outer_loop.controllers.protection import begin_settling, take_step
-from drivegate_models.outer_loop.controllers.state import SMALLEST_STEP
+from drivegate_models.outer_loop.controllers.retry import is_kept_from_much, may_retry, retry, takes_care
+from drivegate_models.outer_loop.controllers.state import NOT_RETRIED, SMALLEST_STEP
 from drivegate_models.outer_loop.controllers.unrest import JOLT, is_uneasy, noise_of_power
 from drivegate_models.outer_loop.controllers.watch import BEGINNING, WAITING, begin_holding, watch_search
 
 _IMPROVEMENTS = 3
 _WORSE = 3
+# Steps in a row that change less than noise. With care they are small ones, which take as many to tell a slope.
+_FLAT_STEPS = 2
+_FLAT_STEPS_WITH_CARE = 4
+# First steps from which on a step does not grow any more.
+_LONG_STEP = 2.0
+_LONG_STEP_WITH_CARE = 0.3
 # First steps from the initial angle within which a rest is confirmed.
 _NEAR_THE_START = 6.0
 
@@ -58,7 +60,7 @@ def decide_by_flowchart(state: Any, error: float) -> None:
 
 @inlined
 def rest_or_confirm(state: Any, power: float) -> None:
-    """Rest where no step pays; where these were the first ones, only after others like them.
+    """Rest where no step pays: at an edge in doubt after small steps, near the start after others like the first.
 
     A load that grows during the first steps takes as much current as they save, so that all of them look flat.
 
@@ -70,6 +72,14 @@ def rest_or_confirm(state: Any, power: float) -> None:
         Mean current sum of the decision interval (A).
     """
     is_at_edge = state.offset - state.first_step < state.forbidden + MARGIN
+    if is_at_edge and is_kept_from_much(state) and may_retry(state, True):
+        retry(state, True)
+        state.step = SMALLEST_STEP
+        state.direction = -1.0
+        state.improvements = 0
+        state.quiet = 0
+        take_step(state, power, -state.step)
+        return
     if state.confirmed == 1 or is_at_edge or abs(state.offset) > _NEAR_THE_START * state.first_step:
         begin_holding(state, power)
         return
@@ -95,7 +105,7 @@ def may_widen(state: Any) -> bool:
     """
     room: bool = state.offset - state.first_step >= state.forbidden + MARGIN
     small: bool = state.direction < 0.0 and state.step < state.first_step
-    return room and small and state.retried == 0 and state.widened == 0
+    return room and small and state.retried == NOT_RETRIED and state.widened == 0
 
 
 @inlined
@@ -118,8 +128,9 @@ def move(state: Any, power: float, change: float) -> None:
     ):
         state.step = 0.5 * state.step
     made_worse = change > 0.0 and state.moved != 0.0
-    if state.step < SMALLEST_STEP and not made_worse and may_retry(state):
-        retry(state)
+    dear = is_kept_from_much(state)
+    if state.step < SMALLEST_STEP and not made_worse and may_retry(state, dear):
+        retry(state, dear)
         state.step = SMALLEST_STEP
         state.improvements = 0
     if state.step < SMALLEST_STEP:
@@ -129,6 +140,40 @@ def move(state: Any, power: float, change: float) -> None:
         rest_or_confirm(state, power)
         return
     take_step(state, power, state.direction * state.step)
+
+
+@inlined
+def is_flat_end(state: Any, power: float, change: float, slack: float) -> bool:
+    """Count a step that changed less than noise, and return whether the search ends with it.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    power, change : float
+        Mean current sum of the decision interval, and its change by the step (A).
+    slack : float
+        What noise makes of the current sum (A).
+
+    Returns
+    -------
+    bool
+        One flat step is not yet the optimum, nor are some that together save more than noise.
+    """
+    careful = takes_care(state)
+    flat_steps = state.quiet + 1
+    state.quiet = flat_steps
+    enough: bool = flat_steps >= (_FLAT_STEPS_WITH_CARE if careful else _FLAT_STEPS)
+    if enough and may_widen(state):
+        # What small steps change is less than noise; a larger one shows whether anything is left.
+        state.step = state.first_step
+        state.widened = 1
+        state.quiet = 0
+    elif enough and power > state.quiet_from - slack:
+        return True
+    if flat_steps == 1 or not careful:
+        state.quiet_from = power - change
+    return False
 
 
 @inlined
@@ -161,18 +206,9 @@ def decide_guarded(state: Any) -> None:
     # Less than noise makes of the sum is no slope.
     slack = max(state.power_tolerance * power, noise_of_power(state))
     if abs(change) <= slack:
-        state.quiet += 1
-        if state.quiet >= 2:
-            if may_widen(state):
-                # What small steps change is less than noise; a larger one shows whether anything is left.
-                state.step = state.first_step
-                state.widened = 1
-                state.quiet = 0
-            # One flat step is not yet the optimum, nor are two that together save more than noise.
-            elif power > state.quiet_from - slack:
-                rest_or_confirm(state, power)
-                return
-        state.quiet_from = power - change
+        if is_flat_end(state, power, change, slack):
+            rest_or_confirm(state, power)
+            return
     else:
         state.quiet = 0
         state.improvements += 1
@@ -184,7 +220,7 @@ def decide_guarded(state: Any) -> None:
         # At light load the optimum is 40 degrees or more away, too far for steps of one.
         elif (
             state.improvements >= _IMPROVEMENTS
-            and state.step < 2.0 * state.first_step
+            and state.step < (_LONG_STEP_WITH_CARE if takes_care(state) else _LONG_STEP) * state.first_step
             and may_step_farther(state, power, change)
         ):
             state.step = 2.0 * state.step

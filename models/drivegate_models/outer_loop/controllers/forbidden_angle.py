@@ -6,12 +6,16 @@ from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.outer_loop.controllers.state import HOLDING, SMALLEST_STEP, STEPPED_OFF
+from drivegate_models.outer_loop.controllers.current_share import draws_less_than
+from drivegate_models.outer_loop.controllers.state import HOLDING, NOT_RETRIED, SMALLEST_STEP, STEPPED_OFF
 
 MARGIN: Final = radians(0.2)
 """Distance that a search keeps from a forbidden angle (rad electrical)."""
-# Of the first step. A larger one costs speed that would come back.
+LIGHT: Final = 0.15
+"""Share of the greatest current sum below which a load is light: what an angle costs there matters little."""
+# Of the first step. A larger one costs speed that would come back; under much load, so may a smaller one.
 _SURE_STEP = 1.2
+_SURE_STEP_UNDER_LOAD = 0.6
 # Current sums, over that at which an angle was forbidden, that mean another load.
 _LIGHTER = 0.88
 _HEAVIER = 1.35
@@ -46,43 +50,13 @@ def forbid(state: Any) -> None:
     blamed = state.offset - (SMALLEST_STEP if state.mode == HOLDING and state.quiet == STEPPED_OFF else 0.0)
     state.forbidden = max(state.forbidden, blamed)
     # Down a small step, or held: the angle is to blame, not the way on which the speed was lost.
-    if state.mode == HOLDING or -_SURE_STEP * state.first_step <= state.moved < 0.0:
+    sure = _SURE_STEP
+    if state.tries_again == 1 and not draws_less_than(state, LIGHT):
+        sure = _SURE_STEP_UNDER_LOAD
+    if state.mode == HOLDING or -sure * state.first_step <= state.moved < 0.0:
         state.lost_at = max(state.lost_at, blamed)
     # What has been held is known better than the interval in which it was lost.
     state.forbidden_power = state.held_power if state.mode == HOLDING else state.last_power
-
-
-@inlined
-def may_retry(state: Any) -> bool:
-    """Return whether angles are forbidden only since the speed was on its way back, and there is room among them.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-
-    Returns
-    -------
-    bool
-        Once for a load.
-    """
-    room = state.offset - state.lost_at >= SMALLEST_STEP + MARGIN
-    doubtful: bool = state.forbidden - state.lost_at > 2.0 * state.first_step
-    return state.retried == 0 and room and doubtful
-
-
-@inlined
-def retry(state: Any) -> None:
-    """Allow the angles that are forbidden only since the speed was on its way back.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    """
-    # In small steps from a calm speed it shows which of the forbidden angles lose the torque.
-    state.retried = 1
-    state.forbidden = state.lost_at
 
 
 @inlined
@@ -140,3 +114,4 @@ def forget_other_load(state: Any, power: float) -> None:
     if power < _LIGHTER * state.forbidden_power or heavier:
         # A lighter load has a lower edge; and a load that has become much heavier costs speed at any angle.
         allow_all_angles(state)
+        state.retried = NOT_RETRIED

@@ -11,7 +11,13 @@ from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.forbidden_angle import allow_all_angles, forbid
-from drivegate_models.outer_loop.controllers.state import HOLDING, SETTLING, SMALLEST_STEP
+from drivegate_models.outer_loop.controllers.state import (
+    HOLDING,
+    NOT_RETRIED,
+    RETRIED,
+    SETTLING,
+    SMALLEST_STEP,
+)
 
 STARVED: Final = 3.0
 """Times the current that flows by which the current reference of a starved winding exceeds it."""
@@ -75,7 +81,7 @@ def rearm(state: Any) -> None:
     state.direction = -1.0
     allow_all_angles(state)
     state.forbidden_power = 0.0
-    state.retried = 0
+    state.retried = NOT_RETRIED
     state.good_integral = inf
     state.good_power = inf
     state.climb = 0.5 * state.first_step
@@ -269,7 +275,7 @@ def guard_regulation(
         state.forbidden = forbidden
         # A fall as deep as this one is not to be had again.
         state.lost_at = forbidden
-        state.retried = 1
+        state.retried = RETRIED
         state.forbidden_power = forbidden_power
         state.initial_power = initial_power
     state.saturated_run = state.saturated_run + 1 if reference >= state.current_limit else 0
@@ -287,7 +293,7 @@ def guard_regulation(
         # The integral has wound up in vain; with the old angle goes the old current.
         state.integral = state.good_integral
         walk_back(state, -state.moved + _RECOVERY, True)
-        state.lost_speed = sag if state.walks_farther == 1 else inf
+        state.lost_speed = sag if state.tries_again == 1 else inf
     elif falls_on(state, sag, period):
         walk_farther_back(state, sag)
     elif is_starved and state.offset < 0.0:

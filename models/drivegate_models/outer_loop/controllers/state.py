@@ -22,6 +22,12 @@ HOLDING: Final = 2
 """Mode: the optimum is found; wait for a change."""
 STEPPED_OFF: Final = -1
 """Count of quiet intervals while holding, right after a step off the edge."""
+NOT_RETRIED: Final = 0
+"""No forbidden angle has been tried again under the present load."""
+RETRIED: Final = 1
+"""Angles that may have been forbidden without cause have been allowed again."""
+RETRIED_WITH_CARE: Final = 2
+"""So have more of them, since to keep off them costs much; only small steps lead among them."""
 SMALLEST_STEP: Final = radians(0.24)
 """Least step of a search (rad electrical)."""
 
@@ -47,9 +53,9 @@ CONTROLLER_STATE: Final = np.dtype(
         ("speed_tolerance", np.float64),
         ("power_tolerance", np.float64),
         ("least_change", np.float64),
-        # Whether more angle is given back where the speed falls on; what that forbids is tried again only by the
-        # reference.
-        ("walks_farther", np.int64),
+        # Whether small steps try forbidden angles again: then more angle is given back where the speed falls on, and
+        # under load a whole step alone is no proof that its angle loses the torque.
+        ("tries_again", np.int64),
         ("first_step", np.float64),
         ("decision_steps", np.int64),
         # Regulator and angle model.

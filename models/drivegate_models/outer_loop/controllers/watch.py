@@ -12,12 +12,12 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.another_load import (
     CHANGED,
     TUNED_SUM,
-    draws_less_than,
     has_moved_on,
     is_another_load,
     load_has_changed,
     rearm_unless_repeated,
 )
+from drivegate_models.outer_loop.controllers.current_share import draws_less_than
 from drivegate_models.outer_loop.controllers.forbidden_angle import allow_all_angles, forbid, is_heavier_load
 from drivegate_models.outer_loop.controllers.protection import (
     SLACK,
@@ -29,6 +29,7 @@ from drivegate_models.outer_loop.controllers.protection import (
 )
 from drivegate_models.outer_loop.controllers.state import (
     HOLDING,
+    NOT_RETRIED,
     SEARCHING,
     SETTLING,
     SMALLEST_STEP,
@@ -55,6 +56,8 @@ _SETTLED = 0.01
 _SETTLED_INTERVALS = 2
 # Intervals of a steady current sum after which the speed will not get any calmer.
 _SETTLED_UNEASY = 8
+# Intervals of a current sum that only grows slowly after which it is not waited for any more.
+_SETTLED_GROWING = 20
 _SMALLEST_POWER = 1.0 / TUNED_SUM
 # With a band the torque climbs in jumps, up which the regulator creeps to its limit within seconds; the least of it
 # over the current limit of the drive tuned on (A).
@@ -241,15 +244,15 @@ def remember(state: Any, power: float) -> None:
 
 
 @inlined
-def settle(state: Any, power: float, settled: bool) -> int:
+def settle(state: Any, power: float, change: float, settled: bool) -> int:
     """Wait until current sum and speed have settled, and begin to search then.
 
     Parameters
     ----------
     state : record of CONTROLLER_STATE
         Updated.
-    power : float
-        Mean current sum of the decision interval (A).
+    power, change : float
+        Mean current sum of the decision interval, and its change from the one before (A).
     settled : bool
         Whether it is that of the interval before.
 
@@ -266,7 +269,11 @@ def settle(state: Any, power: float, settled: bool) -> int:
         state.calm_error = max(state.calm_error, state.worst_error)
     if state.quiet < _SETTLED_INTERVALS or wound or is_uneasy(state):
         return WAITING
-    if state.retried == 1 and state.quiet < _SETTLED_UNEASY and is_answering(state, power):
+    growing = change > _RESTLESS * power + noise_of_power(state)
+    if state.confirmed == 1 and state.quiet < _SETTLED_GROWING and growing:
+        # The first steps looked flat, and the load still grows: slowly, yet by more than steps save.
+        return WAITING
+    if state.retried != NOT_RETRIED and state.quiet < _SETTLED_UNEASY and is_answering(state, power):
         # Small steps follow a loss of speed; the rest of the way back would be taken for what the first one costs.
         return WAITING
     if is_creeping(state, power, CHANGED):
@@ -371,13 +378,13 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     # Nor does one that still changes, with the speed still on its way back, or after small steps over the edge and the
     # way up from there, tell of another load.
     told = state.mode != SETTLING or (
-        settled and state.quiet > 0 and not is_uneasy(state) and state.retried == 0
+        settled and state.quiet > 0 and not is_uneasy(state) and state.retried == NOT_RETRIED
     )
     seems = told and load_has_changed(state, power, fall, rise)
     if (seems or is_jolted(state, jolt)) and rearm_unless_repeated(state):
         return WAITING, change
     if state.mode == SETTLING:
-        return settle(state, power, settled), change
+        return settle(state, power, change, settled), change
     if state.waited == 0 and is_read_too_soon(state, power, change):
         state.waited = 1
         state.old_power = power - change

@@ -10,8 +10,9 @@ from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.outer_loop.controllers.another_load import greatest_current_sum
-from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, allow_all_angles, may_retry, retry
+from drivegate_models.outer_loop.controllers.current_share import draws_less_than
+from drivegate_models.outer_loop.controllers.forbidden_angle import LIGHT, MARGIN, allow_all_angles
+from drivegate_models.outer_loop.controllers.retry import may_retry, retry
 from drivegate_models.outer_loop.controllers.unrest import is_uneasy
 from drivegate_models.outer_loop.designs.state import LOWEST_ANGLE
 
@@ -29,7 +30,6 @@ DOWN: Final = 3
 ABOVE: Final = 4
 """Angles above are tried as long as they are cheaper."""
 
-_LIGHT = 0.15
 _STRIDE = radians(0.8)
 _GROWTH = 1.5
 _LONGEST_STRIDE = radians(2.0)
@@ -75,9 +75,7 @@ def is_worth_confirming(state: Any) -> bool:
     bool
         About the present load.
     """
-    controller = state.controller
-    worth: bool = controller.last_power > _LIGHT * greatest_current_sum(controller)
-    return worth
+    return not draws_less_than(state.controller, LIGHT)
 
 
 @inlined
@@ -117,9 +115,9 @@ def begin_confirmation(state: Any) -> float:
     state.finished = 0
     state.confirming = AT_ANGLE
     state.stride = _STRIDE
-    if is_kept_from_cheaper(state) and may_retry(state.controller):
+    if is_kept_from_cheaper(state) and may_retry(state.controller, False):
         # Long strides have lost the torque: small ones may go on.
-        retry(state.controller)
+        retry(state.controller, False)
     state.best_offset = max(state.best_offset, lowest_rest(state.controller))
     found: float = state.best_offset
     return found

@@ -60,7 +60,7 @@ def reset_design(state: Any, nameplate: Any, design: int) -> None:
     """
     # A search that begins writes all else.
     reset_state(state.controller, nameplate, GUARDED)
-    state.controller.walks_farther = 0
+    state.controller.tries_again = 0
     state.design = design
     state.tabled = 0
     state.target = 0.0

@@ -13,7 +13,7 @@ from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.outer_loop.controllers.another_load import draws_less_than
+from drivegate_models.outer_loop.controllers.current_share import draws_less_than
 from drivegate_models.outer_loop.controllers.unrest import EXACT, noise_of_regulator
 from drivegate_models.outer_loop.designs.confirmation import is_worth_confirming
 from drivegate_models.outer_loop.designs.probe import aim

@@ -9,9 +9,9 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.another_load import (
     LOAD_CHANGED,
     differs,
-    draws_less_than,
     is_lighter_load,
 )
+from drivegate_models.outer_loop.controllers.current_share import draws_less_than
 from drivegate_models.outer_loop.controllers.forbidden_angle import MARGIN, forget_other_load
 from drivegate_models.outer_loop.controllers.protection import rearm
 from drivegate_models.outer_loop.controllers.state import HOLDING

@@ -9,7 +9,7 @@ from drivegate.drives.drawn_drives import drawn_drive
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import steady_scenario, vehicle_scenario
-from drivegate.scenarios.changes import with_scales
+from drivegate.scenarios.changes import with_load_factor, with_scales
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -34,7 +34,26 @@ THRUSTER = PAPER.replaced(
     rated_power_w=15000.0,
     current_limit_a=62.5,
 )
+# A load that grows by less than a percent from one decision to the next, for three seconds.
+SLOWLY_GROWING = tuple(
+    with_load_factor(
+        steady_scenario(drawn_drive(0, number).document, speed, power_share=1.0, constant_power=True),
+        ((0.0, 0.0), (0.5, 0.65), (12.0, 0.65), (15.2, 0.8)),
+    ).replaced(duration_s=35.2)
+    for number, speed in ((71, 1340.0), (83, 370.0))
+)
+# A whole step costs more speed than on the paper's drive, although its angle has the torque.
+STEEP = tuple(
+    steady_scenario(drawn_drive(0, number).document, speed, power_share=share, constant_power=constant_power)
+    for number, speed, share, constant_power in (
+        (44, 458.0, 1.0, True),
+        (53, 9920.0, 0.5, False),
+        (31, 1820.0, 0.65, False),
+    )
+)
 RUNS = (
+    *SLOWLY_GROWING,
+    *STEEP,
     # A long climb for torque is searched back by whole steps; after a loss of speed the first small one would mislead
     # as long as the speed is on its way back.
     *(
