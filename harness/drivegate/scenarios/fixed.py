@@ -58,7 +58,7 @@ def fixed_scenarios(drive: DriveDocument, speed_range_rpm: SpeedRange | None = N
 
 def _different(*scenarios: Scenario) -> tuple[Scenario, ...]:
     """Leave out what is the same once more, where a range has few speeds."""
-    return tuple({scenario.name: scenario for scenario in reversed(scenarios)}.values())[::-1]
+    return tuple(dict.fromkeys(reversed(scenarios)))[::-1]
 
 
 def _required_points(drive: DriveDocument) -> list[Scenario]:

@@ -83,10 +83,10 @@ def _change_times(profile: Profile) -> str:
 
 def _speed(scenario: Scenario) -> _Trait:
     levels = _levels(scenario.speed_rpm)
-    words = _changing(scenario.speed_rpm, "rpm")
-    if scenario.initial_speed_rpm != levels[0]:
-        words += f", starting from {figure(scenario.initial_speed_rpm)} rpm"
-    return _Trait(f"{_sequence(levels)}rpm", words)
+    label, words = f"{_sequence(levels)}rpm", _changing(scenario.speed_rpm, "rpm")
+    if (first := scenario.initial_speed_rpm) != levels[0]:
+        label, words = f"{figure(first)}-to-{label}", f"{words}, starting from {figure(first)} rpm"
+    return _Trait(label, words)
 
 
 def _load(scenario: Scenario) -> list[_Trait]:

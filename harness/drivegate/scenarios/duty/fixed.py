@@ -57,7 +57,7 @@ def fixed_scenarios(
         *(run for run in _failures(drive) if run.failure is not None and run.failure.kind in detected),
     )
     followed = [scenario for scenario in reversed(every) if reference_of(scenario) in references]
-    return tuple({scenario.name: scenario for scenario in followed}.values())[::-1]
+    return tuple(dict.fromkeys(followed))[::-1]
 
 
 def _sensed(drive: PmAcDocument) -> list[Scenario]:
