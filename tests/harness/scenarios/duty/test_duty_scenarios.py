@@ -11,7 +11,13 @@ from hypothesis import HealthCheck, Phase, find, given, seed, settings
 from drivegate.checks.catalogue import CHECKS_OF
 from drivegate.checks.traceability import DUTY_DRAWN, SPECIAL, family_name, traced_checks
 from drivegate.scenarios.changes import with_scales
-from drivegate.scenarios.duty.building import load_step_scenario, torque_of, torque_scenario
+from drivegate.scenarios.duty.building import (
+    failing,
+    load_step_scenario,
+    speed_scenario,
+    torque_of,
+    torque_scenario,
+)
 from drivegate.scenarios.duty.drawn import FAMILY_GROUPS, drawn_scenarios, failure_scenarios
 from drivegate.scenarios.duty.feasibility import unfair_because
 from drivegate.scenarios.duty.fixed import fixed_scenarios
@@ -77,6 +83,17 @@ def test_a_load_out_of_reach_is_unfair_and_a_torque_reference_out_of_reach_is_no
     much = torque_of(INTERIOR, top, 2.0)
     assert unfair_because(load_step_scenario(INTERIOR, top, much, (0.0, 1.0))) is not None
     assert unfair_because(torque_scenario(INTERIOR, top, (0.0, much))) is None
+
+
+def test_a_shaft_that_is_to_stand_is_not_judged_for_being_locked() -> None:
+    start = speed_scenario(INTERIOR, (300.0,), torque_nm=0.5, initial_speed_rpm=0.0)
+    assert unfair_because(failing(start, "locked-rotor", 0.0)) is None, (
+        "a start shows that the shaft is locked"
+    )
+    resting = failing(start.replaced(speed_rpm=((0.0, 0.0),)), "locked-rotor", 0.0)
+    assert unfair_because(resting) == "a shaft that is to stand shows nobody that it is locked"
+    stopping = failing(start.replaced(speed_rpm=((0.0, 0.0),), initial_speed_rpm=300.0), "locked-rotor", 0.0)
+    assert unfair_because(stopping) is None, "a sudden stop shows it"
 
 
 def test_an_unknown_plant_is_not_taken_over_at_full_speed() -> None:
