@@ -43,6 +43,12 @@ def test_a_saliency_that_a_machine_does_not_have_cannot_be_taken_wrongly(name: s
     assert fault.on(INTERIOR).sentence == DUTY_FAULTS[name].sentence
 
 
+def test_a_dead_time_can_be_taken_wrongly_on_a_drive_that_is_run_with_one_all_the_same() -> None:
+    assert SURFACE.to_mapping()["inverter"]["dead_time_s"] == 0.0
+    (fault,) = chosen_faults(("dead-time-times-ten",), SURFACE)
+    assert fault.on(SURFACE).idle_because is None
+
+
 @pytest.mark.parametrize(
     ("name", "named"),
     [
