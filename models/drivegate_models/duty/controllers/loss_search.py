@@ -16,6 +16,9 @@ _LONGEST = 0.06
 # First and last step over the current limit.
 _FIRST_STEP = 0.06
 _LAST_STEP = 0.002
+# Least fall of the power over the power, for a step that adds current: the torque, which is not seen, changes by as
+# much in a step, and a search that took this for loss would drift.
+_LEAST_GAIN = 1e-5
 # Steps one after the other that were right, from which on they grow: where a search narrows down there are no more.
 _FAR = 3
 # Change of torque over the greatest one, and of speed over itself, from which on the point of operation is another.
@@ -85,7 +88,8 @@ def _move(state: Any, torque: float) -> None:
     accelerating = state.search_inertia * pace * (state.search_late - state.search_early) / (half * half)
     power = state.search_sum / state.search_looking - accelerating
     if not isnan(state.search_power):
-        if power - torque * (pace - state.search_pace) < state.search_power:
+        least_gain = _LEAST_GAIN * abs(power) if state.search_step < 0.0 else 0.0
+        if power - torque * (pace - state.search_pace) < state.search_power - least_gain:
             state.search_gains += 1
             factor = 2.0 if state.search_gains >= _FAR else 1.0
         else:

@@ -109,6 +109,16 @@ def test_the_search_for_least_loss_is_not_led_by_the_ripple_of_dead_time() -> No
     assert all(margin.met for margin in margins), margins
 
 
+def test_the_search_for_least_loss_does_not_drift_by_what_the_torque_changes_by() -> None:
+    document = load_drive("pm-ac-msl")
+    loaded = own_candidate(resolve_candidate("foc-loss-search"))
+    steps = torque_scenario(document, 1080.0, (31.83, 95.49, 151.2))
+    margins = judged(recorded(loaded, steps, loaded.controller()), kind_of(document).checks()).margins
+    found = [margin for margin in margins if margin.check == "FWK-2"]
+    assert found
+    assert all(margin.met for margin in found), found
+
+
 def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> None:
     loaded = own_candidate(resolve_candidate("foc-mtpa"))
     weakened = telling_runs()[1]
