@@ -91,7 +91,7 @@ SHOWN_BY: dict[str, Callable[[], Scenario]] = {
     "integral-of-eight-bits": short_period,
     "power-sum-overflows": short_period,
     "step-count-in-a-byte": short_period,
-    "period-taken-for-500-microseconds": shortest_period,
+    "period-taken-for-1-millisecond": shortest_period,
     "heat-counted-in-steps": shortest_period,
     "derates-after-a-minute": long_run,
     "derating-chatters": long_run,

@@ -20,11 +20,11 @@ FAULTS: Final = (
         believes=(("control_period", 100e-6),),
     ),
     Mutation(
-        "period-taken-for-500-microseconds",
+        "period-taken-for-1-millisecond",
         KIND,
-        "Takes the control period for 500 µs, whatever the nameplate says: at 50 µs it decides every 10 ms.",
+        "Takes the control period for 1 ms, whatever the nameplate says: at 50 µs it decides every 5 ms.",
         "CNV-2",
-        believes=(("control_period", 500e-6),),
+        believes=(("control_period", 1e-3),),
         shown_by="a control period of 100 µs or less",
     ),
     Mutation(
