@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drivegate.scenarios.drive_scale import scale_of
+from drivegate.scenarios.hall_beat import beats_with_edges
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_cases.scenario.load import ConstantPowerLoad, LockedLoad
@@ -135,6 +136,8 @@ def unfair_because(scenario: Scenario) -> str | None:
         return "its speed reference falls faster than the shaft coasts, and there is no braking"
     if not is_feasible(scenario):
         return "at one of its operating points no advance angle gives the torque"
+    if beats_with_edges(scenario):
+        return "at one of its speeds Hall edges and control periods run almost in step, which moves the current sum"
     return None
 
 

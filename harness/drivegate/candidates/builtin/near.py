@@ -32,7 +32,7 @@ _ALL: Final = (
         "Keeps the speed {size} too high, where k1 is {k1}.",
         "",
         fault=faults.SPEED_BIASED,
-        size=sizes.share(0.9, sizes.K1),
+        size=sizes.share(0.8, sizes.K1),
     ),
     Mutation(
         "beside-the-optimum",

@@ -20,8 +20,6 @@ from drivegate_models.outer_loop.controllers.another_load import (
 from drivegate_models.outer_loop.controllers.current_share import draws_less_than
 from drivegate_models.outer_loop.controllers.forbidden_angle import allow_all_angles, forbid, is_heavier_load
 from drivegate_models.outer_loop.controllers.protection import (
-    SLACK,
-    STARVED,
     begin_settling,
     rearm,
     walk_back,
@@ -43,6 +41,13 @@ from drivegate_models.outer_loop.controllers.unrest import (
     is_uneasy,
     noise_of_power,
 )
+from drivegate_models.outer_loop.controllers.winding import (
+    is_creeping,
+    is_wound,
+    unwind,
+    unwind_when_back,
+    winds_up,
+)
 
 WAITING: Final = 0
 """What the search has to do: nothing."""
@@ -59,15 +64,7 @@ _SETTLED_UNEASY = 8
 # Intervals of a current sum that only grows slowly after which it is not waited for any more.
 _SETTLED_GROWING = 20
 _SMALLEST_POWER = 1.0 / TUNED_SUM
-# With a band the torque climbs in jumps, up which the regulator creeps to its limit within seconds; the least of it
-# over the current limit of the drive tuned on (A).
-_CREEP = 1.15
-_CREEP_LEAST = 0.15 / 26.0
 _RESTLESS = 0.003
-# The same creep before any good angle is known: an integral that grows for no more current.
-_WINDING = 0.005
-_IDLE = 0.002
-_WOUND = 3
 # First steps beyond which the last step of a climb says nothing of the edge any more.
 _FAR_CLIMB = 4.0
 
@@ -96,37 +93,6 @@ def begin_holding(state: Any, power: float) -> None:
 
 
 @inlined
-def is_creeping(state: Any, power: float, share: float) -> bool:
-    """Return whether the regulator winds up in vain: more current reference for no more current.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state, with what was needed at the last good angle.
-    power : float
-        Mean current sum of the decision interval (A).
-    share : float
-        Share of the current sum beyond which it is more current.
-
-    Returns
-    -------
-    bool
-        False as long as no good angle is known, and well above it.
-    """
-    near = state.offset < state.good_offset + state.first_step
-    known = state.good_power
-    if state.mode == HOLDING and state.rest_power < inf:
-        # What was read when the speed was calm is known better than what the last step left.
-        known = max(known, state.rest_power)
-    creeping: bool = (
-        near
-        and state.integral > _CREEP * state.good_integral + _CREEP_LEAST * state.current_limit
-        and power < (1.0 + share) * known
-    )
-    return creeping
-
-
-@inlined
 def decide_holding(state: Any, power: float, change: float) -> None:
     """Watch what was found: search anew after a change of load, and keep off an edge that is too near.
 
@@ -145,7 +111,7 @@ def decide_holding(state: Any, power: float, change: float) -> None:
     changed = has_moved_on(state, power) or is_another_load(state, power, state.held_power)
     if is_creeping(state, power, 0.5 * CHANGED):
         state.integral = state.good_integral
-        walk_back(state, state.first_step if uneasy else SMALLEST_STEP, True)
+        walk_back(state, state.first_step if uneasy else 0.5 * SMALLEST_STEP, True)
     elif state.quiet <= 0:
         # The interval of its own last step is not judged.
         state.quiet = 1
@@ -236,9 +202,7 @@ def remember(state: Any, power: float) -> None:
     # An encoder may show a speed as exact by chance, which is no measure of its steps.
     if state.worst_error > EXACT:
         state.calm_error = min(state.calm_error, state.worst_error)
-    winding = state.integral - state.last_integral > _WINDING * state.current_limit
-    winding = winding and abs(power - state.last_power) < _IDLE * power
-    state.winding = state.winding + 1 if winding else 0
+    state.winding = state.winding + 1 if winds_up(state, power) else 0
     state.last_integral = state.integral
     state.last_power = power
 
@@ -262,12 +226,11 @@ def settle(state: Any, power: float, change: float, settled: bool) -> int:
         `WAITING` or `BEGINNING`.
     """
     # A load that is still coming on would be taken for the effect of the first step.
-    wound = state.integral > STARVED * power / state.conducting_phases + SLACK * state.current_limit
     state.quiet = state.quiet + 1 if settled else 0
     if state.quiet >= _SETTLED_UNEASY:
         # It has been calmer at other angles; at this one regulator and band beat.
         state.calm_error = max(state.calm_error, state.worst_error)
-    if state.quiet < _SETTLED_INTERVALS or wound or is_uneasy(state):
+    if state.quiet < _SETTLED_INTERVALS or is_wound(state, power) or is_uneasy(state):
         return WAITING
     growing = change > _RESTLESS * power + noise_of_power(state)
     if state.confirmed == 1 and state.quiet < _SETTLED_GROWING and growing:
@@ -292,36 +255,6 @@ def settle(state: Any, power: float, change: float, settled: bool) -> int:
     state.climb = 0.5 * state.first_step
     state.regained = -inf
     return BEGINNING
-
-
-@inlined
-def unwind(state: Any, power: float) -> bool:
-    """Unwind a regulator that asks for more current than flows, and give angle back where the speed sags.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    power : float
-        Mean current sum of the decision interval (A).
-
-    Returns
-    -------
-    bool
-        Whether it was wound up.
-    """
-    if state.winding >= _WOUND:
-        # The reference is beyond what the angle lets flow; without a good angle known, the current counts.
-        state.integral = min(state.integral, power / state.conducting_phases)
-        angle = state.first_step
-    elif is_creeping(state, power, 0.5 * CHANGED):
-        state.integral = state.good_integral
-        angle = 0.5 * state.first_step
-    else:
-        return False
-    if is_sagging(state):
-        walk_back(state, angle, True)
-    return True
 
 
 @inlined
@@ -358,6 +291,8 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     if state.mode == SETTLING and state.error > state.lost_speed:
         walk_farther_back(state, state.error)
         return WAITING, change
+    if unwind_when_back(state):
+        return WAITING, change
     if is_uneasy(state) and unwind(state, power):
         return WAITING, change
     # A current sum with the speed off its reference says nothing about the angle.
@@ -374,11 +309,16 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         # A lighter load would take less current reference too: this step has lost the torque.
         state.integral = state.good_integral
         walk_back(state, 0.5 * state.first_step - state.moved, True)
+        state.lost_speed = max(state.error, 0.0) if state.tries_again == 1 else inf
         return WAITING, change
-    # Nor does one that still changes, with the speed still on its way back, or after small steps over the edge and the
-    # way up from there, tell of another load.
+    # Nor does one that still changes, with the speed still on its way back or the regulator still wound up, or after
+    # small steps over the edge and the way up from there, tell of another load.
     told = state.mode != SETTLING or (
-        settled and state.quiet > 0 and not is_uneasy(state) and state.retried == NOT_RETRIED
+        settled
+        and state.quiet > 0
+        and not is_uneasy(state)
+        and not is_wound(state, power)
+        and state.retried == NOT_RETRIED
     )
     seems = told and load_has_changed(state, power, fall, rise)
     if (seems or is_jolted(state, jolt)) and rearm_unless_repeated(state):

@@ -8,12 +8,16 @@ from drivegate.checks.convergence import converges, reaches_optimum, window_conv
 from drivegate.drives.drawn_drives import drawn_drive
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
-from drivegate.scenarios.building import steady_scenario, vehicle_scenario
+from drivegate.scenarios.building import coming_on, steady_scenario, vehicle_scenario
 from drivegate.scenarios.changes import with_load_factor, with_scales
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import Scenario
 
-FAN, TRACTION, PAPER = map(load_drive, ("fan-3-phase", "traction-7-phase", "paper-5-phase"))
+FAN, TRACTION, PAPER, STAR, WIDE_WINDOW = map(
+    load_drive,
+    ("fan-3-phase", "traction-7-phase", "paper-5-phase", "star-3-phase", "star-3-phase-150-window"),
+)
 BARE_ROTOR = PAPER.replaced(name="bare-rotor", inertia_kg_m2=0.2 * PAPER.machine.inertia_kg_m2)
 THRUSTER = PAPER.replaced(
     name="thruster",
@@ -51,9 +55,22 @@ STEEP = tuple(
         (31, 1820.0, 0.65, False),
     )
 )
+# A regulator wound up on the way back takes more current than the load needs, which is no other load; and it needs no
+# less than at the good angle.
+WOUND_UP = (
+    *(
+        vehicle_scenario(STAR, speed, mass_units=mass, gear_units=gear, grade_percent=((0.0, 0.0),))
+        for speed, mass, gear in ((1320.0, 4, 6), (1340.0, 4, 6), (1480.0, 3, 6), (1480.0, 4, 8))
+    ),
+    steady_scenario(WIDE_WINDOW, 1500.0, power_share=1.0, constant_power=False).replaced(
+        name="1500rpm-9.8Nm",
+        load=ConstantTorqueLoad(kind="constant_torque", torque_nm=9.8, factor=coming_on(WIDE_WINDOW)),
+    ),
+)
 RUNS = (
     *SLOWLY_GROWING,
     *STEEP,
+    *WOUND_UP,
     # A long climb for torque is searched back by whole steps; after a loss of speed the first small one would mislead
     # as long as the speed is on its way back.
     *(
