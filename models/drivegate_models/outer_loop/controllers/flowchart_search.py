@@ -24,6 +24,8 @@ from drivegate_models.outer_loop.controllers.watch import BEGINNING, WAITING, be
 
 _IMPROVEMENTS = 3
 _WORSE = 3
+# Turns after which steps grow no more: where an effect comes late, growth would follow each turn, for ever.
+_REVERSALS = 4
 # Steps in a row that change less than noise. With care they are small ones, which take as many to tell a slope.
 _FLAT_STEPS = 2
 _FLAT_STEPS_WITH_CARE = 4
@@ -214,12 +216,14 @@ def decide_guarded(state: Any) -> None:
         state.improvements += 1
         if change > 0.0:
             state.direction = -state.direction
+            state.reversals += 1
             # At its whole step the flowchart would go to and fro for ever.
             state.step = 0.5 * state.step
             state.improvements = 0
         # At light load the optimum is 40 degrees or more away, too far for steps of one.
         elif (
             state.improvements >= _IMPROVEMENTS
+            and state.reversals < _REVERSALS
             and state.step < (_LONG_STEP_WITH_CARE if takes_care(state) else _LONG_STEP) * state.first_step
             and may_step_farther(state, power, change)
         ):

@@ -89,6 +89,7 @@ def rearm(state: Any) -> None:
     state.calm_error = inf
     state.confirmed = 0
     state.widened = 0
+    state.reversals = 0
     state.jolted_at = inf
     state.lost_speed = inf
     state.initial_power = 0.0

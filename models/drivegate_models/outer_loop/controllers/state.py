@@ -86,6 +86,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("speed_mark", np.float64),
         ("moved", np.float64),
         ("improvements", np.int64),
+        # Under the present load.
+        ("reversals", np.int64),
         ("good_integral", np.float64),
         ("good_offset", np.float64),
         ("good_power", np.float64),

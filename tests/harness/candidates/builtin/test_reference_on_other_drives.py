@@ -38,6 +38,29 @@ THRUSTER = PAPER.replaced(
     rated_power_w=15000.0,
     current_limit_a=62.5,
 )
+LIFT = PAPER.replaced(
+    name="lift",
+    advance=None,
+    phases=7,
+    pole_pairs=8,
+    resistance_ohm=0.11,
+    inductance_h=6.6e-3,
+    emf_constant_v_s_per_rad=1.32,
+    emf_flat_deg=105.0,
+    window_deg=1080.0 / 7.0,
+    core_loss_conductance_s=1.2e-3,
+    inertia_kg_m2=0.9,
+    friction_n_m=1.0,
+    supply_voltage_v=135.0,
+    hysteresis_band_a=0.5,
+    base_speed_rpm=450.0,
+    highest_speed_rpm=1200.0,
+    overspeed_rpm=1500.0,
+    rated_power_w=9000.0,
+    current_limit_a=52.0,
+    speed_tolerance_rpm=None,
+    settling_s=None,
+)
 # A load that grows by less than a percent from one decision to the next, for three seconds.
 SLOWLY_GROWING = tuple(
     with_load_factor(
@@ -79,6 +102,8 @@ RUNS = (
         )
         for speed in (2060.0, 2070.0, 2100.0)
     ),
+    # What a step does comes late, so that each turn of the search seems to pay.
+    *(steady_scenario(LIFT, speed, power_share=0.12, constant_power=False) for speed in (1022.5, 1097.5)),
     steady_scenario(FAN, 5550.0, power_share=0.1, constant_power=False),
     vehicle_scenario(FAN, 6000.0, mass_units=4, gear_units=6, grade_percent=((0.0, 0.0),)),
     steady_scenario(TRACTION, 3320.0, power_share=0.1, constant_power=False),
