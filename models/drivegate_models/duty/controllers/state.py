@@ -22,17 +22,25 @@ AIMS: Final = {
     "foc-loss-model": MODELLED_LOSS,
     "foc-loss-search": SEARCHED_LOSS,
     "predictive-flux": LEAST_CURRENT,
+    "direct-torque": LEAST_CURRENT,
 }
 """The controllers, and what each chooses its currents for."""
 
-PREDICTING: Final = frozenset({"predictive-flux"})
-"""Those that lead the currents by prediction, the others by PI regulators."""
+OF_CURRENTS: Final = 0
+"""PI regulators of the currents."""
+BY_PREDICTION: Final = 1
+"""The stator flux is led by prediction."""
+OF_TORQUE: Final = 2
+"""PI regulators of the torque and of the stator flux's magnitude."""
+
+REGULATIONS: Final = {"predictive-flux": BY_PREDICTION, "direct-torque": OF_TORQUE}
+"""What leads to these currents where it is not their own regulators."""
 
 FOC_STATE: Final = np.dtype(
     [
-        # Which currents are chosen, and whether they are led by prediction; set before reset, which leaves both.
+        # Which currents are chosen, and what leads to them; set before reset, which leaves both.
         ("aim", np.int64),
-        ("predicts", np.int64),
+        ("regulation", np.int64),
         # Constants, set by reset.
         ("regulates_speed", np.int64),
         ("control_period", np.float64),
@@ -65,6 +73,7 @@ FOC_STATE: Final = np.dtype(
         ("speed_integral", np.float64),
         # Torque that is gone for.
         ("torque", np.float64),
+        # Of currents along and across the magnet's axis, or of flux along and across itself.
         ("direct_integral", np.float64),
         ("quadrature_integral", np.float64),
         # Share of the undistorted voltage that references are made for.
@@ -78,6 +87,9 @@ FOC_STATE: Final = np.dtype(
         ("quadrature_missed", np.float64),
         ("direct_foreseen", np.float64),
         ("quadrature_foreseen", np.float64),
+        # Regulation of torque and flux: currents on the way to their reference, now and in the last two periods.
+        ("direct_way", np.float64, (3,)),
+        ("quadrature_way", np.float64, (3,)),
         # Search for the least power: control periods in which a current settles and is looked at, at least, at most and
         # now; speed at which a period is a sixth of the field's turn, and the inertia over a period.
         ("search_settling", np.int64),
@@ -131,9 +143,9 @@ def foc_state(name: str) -> NDArray[Any]:
     Returns
     -------
     array of FOC_STATE, shape (1,)
-        Nothing is set but its aim, and whether it predicts.
+        Nothing is set but its aim and its regulation.
     """
     state = np.zeros(1, FOC_STATE)
     state["aim"] = AIMS[name]
-    state["predicts"] = name in PREDICTING
+    state["regulation"] = REGULATIONS.get(name, OF_CURRENTS)
     return state

@@ -63,7 +63,7 @@ def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
     assert DUTY_FAULTS[name].check in {margin.check for margin in margins if not margin.met}
 
 
-@pytest.mark.parametrize("name", ["foc", "predictive-flux"])
+@pytest.mark.parametrize("name", ["foc", "predictive-flux", "direct-torque"])
 def test_a_correct_controller_passes_the_same_runs_and_repeats_itself(name: str) -> None:
     with Judge(resolve_candidate(name)) as judge:
         outcome = judge.run(Job(run_fixed, FixedRuns(telling_runs(), repeat=True)))
