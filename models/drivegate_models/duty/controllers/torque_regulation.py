@@ -137,7 +137,7 @@ def regulate_torque(
     Parameters
     ----------
     state : record of FOC_STATE
-        Updated; its two integrals are along and across the stator flux.
+        Updated; its two integrals are of the rotor frame.
     sense : record of DUTY_SENSE
         What the sensors saw.
     command : record of DUTY_COMMAND
@@ -169,22 +169,21 @@ def regulate_torque(
     seen = 1 + state.delay
     direct_due, quadrature_due = state.direct_way[seen], state.quadrature_way[seen]
     along, across, longer, turned = _flux_errors(state, direct, quadrature, direct_due, quadrature_due)
-    radial = bandwidth * longer + state.direct_integral
-    tangential = bandwidth * turned + state.quadrature_integral
+    # Of the rotor frame, as what the model does not know mostly is: a step of the torque turns the flux, not it.
+    error, across_error = along * longer - across * turned, across * longer + along * turned
     leading, across_leading = _leading_voltage(state, electrical)
-    leading += along * radial - across * tangential
-    across_leading += across * radial + along * tangential
+    leading += bandwidth * error + state.direct_integral
+    across_leading += bandwidth * across_error + state.quadrature_integral
     # That which turns what is left of the flux is added as far as the limit bears it, as with the current regulators.
     added = electrical * state.quadrature_inductance * (quadrature_due - quadrature)
     across_added = -electrical * state.direct_inductance * (direct_due - direct)
     given, across_given = limited_voltage(leading, across_leading, added, across_added, voltage_limit(sense))
     wanted, across_wanted = leading + added, across_leading + across_added
     # What the limit has taken does not enter the integrals.
-    taken, across_taken = given - wanted, across_given - across_wanted
-    longer += (along * taken + across * across_taken) / bandwidth
-    turned += (along * across_taken - across * taken) / bandwidth
-    state.direct_integral += state.direct_integral_step / state.direct_inductance * longer
-    state.quadrature_integral += state.quadrature_integral_step / state.quadrature_inductance * turned
+    error += (given - wanted) / bandwidth
+    across_error += (across_given - across_wanted) / bandwidth
+    state.direct_integral += state.direct_integral_step / state.direct_inductance * error
+    state.quadrature_integral += state.quadrature_integral_step / state.quadrature_inductance * across_error
     ahead = cosine_sine(state.pole_pairs * sense.angle + electrical * state.lead)
     give_voltage(
         state, sense, command, ahead, (given, across_given), (direct_reference, quadrature_reference)
