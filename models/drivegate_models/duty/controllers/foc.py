@@ -35,6 +35,7 @@ from drivegate_models.duty.controllers.plausibility import (
     look_for_faults,
     reset_plausibility,
 )
+from drivegate_models.duty.controllers.position import reset_position, see_shaft
 from drivegate_models.duty.controllers.state import (
     BY_PREDICTION,
     FOC_STATE,
@@ -97,6 +98,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.torque = 0.0
     state.voltage_share = VOLTAGE_SHARE
     reset_search(state, nameplate)
+    reset_position(state, nameplate)
     reset_plausibility(state, nameplate)
 
 
@@ -194,6 +196,8 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     command : record of DUTY_COMMAND
         Receives the answer.
     """
+    see_shaft(state, sense)
+    sense = state.seen
     command.angle = sense.angle
     command.speed = sense.speed
     if look_for_faults(state, sense):

@@ -7,6 +7,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate_models.contract.duty.records import DUTY_SENSE
+
 LEAST_CURRENT: Final = 0
 """Least current that gives the torque, weakened as far as the voltage asks for."""
 UNWEAKENED: Final = 1
@@ -73,7 +75,6 @@ FOC_STATE: Final = np.dtype(
         ("speed_integral", np.float64),
         # Torque that is gone for.
         ("torque", np.float64),
-        # Of currents along and across the magnet's axis, or of flux along and across itself.
         ("direct_integral", np.float64),
         ("quadrature_integral", np.float64),
         # Share of the undistorted voltage that references are made for.
@@ -112,6 +113,15 @@ FOC_STATE: Final = np.dtype(
         ("search_pace", np.float64),
         ("search_torque", np.float64),
         ("search_speed", np.float64),
+        # What it goes by, with the shaft led on past a Hall edge that is overdue: by how much at most, from which speed
+        # on, by how much now, and the state, angle and speed that the switches gave before.
+        ("seen", DUTY_SENSE),
+        ("led_on_longest", np.float64),
+        ("led_on_from", np.float64),
+        ("led_on", np.float64),
+        ("hall_before", np.int64),
+        ("hall_angle", np.float64),
+        ("hall_speed", np.float64),
         # Plausibility: its constants, the code of the first fault, whether a step has been seen, what was seen in it,
         # and for how long, or by how much of the field's turning, each thing has been implausible.
         ("base_speed", np.float64),

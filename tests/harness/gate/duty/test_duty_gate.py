@@ -24,7 +24,13 @@ from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.verdict import check_outcomes
 from drivegate.scenarios.changes import with_scales
-from drivegate.scenarios.duty.building import failing, speed_scenario, torque_of, torque_scenario
+from drivegate.scenarios.duty.building import (
+    failing,
+    speed_scenario,
+    torque_of,
+    torque_scenario,
+    with_edges,
+)
 from drivegate.scenarios.facts import facts_of
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -48,6 +54,7 @@ def telling_runs() -> tuple[Scenario, ...]:
         torque_scenario(INTERIOR, 0.08 * INTERIOR.rating.base_speed_rpm, levels[1:3]),
         failing(torque_scenario(INTERIOR, below, levels[1:2]), "stuck-current", 0.25),
         failing(speed_scenario(INTERIOR, (below,), initial_speed_rpm=0.0), "locked-rotor", 0.0),
+        failing(with_edges(torque_scenario(INTERIOR, below, levels[1:2]), "hall", 1), "lost-edge", 0.25),
     )
 
 
