@@ -197,6 +197,8 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
         Receives the answer.
     """
     see_shaft(state, sense)
+    # A speed regulator is to notice a shaft that slows down as soon as its sensor does.
+    speed = sense.speed
     sense = state.seen
     command.angle = sense.angle
     command.speed = sense.speed
@@ -206,7 +208,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     direct, quadrature = rotor_currents(state, sense)
     electrical = state.pole_pairs * sense.speed
     limit = voltage_limit(sense)
-    wanted = _wanted_torque(state, sense.reference, sense.speed)
+    wanted = _wanted_torque(state, sense.reference, speed)
     direct_reference, quadrature_reference = _currents_for(
         state,
         _ramped(state, wanted),
@@ -215,7 +217,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
         sense.supply_voltage * sense.supply_current,
     )
     given = torque_per_quadrature(state, direct_reference) * quadrature_reference
-    _unwind_speed(state, sense.reference, sense.speed, wanted, given)
+    _unwind_speed(state, sense.reference, speed, wanted, given)
 
     if state.regulation == BY_PREDICTION:
         used = lead_flux(state, sense, command, direct, quadrature, direct_reference, quadrature_reference)

@@ -178,6 +178,22 @@ def test_the_voltage_limit_locks_no_current_up(
     assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
 
 
+@pytest.mark.parametrize("drive", ["pm-ac-interior", "pm-ac-surface"])
+def test_a_shaft_starts_under_load_by_hall_switches_alone(drive: str) -> None:
+    document = load_drive(drive)
+    assert isinstance(document, PmAcDocument)
+    slow = 0.2 * document.rating.base_speed_rpm
+    load = torque_of(document, slow, 0.5)
+    start = with_edges(speed_scenario(document, (slow,), torque_nm=load, initial_speed_rpm=0.0), "hall", 2)
+    loaded = own_candidate(resolve_candidate("foc"))
+    record = recorded(loaded, start, loaded.controller())
+    assert not record.run.commands["fault"].any(), (
+        "a shaft that begins to turn is not locked, nor a phase missing"
+    )
+    margins = {margin.check: margin for margin in judged(record, kind_of(document).checks()).margins}
+    assert margins["ROB-5"].met, margins["ROB-5"].measured
+
+
 def test_drawn_runs_depend_on_their_seed_alone() -> None:
     loaded = own_candidate(resolve_candidate("foc"))
     first, again = (run_drawn(loaded, DrawnRuns(INTERIOR, 1, 2, search=False)) for _ in range(2))
