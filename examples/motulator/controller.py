@@ -4,12 +4,16 @@ A control system of motulator measures a drive by four methods and answers with 
 class `_Front` is these four methods on what drivegate has sensed; motulator's own classes do the rest.
 """
 
+from math import pi
+
 from motulator.drive.control import sm
 
 from drivegate import TORQUE_REFERENCE, DutyCommand, DutyNameplate, DutySense
 
 # As in motulator's example of the machine of 2.2 kW (rad/s).
 SPEED_BANDWIDTH = 25.0
+# Of the currents and of the filter of their references; left out they are 2 pi 200 and 2 pi 100 (rad/s).
+FAST_CURRENTS, FAST_REFERENCES = 2.0 * pi * 300.0, 2.0 * pi * 1000.0
 
 
 class _Front:
@@ -74,6 +78,19 @@ class CurrentVector(_Front):
     ) -> sm.CurrentVectorController:
         """Make the controller of the currents."""
         return sm.CurrentVectorController(machine, sm.CurrentVectorControllerCfg(**settings))
+
+
+class FastCurrentVector(CurrentVector):
+    """Current-vector control with bandwidths of its own parameters raised."""
+
+    @staticmethod
+    def vector_controller(
+        machine: sm.SynchronousMachinePars, **settings: float
+    ) -> sm.CurrentVectorController:
+        """Make the controller of the currents."""
+        return CurrentVector.vector_controller(
+            machine, alpha_c=FAST_CURRENTS, alpha_ref=FAST_REFERENCES, **settings
+        )
 
 
 class FluxVector(_Front):

@@ -13,9 +13,13 @@ from motulator.drive import model
 from numpy.typing import NDArray
 
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import judged
 from drivegate.containment.judge import own_candidate
+from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
+from drivegate.scenarios.duty.building import torque_scenario
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -105,3 +109,19 @@ def test_trajectories_agree(
     told = "{:.4f} rad/s, {:.4f} A, {:.4f} N·m".format(*worst)
     assert all(error < bar for error, bar in zip(worst, (speed, current, torque), strict=True)), told
     print(f"{candidate}, dead time {dead_time_s:g} s: at most {told}")
+
+
+@pytest.mark.parametrize(
+    ("candidate", "is_in_time"), [("current_vector.toml", False), ("fast_current_vector.toml", True)]
+)
+def test_bandwidths_decide_whether_a_step_is_followed_in_time(candidate: str, is_in_time: bool) -> None:
+    """Only with bandwidths of its own parameters raised does current-vector control meet the drive's limit."""
+    drive = load_drive("pm-ac-2kw").replaced(settling_s=0.1)
+    assert isinstance(drive, PmAcDocument)
+    loaded = own_candidate(resolve_candidate(str(HERE / candidate)))
+    step = torque_scenario(drive, 390.0, (0.0, 3.2))
+    margins = judged(recorded(loaded, step, loaded.controller()), kind_of(drive).checks()).margins
+    found = {margin.check: margin for margin in margins}
+    assert found["STP-1"].met is is_in_time, found["STP-1"].measured
+    assert found["DEC-1"].met, found["DEC-1"].measured
+    assert found["OVC-1"].met, found["OVC-1"].measured

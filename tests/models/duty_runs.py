@@ -7,12 +7,13 @@ from typing import Any
 from numpy.typing import NDArray
 
 from drivegate_models.contract.duty.records import duty_nameplate_record
-from drivegate_models.contract.duty.signals import SPEED_REFERENCE, DutyNameplate
+from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
 from drivegate_models.contract.outer_loop.signals import PM_AC
 from drivegate_models.duty.controllers.foc import reset_function, step_function
 from drivegate_models.duty.controllers.state import foc_state
+from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.schedule import Course, Schedule, steady
-from drivegate_models.machine.load import Load
+from drivegate_models.machine.load import LOCKED, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, run_duty_loop
 from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, base_speed
 from drivegate_models.pm_ac.loop_records import TRACE
@@ -98,3 +99,23 @@ def controlled(
         initial_speed=initial_speed,
         initial_angle=initial_angle,
     )
+
+
+def held(
+    drive: PmAcDrive, name: str, speed: float, torque: Course, *, plant: PmAcDrive | None = None
+) -> tuple[DutyRun, NDArray[Any]]:
+    """Run a controller of a torque for 0.1 s at a held speed; return the run and the state at its end."""
+    state = reset_controller(name, nameplate_of(drive, TORQUE_REFERENCE))
+    run = run_duty_loop(
+        plant or drive,
+        Load(LOCKED),
+        course(drive, steady(speed), steady(0.0)),
+        step_address=step_function().address,
+        state_address=state.ctypes.data,
+        control_period=PERIOD,
+        duration=0.1,
+        initial_speed=speed,
+        torque_reference=torque,
+    )
+    assert run.status == COMPLETED
+    return run, state

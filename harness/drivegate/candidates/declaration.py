@@ -52,7 +52,8 @@ class Declaration:
     references : tuple of str
         References that the candidate follows, where its drive can give either; those of currents follow a speed.
     detects : tuple of str
-        Failures that the candidate brings its drive into a safe state for.
+        Failures that the candidate brings its drive into a safe state for, or keeps its torque behind if they are
+        `SURVIVABLE`.
     """
 
     flowchart: FlowchartProfile | None = None

@@ -104,7 +104,8 @@ class Manifest(Document):
     detects: tuple[FailureKind, ...] = Field(
         default=(),
         description="failures that a candidate that answers with duty ratios brings its drive into a safe state for: "
-        "'open-phase', 'stuck-current', 'lost-position', 'locked-rotor'",
+        "'open-phase', 'stuck-current', 'lost-position', 'locked-rotor', and 'lost-edge', behind which it may also "
+        "keep the torque",
     )
 
     drive: DriveReference | None = Field(

@@ -24,6 +24,7 @@ _FAILURES = {
     "stuck-current": failure.STUCK_CURRENT,
     "lost-position": failure.LOST_POSITION,
     "locked-rotor": failure.LOCKED_ROTOR,
+    "lost-edge": failure.LOST_EDGE,
 }
 _SHUNTS = {"in-line": IN_LINE, "low-side": LOW_SIDE, "link": DC_LINK}
 

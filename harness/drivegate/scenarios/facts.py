@@ -14,6 +14,7 @@ from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.failure_kind import PHASED
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import SHUNTS
 from drivegate_models.units import RADIANS_PER_RPM
 
 PLAIN_RUN: Final = "the plain run"
@@ -101,7 +102,13 @@ def _sensors(scenario: Mapping[str, Any]) -> Iterator[str]:
     sensors, seed = scenario["sensors"], scenario.get("seed", 0)
     kind = sensors if isinstance(sensors, str) else sensors["kind"]
     if kind != "ideal":
-        yield f"{kind} sensors" + (f" of seed {seed}" if seed else "")
+        switches = " with Hall switches" if kind == "shunts" and _position(sensors) == "hall" else ""
+        yield f"{kind} sensors{switches}" + (f" of seed {seed}" if seed else "")
+
+
+def _position(sensors: Any) -> str:
+    """Name what gives angle and speed of a shaft seen with shunts."""
+    return str(SHUNTS.position if isinstance(sensors, str) else sensors.get("position", SHUNTS.position))
 
 
 def _speed(scenario: Mapping[str, Any]) -> Iterator[str]:

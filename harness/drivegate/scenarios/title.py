@@ -18,6 +18,7 @@ from drivegate_cases.scenario.load import (
 )
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
+from drivegate_cases.scenario.sensors import ShuntSensors
 
 _LONGEST_NAME = 200
 _LONGEST_DESCRIPTION = 2000
@@ -168,6 +169,8 @@ def _sensors(scenario: Scenario) -> list[_Trait]:
     kind = scenario.sensors.kind
     if kind == "ideal":
         return []
+    if isinstance(scenario.sensors, ShuntSensors) and scenario.sensors.position == "hall":
+        return [_Trait(f"{kind}-hall", f"{kind} sensors with Hall switches, seed {scenario.seed}")]
     return [_Trait(kind, f"{kind} sensors, seed {scenario.seed}")]
 
 

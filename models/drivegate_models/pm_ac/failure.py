@@ -20,6 +20,8 @@ LOST_POSITION: Final = 3
 """No edges of encoder or Hall switches come any more; a position that is shown as it is stays, with its speed."""
 LOCKED_ROTOR: Final = 4
 """The shaft stands."""
+LOST_EDGE: Final = 5
+"""The next edge of encoder or Hall switches does not come, and those behind it do."""
 
 _ANGLE, _SPEED = range(2)
 
@@ -28,7 +30,7 @@ class Failure(NamedTuple):
     """What fails, and what was shown last; the arrays are updated in place."""
 
     kind: int
-    """`NOTHING`, `OPEN_PHASE`, `STUCK_CURRENT`, `LOST_POSITION` or `LOCKED_ROTOR`."""
+    """`NOTHING`, `OPEN_PHASE`, `STUCK_CURRENT`, `LOST_POSITION`, `LOCKED_ROTOR` or `LOST_EDGE`."""
     step: int
     """Control period from which on it has failed."""
     leg: int
@@ -45,7 +47,7 @@ def make_failure(kind: int = NOTHING, step: int = 0, leg: int = 0) -> Failure:
     Parameters
     ----------
     kind : int
-        `NOTHING`, `OPEN_PHASE`, `STUCK_CURRENT`, `LOST_POSITION` or `LOCKED_ROTOR`.
+        `NOTHING`, `OPEN_PHASE`, `STUCK_CURRENT`, `LOST_POSITION`, `LOCKED_ROTOR` or `LOST_EDGE`.
     step : int
         Control period from which on it has failed.
     leg : int
@@ -63,6 +65,12 @@ def make_failure(kind: int = NOTHING, step: int = 0, leg: int = 0) -> Failure:
 def has_failed(failure: Failure, kind: int, step: int) -> bool:
     """Return whether something has failed in a control period."""
     return failure.kind == kind and step >= failure.step
+
+
+@inlined
+def fails_now(failure: Failure, kind: int, step: int) -> bool:
+    """Return whether something fails with the start of a control period."""
+    return failure.kind == kind and step == failure.step
 
 
 @inlined

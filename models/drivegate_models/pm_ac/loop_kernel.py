@@ -17,9 +17,11 @@ from drivegate_models.machine.load import LOCKED, Load, load_torque
 from drivegate_models.pm_ac.exchange import DutyExchange, ask_controller, take_command, write_sense
 from drivegate_models.pm_ac.failure import (
     LOCKED_ROTOR,
+    LOST_EDGE,
     LOST_POSITION,
     Failure,
     fail_legs,
+    fails_now,
     has_failed,
     show_failed,
 )
@@ -29,6 +31,7 @@ from drivegate_models.pm_ac.plant.drive import PmAcDrive, alignment_of, drifted
 from drivegate_models.pm_ac.sensing import (
     EXACT,
     DutySensors,
+    lose_next_edge,
     low_side_ratio,
     show_phase_currents,
     show_shaft,
@@ -89,6 +92,15 @@ def _balance(
     throughput = period[ledger.EXCHANGED] + abs(shaft) + stored
     counted = max(throughput, _LEAST_SHARE * rated)
     return abs(missing) / counted if counted > 0.0 else 0.0
+
+
+@inlined
+def _turn_sensors(sensors: DutySensors, failure: Failure, step: int, length: float, speed: float) -> None:
+    """Let what is on the shaft turn for a control period, as far as its edges come."""
+    if fails_now(failure, LOST_EDGE, step):
+        lose_next_edge(sensors)
+    shown = 0.0 if has_failed(failure, LOST_POSITION, step) else speed
+    turn_shaft_sensors(sensors, step, step * length, length, shown)
 
 
 @unallocating
@@ -201,8 +213,7 @@ def run_periods(
         keep_period(records.trace[k], period, length, phases.rotor_currents, begin, opposing)
         angle = within_a_turn(angle + drive.pole_pairs * held * length)
         if not sensors.ideal:
-            shown = 0.0 if has_failed(failure, LOST_POSITION, k) else held
-            turn_shaft_sensors(sensors, k, k * length, length, shown)
+            _turn_sensors(sensors, failure, k, length, held)
             for leg in range(3):
                 room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
         if load.kind != LOCKED and not stands:

@@ -24,6 +24,7 @@ from drivegate_models.loop.sensing.encoder import (
     Encoder,
     encoder_count,
     encoder_speed,
+    lose_count,
     no_encoder,
     turn_encoder,
 )
@@ -32,6 +33,7 @@ from drivegate_models.loop.sensing.hall import (
     hall_angle,
     hall_bits,
     hall_speed,
+    lose_switching,
     no_hall,
     turn_hall,
 )
@@ -251,6 +253,15 @@ def show_shaft(sensors: DutySensors, sense: Any, pole_pairs: float) -> None:
         sense.hall = hall_bits(sensors.hall)
         sense.angle = hall_angle(sensors.hall, sense.time) / pole_pairs
         sense.speed = hall_speed(sensors.hall)
+
+
+@inlined
+def lose_next_edge(sensors: DutySensors) -> None:
+    """Let the next edge of what is on the shaft not come."""
+    if sensors.position == ENCODER:
+        lose_count(sensors.encoder)
+    elif sensors.position == HALL:
+        lose_switching(sensors.hall)
 
 
 @inlined

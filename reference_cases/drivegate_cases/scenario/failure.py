@@ -1,4 +1,4 @@
-"""What fails during a run of a PM AC drive, and does not come back."""
+"""What fails during a run of a PM AC drive."""
 
 import math
 from typing import Self
@@ -10,11 +10,12 @@ from drivegate_cases.scenario.failure_kind import PHASED, FailureKind
 
 
 class Failure(Section):
-    """A part of the drive that fails for good."""
+    """A part of the drive that fails for good, or an edge that is lost once."""
 
     kind: FailureKind = Field(
         description="what fails: 'open-phase', a leg whose switches both stay off; 'stuck-current', a current sensor "
-        "whose reading stays; 'lost-position', the edges of encoder or Hall switches; 'locked-rotor', the shaft"
+        "whose reading stays; 'lost-position', the edges of encoder or Hall switches; 'locked-rotor', the shaft; "
+        "'lost-edge', the next edge of encoder or Hall switches alone"
     )
     time_s: float = Field(ge=0.0, le=86400.0, description="time from which on it has failed, in seconds")
     phase: int = Field(

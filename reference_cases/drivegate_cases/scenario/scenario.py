@@ -22,7 +22,15 @@ from drivegate_cases.scenario.load import (
     VehicleLoad,
 )
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, check_times, value_from, value_until
-from drivegate_cases.scenario.sensors import IDEAL, Sensors, fitted, has_encoder, refusal, unfitted
+from drivegate_cases.scenario.sensors import (
+    IDEAL,
+    Sensors,
+    fitted,
+    has_edges,
+    has_encoder,
+    refusal,
+    unfitted,
+)
 from drivegate_models.contract.outer_loop.signals import Nameplate
 
 LONGEST_CONTROL_PERIOD_S = 0.0005
@@ -193,6 +201,11 @@ class Scenario(Document):
         if self.failure is not None and self.drive.kind != PM_AC:
             raise ValueError(
                 f'the key \'failure\' is for drives of the kind "{PM_AC}", but this one\'s kind is "{self.drive.kind}"'
+            )
+        if self.failure is not None and self.failure.kind == "lost-edge" and not has_edges(self.sensors):
+            raise ValueError(
+                "the failure 'lost-edge' needs the sensors 'shunts' with the position 'encoder' or 'hall', since a "
+                "position that is shown as it is has no edges"
             )
         if self.drive.kind == PM_AC:
             for key in ("restarts_s", "current_errors", "dropouts", "glitches"):

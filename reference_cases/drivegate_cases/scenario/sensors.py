@@ -218,6 +218,11 @@ def has_encoder(sensors: Sensors) -> bool:
     return isinstance(sensors, Mcs96Sensors)
 
 
+def has_edges(sensors: Sensors) -> bool:
+    """Tell whether a controller of duty ratios sees the shaft by the edges of an encoder or of Hall switches."""
+    return isinstance(sensors, ShuntSensors) and sensors.position != "exact"
+
+
 def counted_s(sensors: Mcs96Sensors | HallSensors | ShuntSensors, electrical_speed: float) -> float:
     """Give the time over which edges are counted for the speed (s): the encoder's own, or an electrical cycle."""
     return 2.0 * math.pi / electrical_speed if isinstance(sensors, HallSensors) else sensors.speed_window_s

@@ -11,12 +11,14 @@ from drivegate_models.contract.duty.records import duty_sense_record
 from drivegate_models.contract.duty.signals import LEG_OFF, LEG_PWM
 from drivegate_models.pm_ac.failure import (
     LOCKED_ROTOR,
+    LOST_EDGE,
     LOST_POSITION,
     NOTHING,
     OPEN_PHASE,
     STUCK_CURRENT,
     Failure,
     fail_legs,
+    fails_now,
     has_failed,
     make_failure,
     show_failed,
@@ -42,7 +44,7 @@ def shown(failure: Failure, *, is_exact: bool = True) -> list[tuple[float, ...]]
 TRUE = [(0.0 + k, 10.0 + k, 20.0 + k, 30.0 + k, 40.0 + k) for k in range(6)]
 
 
-@pytest.mark.parametrize("kind", [NOTHING, OPEN_PHASE, LOCKED_ROTOR])
+@pytest.mark.parametrize("kind", [NOTHING, OPEN_PHASE, LOCKED_ROTOR, LOST_EDGE])
 def test_what_is_no_failure_of_a_sensor_changes_nothing_that_is_shown(kind: int) -> None:
     assert shown(make_failure(kind, 3, 1)) == TRUE
 
@@ -73,7 +75,7 @@ def test_an_open_phase_has_its_leg_off_from_its_period_on(leg: int) -> None:
         assert [leg for leg in range(3) if legs[leg] == LEG_OFF] == ([leg] if k >= 3 else [])
 
 
-@pytest.mark.parametrize("kind", [NOTHING, STUCK_CURRENT, LOST_POSITION, LOCKED_ROTOR])
+@pytest.mark.parametrize("kind", [NOTHING, STUCK_CURRENT, LOST_POSITION, LOCKED_ROTOR, LOST_EDGE])
 def test_other_failures_leave_the_legs_alone(kind: int) -> None:
     legs = np.full(3, LEG_PWM, np.int64)
     fail_legs(make_failure(kind, 0, 1), 5, legs)
@@ -84,3 +86,9 @@ def test_only_what_fails_has_failed_and_only_from_then_on() -> None:
     failure = make_failure(LOCKED_ROTOR, 3)
     assert [has_failed(failure, LOCKED_ROTOR, k) for k in (2, 3, 4)] == [False, True, True]
     assert not has_failed(failure, OPEN_PHASE, 4)
+
+
+def test_an_edge_is_lost_once() -> None:
+    failure = make_failure(LOST_EDGE, 3)
+    assert [fails_now(failure, LOST_EDGE, k) for k in (2, 3, 4)] == [False, True, False]
+    assert not fails_now(failure, LOST_POSITION, 3)

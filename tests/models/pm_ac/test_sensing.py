@@ -20,10 +20,20 @@ from drivegate_models.loop.sensing.encoder import (
     Encoder,
     encoder_count,
     encoder_speed,
+    lose_count,
     turn_encoder,
     turning_encoder,
 )
-from drivegate_models.loop.sensing.hall import Hall, hall_angle, hall_bits, turn_hall, turning_hall
+from drivegate_models.loop.sensing.hall import (
+    EDGES,
+    Hall,
+    hall_angle,
+    hall_bits,
+    hall_speed,
+    lose_switching,
+    turn_hall,
+    turning_hall,
+)
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, run_duty_loop
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING, RISING, PmAcDrive
@@ -40,6 +50,7 @@ from drivegate_models.pm_ac.sensing import (
 )
 
 Factory = Callable[..., PmAcDrive]
+HALL_STATES = (1, 3, 2, 6, 4, 5)
 
 
 def converters(seed: int = 1, **changes: Any) -> Converters:
@@ -178,6 +189,20 @@ def test_an_encoder_counts_and_times_edges_either_way(speed: float) -> None:
     assert abs(encoder_speed(turning)) < turning.edge_angle / (150 * PERIOD), "without edges it comes to rest"
 
 
+@pytest.mark.kernel
+@pytest.mark.parametrize("speed", [30.0, -30.0, 0.5])
+def test_an_encoder_that_misses_an_edge_is_off_by_it_for_good(speed: float) -> None:
+    whole, missing = encoder(100, abs(speed)), encoder(100, abs(speed))
+    for turning in (whole, missing):
+        for step in range(400):
+            if step == 50 and turning is missing:
+                lose_count(turning)
+            turn_encoder(turning, step, step * PERIOD, PERIOD, speed)
+    assert encoder_count(whole) - encoder_count(missing) == math.copysign(1.0, speed)
+    if abs(speed) > 1.0:
+        assert encoder_speed(missing) == encoder_speed(whole), "behind the window the speed is right again"
+
+
 def test_the_middle_between_two_edges_is_shown() -> None:
     turning = encoder(100, 30.0)
     sensors = real_duty_sensors(converters(), encoder=turning, zero_angle=0.25)
@@ -202,10 +227,35 @@ def test_hall_switches_change_one_bit_an_edge() -> None:
         if not bits or bits[-1] != hall_bits(switches):
             bits.append(hall_bits(switches))
     begin = bits.index(1)
-    assert bits[begin : begin + 7] == [1, 3, 2, 6, 4, 5, 1]
+    assert bits[begin : begin + 7] == [*HALL_STATES, 1]
     assert max(map(abs, errors)) < 1e-3, "at a steady speed the timer follows the angle"
     resting = hall(2, 0.0, 1.0)
     assert hall_angle(resting, 0.0) == pytest.approx(math.pi / 3.0), "at rest it is the middle of the sector"
+
+
+@pytest.mark.kernel
+def test_hall_switches_that_miss_an_edge_keep_their_state_for_a_sector_and_change_by_two() -> None:
+    whole, missing = hall(2, 50.0), hall(2, 50.0)
+    states: list[tuple[int, int]] = []
+    speeds = []
+    for step in range(1400):
+        if step == 250:
+            lose_switching(missing)
+        for switches in (whole, missing):
+            turn_hall(switches, step * PERIOD, PERIOD, 50.0)
+        both = (HALL_STATES.index(hall_bits(whole)), HALL_STATES.index(hall_bits(missing)))
+        if not states or states[-1] != both:
+            states.append(both)
+        speeds.append(hall_speed(missing))
+    apart = [place for place, (first, second) in enumerate(states) if first != second]
+    assert len(apart) == 1, "it is off for one sector alone"
+    (place,) = apart
+    before, behind = states[place - 1][1], states[place + 1][1]
+    assert states[place][1] == before
+    assert (behind - before) % EDGES == 2
+    assert min(speeds[:260]) == pytest.approx(50.0, rel=1e-4)
+    assert min(speeds) == pytest.approx(25.0, rel=0.05), "two sectors without an edge halve the speed"
+    assert speeds[-600:] == pytest.approx([50.0] * 600, rel=1e-3), "the time of the lost edge is made up for"
 
 
 def run_foc(drive: PmAcDrive, sensors: DutySensors | None, speed: float, torque: float) -> DutyRun:

@@ -31,7 +31,14 @@ BUILTIN_CANDIDATES: Final = MappingProxyType(
 DUTY_CANDIDATES: Final = MappingProxyType(
     {
         name: Declaration(detects=FAILURE_KINDS)
-        for name in ("foc", "foc-mtpa", "foc-loss-model", "foc-loss-search", "predictive-flux")
+        for name in (
+            "foc",
+            "foc-mtpa",
+            "foc-loss-model",
+            "foc-loss-search",
+            "predictive-flux",
+            "direct-torque",
+        )
     }
 )
 """Declarations of those that answer with duty ratios, by bare name."""

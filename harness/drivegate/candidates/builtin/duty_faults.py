@@ -271,5 +271,15 @@ DUTY_FAULTS: Final = {
         "Waits for four seconds before it takes a shaft for locked that stands under the greatest torque.",
         alter=_scaled(100, "stall_periods"),
     ),
+    "hall-edges-counted": DutyFault(
+        "SAF-1",
+        "Counts the edges of its Hall switches in place of reading their state, and is a sector off once one is lost.",
+        spoilt=lambda plate: {"counts_edges": 1.0, "pole_pairs": float(plate.pole_pairs)},
+    ),
+    "hall-edge-awaited": DutyFault(
+        "SAF-1",
+        "Holds its angle at the sector's end and takes its speed for falling where a Hall edge does not come.",
+        alter=_scaled(0.0, "led_on_longest"),
+    ),
 }
 """All of them, by the name behind ``faulty:``."""

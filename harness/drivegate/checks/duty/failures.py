@@ -13,6 +13,7 @@ from drivegate.runs.duty.record import DutyRecord
 from drivegate.runs.duty.run import LEGS
 from drivegate.runs.record import RunRecord
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.failure_kind import SURVIVABLE
 from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_models.contract.duty.signals import LEG_OFF
 
@@ -24,17 +25,30 @@ def safe_state(record: RunRecord) -> Margin | None:
     if failure is None or failure.kind not in judged.declaration.detects or not judged.has_nominal_plant:
         return None
     begin = failure.first_period(period)
+    if failure.kind in SURVIVABLE and not isinstance(judged.scenario.load, DynamometerLoad):
+        # What torque a speed regulator wants, nobody else knows, and the speed hardly shows it.
+        return None
     claimed = _claimed(judged)
     if len(claimed) - begin < judged.limits.safe_state_s / period:
         return None
     if claimed[:begin].any():
         early = float(np.argmax(claimed)) * period
         return Margin("SAF-1", -1.0, f"the safe state is taken at {early:.4g} s, before anything fails")
+    if failure.kind in SURVIVABLE and not claimed.any():
+        return _ridden_through(judged, begin)
     return min(
         _reached(judged, claimed, begin),
         _torque_until_then(judged, claimed, begin),
         key=lambda margin: margin.value,
     )
+
+
+def _ridden_through(record: DutyRecord, begin: int) -> Margin:
+    """Judge the torque of a drive that goes on: it stays at its reference."""
+    torque, wanted = (record.run.column(name)[begin:] for name in ("torque", "torque_reference"))
+    greatest = float(np.max(np.abs(torque - wanted)))
+    told = f"torque {greatest:.4g} N·m off its reference behind {_words(record)}"
+    return Margin("SAF-1", at_most(greatest, record.limits.failure_torque_nm), told)
 
 
 def _claimed(record: DutyRecord) -> NDArray[np.bool_]:
@@ -85,14 +99,20 @@ SAF_1 = Check(
     id="SAF-1",
     requirement=(
         "Behind each failure that the candidate declares to detect the drive is soon in a safe state for good, and its "
-        "torque goes hardly beyond the reference until then."
+        "torque goes hardly beyond the reference until then; behind an edge that is lost it may also go on."
     ),
     source="the contract",
     subject="candidate",
     level="required",
-    limit="{safe_time}, and torque {failure_torque} until then and from then on",
-    scenarios="runs of the nominal drive in which a phase, a current sensor, the position or the shaft fails",
-    formula="the lesser of 1 - time / {safe_time} and 1 - torque beyond 0 to the reference / {failure_torque}",
+    limit="{safe_time}, and torque {failure_torque} until then and from then on, or always where it goes on",
+    scenarios=(
+        "runs of the nominal drive in which a phase, a current sensor, the position or the shaft fails, or an edge of "
+        "the position is lost"
+    ),
+    formula=(
+        "the lesser of 1 - time / {safe_time} and 1 - torque beyond 0 to the reference / {failure_torque}; of a drive "
+        "that goes on 1 - torque off the reference / {failure_torque}"
+    ),
     why="What fails, fails in the field, where the torque that nobody asked for moves something.",
     evaluate=safe_state,
     reason_not_applicable=_detects_nothing,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Final
+from typing import Final, Literal
 
 from drivegate.scenarios.drive_scale import tidy
 from drivegate.scenarios.duty.windows import WINDOW_SHARE, run_up_s
@@ -16,6 +16,7 @@ from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import SHUNTS
 from drivegate_models.units import RADIANS_PER_RPM
 
 TORQUE_DIGITS: Final = 4
@@ -117,6 +118,12 @@ def load_step_scenario(
 def failing(run: Scenario, kind: FailureKind, time_s: float, phase: int = 1) -> Scenario:
     """Let something fail in a run."""
     return titled(run.replaced(failure={"kind": kind, "time_s": tidy(time_s), "phase": phase}))
+
+
+def with_edges(run: Scenario, position: Literal["encoder", "hall"], seed: int) -> Scenario:
+    """See the shaft of a run by the edges of an encoder, or of Hall switches."""
+    sensors = SHUNTS.model_copy(update={"position": position})
+    return titled(run.replaced(sensors=sensors, seed=seed))
 
 
 def supply_step_scenario(base: Scenario, drive: PmAcDocument, shares: Sequence[float]) -> Scenario:

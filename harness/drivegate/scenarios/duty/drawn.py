@@ -17,6 +17,7 @@ from drivegate.scenarios.duty.building import (
     supply_step_scenario,
     torque_of,
     torque_scenario,
+    with_edges,
 )
 from drivegate.scenarios.duty.fixed import FAILURE_SPEED_SHARE, START_ANGLES_DEG
 from drivegate.scenarios.title import titled
@@ -247,7 +248,7 @@ def failure_scenarios(
     detected : collection of str
         What may fail.
     references : collection of str
-        What is followed; a rotor that locks up is one that is to follow a speed.
+        What is followed; a rotor that locks up is one that is to follow a speed, and an edge is lost under a torque.
 
     Returns
     -------
@@ -264,7 +265,11 @@ def failure_scenarios(
         torque = torque_of(drive, speed, share)
         held = torque_scenario(drive, speed, (torque,))
         run = held if reference == "torque" else speed_scenario(drive, (speed,), torque_nm=torque)
-        seen = with_real_sensors(run, seed) if seed else run
+        if kind == "lost-edge":
+            # The number of a phase, which an edge has none of, tells whose edge it is.
+            seen = with_edges(run, "encoder" if phase == 1 else "hall", seed)
+        else:
+            seen = with_real_sensors(run, seed) if seed else run
         time = (0.5 + _PART * part) * run.duration_s
         return failing(seen, kind, time, phase if kind in PHASED else 1)
 
@@ -279,15 +284,21 @@ def failure_scenarios(
     )
 
 
+_UNSEEN: Final = frozenset({("locked-rotor", "torque"), ("lost-edge", "speed")})
+
+
 def _that_can_fail(
     detected: Collection[FailureKind], references: Collection[Reference]
 ) -> list[tuple[FailureKind, Reference]]:
-    """List what may fail under which reference: a rotor that locks up is to follow a speed."""
+    """List what may fail under which reference.
+
+    A rotor that locks up is to follow a speed; what a lost edge does to the torque shows where one is asked for.
+    """
     return [
         (kind, reference)
         for kind in FAILURE_KINDS
         for reference in ("speed", "torque")
-        if kind in detected and reference in references and (kind, reference) != ("locked-rotor", "torque")
+        if kind in detected and reference in references and (kind, reference) not in _UNSEEN
     ]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Final
+from typing import Final, Literal
 
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import tidy
@@ -15,6 +15,7 @@ from drivegate.scenarios.duty.building import (
     supply_step_scenario,
     torque_of,
     torque_scenario,
+    with_edges,
 )
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -30,6 +31,8 @@ START_TORQUE_SHARE: Final = 0.5
 """Load of a start over rated torque (1)."""
 FAILURE_SPEED_SHARE: Final = 0.2
 """Least speed at which something fails, over base speed: below, a phase takes too long to be missed (1)."""
+POSITIONS: Final[tuple[Literal["encoder", "hall"], ...]] = ("encoder", "hall")
+"""What gives edges that can be lost."""
 FAILURE_TIME_SHARE: Final = 0.6
 """When something fails, over the run's length (1)."""
 DEAD_TIME_SPEED_SHARE: Final = 0.08
@@ -74,12 +77,14 @@ def _failures(drive: PmAcDocument) -> list[Scenario]:
     torques = [torque_scenario(drive, speed, (torque_of(drive, speed, 0.5),)) for speed in (slow, base)]
     sensed = [*torques, *(with_real_sensors(run, 1) for run in torques)]
     kinds: tuple[FailureKind, ...] = ("open-phase", "stuck-current", "lost-position")
+    by_edges = [with_edges(run, position, 1) for run in torques for position in POSITIONS]
     turning = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5))
     start = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5), initial_speed_rpm=0.0)
     return [
         *(failing(run, kind, FAILURE_TIME_SHARE * run.duration_s) for kind in kinds for run in sensed),
         failing(turning, "locked-rotor", FAILURE_TIME_SHARE * turning.duration_s),
         failing(start, "locked-rotor", 0.0),
+        *(failing(run, "lost-edge", FAILURE_TIME_SHARE * run.duration_s) for run in by_edges),
     ]
 
 

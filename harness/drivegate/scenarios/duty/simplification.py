@@ -15,7 +15,7 @@ from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_cases.scenario.sensors import IDEAL, PLAIN
+from drivegate_cases.scenario.sensors import IDEAL, SHUNTS, ShuntSensors
 from drivegate_models.units import RADIANS_PER_RPM
 
 _KEPT: Final = (
@@ -59,9 +59,11 @@ def _nominal(scenario: Scenario) -> Iterator[Fields]:
 def _plainer_sensors(scenario: Scenario) -> Iterator[Fields]:
     """See the plant as it is, through sensors with their defaults, or through those of the first seed."""
     yield {"sensors": IDEAL, "seed": 0}
-    if scenario.sensors.kind != IDEAL.kind:
-        yield {"sensors": PLAIN[scenario.sensors.kind], "seed": 1}
-        yield {"sensors": PLAIN[scenario.sensors.kind]}
+    if isinstance(scenario.sensors, ShuntSensors):
+        # What gives the position stays: edges of another kind are lost in another way.
+        plain = SHUNTS.model_copy(update={"position": scenario.sensors.position})
+        yield {"sensors": plain, "seed": 1}
+        yield {"sensors": plain}
 
 
 def _fewer_torques(scenario: Scenario) -> Iterator[Fields]:

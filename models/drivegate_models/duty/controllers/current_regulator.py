@@ -137,6 +137,43 @@ def regain_dead_time(
 
 
 @inlined
+def give_voltage(
+    state: Any,
+    sense: Any,
+    command: Any,
+    turned: tuple[float, float],
+    given: tuple[float, float],
+    wanted: tuple[float, float],
+) -> None:
+    """Write the answer that gives a voltage of the rotor frame.
+
+    Parameters
+    ----------
+    state : record of FOC_STATE
+        The state.
+    sense : record of DUTY_SENSE
+        What the sensors saw.
+    command : record of DUTY_COMMAND
+        Receives the duty ratios.
+    turned : tuple of float
+        Cosine and sine of the rotor's electrical angle while they act.
+    given : tuple of float
+        Voltage along and across the magnet's axis (V).
+    wanted : tuple of float
+        Currents along and across it that are to flow then (A), by which dead time is made up for.
+    """
+    cosine, sine = turned
+    along, across = given
+    write_ratios(
+        command,
+        cosine * along - sine * across,
+        sine * along + cosine * across,
+        max(sense.supply_voltage, 1e-9),
+    )
+    regain_dead_time(state, command, turned, wanted[0], wanted[1])
+
+
+@inlined
 def regulate_currents(
     state: Any,
     sense: Any,
@@ -204,12 +241,7 @@ def regulate_currents(
     state.quadrature_integral += state.quadrature_integral_step * (
         quadrature_error + (quadrature_given - quadrature_voltage) / state.quadrature_gain
     )
-    cosine, sine = cosine_sine(state.pole_pairs * sense.angle + electrical * state.lead)
-    write_ratios(
-        command,
-        cosine * direct_given - sine * quadrature_given,
-        sine * direct_given + cosine * quadrature_given,
-        max(sense.supply_voltage, 1e-9),
-    )
-    regain_dead_time(state, command, (cosine, sine), direct_reference, quadrature_reference)
+    ahead = cosine_sine(state.pole_pairs * sense.angle + electrical * state.lead)
+    given, wanted = (direct_given, quadrature_given), (direct_reference, quadrature_reference)
+    give_voltage(state, sense, command, ahead, given, wanted)
     return float(sqrt(direct_voltage * direct_voltage + quadrature_voltage * quadrature_voltage))

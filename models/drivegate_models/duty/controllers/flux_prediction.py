@@ -7,10 +7,9 @@ from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.duty.controllers.current_regulator import (
+    give_voltage,
     limited_voltage,
-    regain_dead_time,
     voltage_limit,
-    write_ratios,
 )
 from drivegate_models.machine.sine import cosine_sine
 
@@ -134,13 +133,9 @@ def lead_flux(
     # In the frame of the period's start, which is that of the next sample where the answer comes later.
     state.direct_given, state.quadrature_given = given, across_given
     ahead = cosine_sine(state.pole_pairs * sense.angle + electrical * state.control_period * state.delay)
-    write_ratios(
-        command,
-        ahead[0] * given - ahead[1] * across_given,
-        ahead[1] * given + ahead[0] * across_given,
-        max(sense.supply_voltage, 1e-9),
+    give_voltage(
+        state, sense, command, ahead, (given, across_given), (direct_reference, quadrature_reference)
     )
-    regain_dead_time(state, command, ahead, direct_reference, quadrature_reference)
     along += along_added
     across += across_added
     return float(sqrt(along * along + across * across))

@@ -35,7 +35,16 @@ from drivegate_models.duty.controllers.plausibility import (
     look_for_faults,
     reset_plausibility,
 )
-from drivegate_models.duty.controllers.state import FOC_STATE, MODELLED_LOSS, SEARCHED_LOSS, UNWEAKENED
+from drivegate_models.duty.controllers.position import reset_position, see_shaft
+from drivegate_models.duty.controllers.state import (
+    BY_PREDICTION,
+    FOC_STATE,
+    MODELLED_LOSS,
+    OF_TORQUE,
+    SEARCHED_LOSS,
+    UNWEAKENED,
+)
+from drivegate_models.duty.controllers.torque_regulation import regulate_torque, reset_torque_regulation
 
 VOLTAGE_SHARE: Final = 0.98
 """Share of the undistorted voltage that references are made for; the rest is for the current regulators."""
@@ -64,7 +73,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     Parameters
     ----------
     state : record of FOC_STATE
-        Overwritten, but for its aim and whether it predicts.
+        Overwritten, but for its aim and its regulation.
     nameplate : record of DUTY_NAMEPLATE
         The drive's nominal data.
     """
@@ -73,6 +82,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     speed_bandwidth = _SPEED_SHARE * BANDWIDTH / period
     reset_regulator(state, nameplate)
     reset_prediction(state, nameplate)
+    reset_torque_regulation(state)
     state.regulates_speed = 1 if nameplate.reference_kind == SPEED_REFERENCE else 0
     state.core_loss_conductance = nameplate.core_loss_conductance
     state.deepest = -nameplate.current_limit
@@ -88,6 +98,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.torque = 0.0
     state.voltage_share = VOLTAGE_SHARE
     reset_search(state, nameplate)
+    reset_position(state, nameplate)
     reset_plausibility(state, nameplate)
 
 
@@ -185,6 +196,10 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     command : record of DUTY_COMMAND
         Receives the answer.
     """
+    see_shaft(state, sense)
+    # A speed regulator is to notice a shaft that slows down as soon as its sensor does.
+    speed = sense.speed
+    sense = state.seen
     command.angle = sense.angle
     command.speed = sense.speed
     if look_for_faults(state, sense):
@@ -193,7 +208,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     direct, quadrature = rotor_currents(state, sense)
     electrical = state.pole_pairs * sense.speed
     limit = voltage_limit(sense)
-    wanted = _wanted_torque(state, sense.reference, sense.speed)
+    wanted = _wanted_torque(state, sense.reference, speed)
     direct_reference, quadrature_reference = _currents_for(
         state,
         _ramped(state, wanted),
@@ -202,10 +217,14 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
         sense.supply_voltage * sense.supply_current,
     )
     given = torque_per_quadrature(state, direct_reference) * quadrature_reference
-    _unwind_speed(state, sense.reference, sense.speed, wanted, given)
+    _unwind_speed(state, sense.reference, speed, wanted, given)
 
-    if state.predicts == 1:
+    if state.regulation == BY_PREDICTION:
         used = lead_flux(state, sense, command, direct, quadrature, direct_reference, quadrature_reference)
+    elif state.regulation == OF_TORQUE:
+        used = regulate_torque(
+            state, sense, command, direct, quadrature, direct_reference, quadrature_reference
+        )
     else:
         used = regulate_currents(
             state, sense, command, direct, quadrature, direct_reference, quadrature_reference

@@ -39,6 +39,8 @@ _STOPPED = 0.5
 _STANDING = 0.01
 _FULL = 0.95
 _STALLED = 0.04
+# How many times as long without an edge of Hall switches.
+_BETWEEN_EDGES = 2
 # Current of a phase over that of all, current of all over the limit from which on it is looked at, and angle that the
 # field turns by meanwhile (rad electrical).
 _MISSING = 0.03
@@ -110,12 +112,21 @@ def _is_shaft_wrong(state: Any, sense: Any, turned: float) -> bool:
 
 
 @inlined
-def _is_stalled(state: Any, sense: Any) -> bool:
+def _is_stalled(state: Any, sense: Any, turned: float) -> bool:
     """Tell whether a shaft that is to turn has stood under the greatest torque for long."""
     stands = abs(sense.speed) < _STANDING * state.base_speed < abs(sense.reference)
     pushed = abs(state.torque) >= _FULL * state.greatest_torque
+    # Hall switches show a shaft that begins to turn by their edges alone, each of which is a step.
+    longest = state.stall_periods if sense.hall < 0 else _BETWEEN_EDGES * state.stall_periods
+    stands = stands and (sense.hall < 0 or turned == 0.0)
     state.stall_count = state.stall_count + 1 if state.regulates_speed == 1 and stands and pushed else 0
-    return bool(state.stall_count >= state.stall_periods)
+    return bool(state.stall_count >= longest)
+
+
+@inlined
+def _passed_by(state: Any, sense: Any, turned: float) -> float:
+    """Return by how much the field has turned past the phases, which a step at a Hall edge does not do."""
+    return turned if sense.hall < 0 else float(state.pole_pairs * sense.speed * state.control_period)
 
 
 @inlined
@@ -161,9 +172,9 @@ def look_for_faults(state: Any, sense: Any) -> bool:
         state.fault = CURRENT_FAULT
     elif _is_shaft_wrong(state, sense, turned):
         state.fault = SHAFT_FAULT
-    elif _is_stalled(state, sense):
+    elif _is_stalled(state, sense, turned):
         state.fault = STALL_FAULT
-    elif _is_phase_missing(state, sense, turned):
+    elif _is_phase_missing(state, sense, _passed_by(state, sense, turned)):
         state.fault = PHASE_FAULT
     return bool(state.fault != 0)
 

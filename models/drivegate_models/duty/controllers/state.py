@@ -7,6 +7,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate_models.contract.duty.records import DUTY_SENSE
+
 LEAST_CURRENT: Final = 0
 """Least current that gives the torque, weakened as far as the voltage asks for."""
 UNWEAKENED: Final = 1
@@ -22,17 +24,25 @@ AIMS: Final = {
     "foc-loss-model": MODELLED_LOSS,
     "foc-loss-search": SEARCHED_LOSS,
     "predictive-flux": LEAST_CURRENT,
+    "direct-torque": LEAST_CURRENT,
 }
 """The controllers, and what each chooses its currents for."""
 
-PREDICTING: Final = frozenset({"predictive-flux"})
-"""Those that lead the currents by prediction, the others by PI regulators."""
+OF_CURRENTS: Final = 0
+"""PI regulators of the currents."""
+BY_PREDICTION: Final = 1
+"""The stator flux is led by prediction."""
+OF_TORQUE: Final = 2
+"""PI regulators of the torque and of the stator flux's magnitude."""
+
+REGULATIONS: Final = {"predictive-flux": BY_PREDICTION, "direct-torque": OF_TORQUE}
+"""What leads to these currents where it is not their own regulators."""
 
 FOC_STATE: Final = np.dtype(
     [
-        # Which currents are chosen, and whether they are led by prediction; set before reset, which leaves both.
+        # Which currents are chosen, and what leads to them; set before reset, which leaves both.
         ("aim", np.int64),
-        ("predicts", np.int64),
+        ("regulation", np.int64),
         # Constants, set by reset.
         ("regulates_speed", np.int64),
         ("control_period", np.float64),
@@ -78,6 +88,9 @@ FOC_STATE: Final = np.dtype(
         ("quadrature_missed", np.float64),
         ("direct_foreseen", np.float64),
         ("quadrature_foreseen", np.float64),
+        # Regulation of torque and flux: currents on the way to their reference, now and in the last two periods.
+        ("direct_way", np.float64, (3,)),
+        ("quadrature_way", np.float64, (3,)),
         # Search for the least power: control periods in which a current settles and is looked at, at least, at most and
         # now; speed at which a period is a sixth of the field's turn, and the inertia over a period.
         ("search_settling", np.int64),
@@ -100,6 +113,15 @@ FOC_STATE: Final = np.dtype(
         ("search_pace", np.float64),
         ("search_torque", np.float64),
         ("search_speed", np.float64),
+        # What it goes by, with the shaft led on past a Hall edge that is overdue: by how much at most, from which speed
+        # on, by how much now, and the state, angle and speed that the switches gave before.
+        ("seen", DUTY_SENSE),
+        ("led_on_longest", np.float64),
+        ("led_on_from", np.float64),
+        ("led_on", np.float64),
+        ("hall_before", np.int64),
+        ("hall_angle", np.float64),
+        ("hall_speed", np.float64),
         # Plausibility: its constants, the code of the first fault, whether a step has been seen, what was seen in it,
         # and for how long, or by how much of the field's turning, each thing has been implausible.
         ("base_speed", np.float64),
@@ -131,9 +153,9 @@ def foc_state(name: str) -> NDArray[Any]:
     Returns
     -------
     array of FOC_STATE, shape (1,)
-        Nothing is set but its aim, and whether it predicts.
+        Nothing is set but its aim and its regulation.
     """
     state = np.zeros(1, FOC_STATE)
     state["aim"] = AIMS[name]
-    state["predicts"] = name in PREDICTING
+    state["regulation"] = REGULATIONS.get(name, OF_CURRENTS)
     return state

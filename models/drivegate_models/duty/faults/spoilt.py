@@ -14,10 +14,13 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.calling import call_step, double_at, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
+from drivegate_models.duty.controllers.position import copy_sense
 from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
 from drivegate_models.machine.sine import cosine_sine
 
 _TURN = 2.0 * pi
+# Sectors of an electrical cycle, by the states of the Hall switches as bits; none for those that they never have.
+_SECTORS = (-1, 0, 2, 1, 4, 5, 3, -1)
 
 SPOILT_STATE: Final = np.dtype(
     [
@@ -39,6 +42,9 @@ SPOILT_STATE: Final = np.dtype(
         ("wraps_after", np.float64),
         ("turned", np.float64),
         ("angle_before", np.float64),
+        # Whether the edges of Hall switches are counted in place of their states being read, and the state before.
+        ("counts_edges", np.int64),
+        ("hall_before", np.int64),
         # What is added to the current along the magnet's axis (A), and the pole pairs by which it turns.
         ("direct_added", np.float64),
         ("pole_pairs", np.float64),
@@ -105,6 +111,15 @@ def _wrap_count(state: Any, angle: float) -> None:
 
 
 @inlined
+def _count_edge(state: Any, hall: int) -> None:
+    """Count an edge as one sector, of however many the state has changed: what it is more is missing from then on."""
+    if state.hall_before > 0 and hall != state.hall_before:
+        passed = (_SECTORS[hall] - _SECTORS[state.hall_before]) % 6
+        state.angle_added -= (passed - 1) * _TURN / 6.0 / state.pole_pairs
+    state.hall_before = hall
+
+
+@inlined
 def _stretched(state: Any, ratio: float) -> float:
     """Return a duty ratio as it is answered."""
     stretched = float(0.5 + state.stretch * (ratio - 0.5))
@@ -125,19 +140,15 @@ def _show(state: Any, sense: Any) -> None:
     if state.computes_third == 1:
         state.currents[2] = -state.currents[0] - state.currents[1]
     shown = state.sense
-    shown.struct_size = sense.struct_size
-    shown.time = sense.time
-    shown.reference = sense.reference
+    copy_sense(sense, shown)
     shown.phase_currents = state.currents_address
     shown.supply_voltage = state.supply_factor * sense.supply_voltage
-    shown.supply_current = sense.supply_current
     if state.wraps_after > 0.0:
         _wrap_count(state, sense.angle)
+    if state.counts_edges == 1 and sense.hall > 0:
+        _count_edge(state, sense.hall)
     shown.angle = state.angle_factor * sense.angle + state.angle_added
     shown.speed = state.speed_factor * sense.speed
-    shown.hall = sense.hall
-    shown.encoder_count = sense.encoder_count
-    shown.trip = sense.trip
 
 
 @inlined

@@ -18,6 +18,7 @@ from drivegate_models.compilation.kernels import inlined
 _POSITION = 0
 _FALSE_COUNTS = 1
 _MEASURED = 2
+_TO_LOSE = 3
 _EDGES_A_LINE = 4
 
 
@@ -33,14 +34,14 @@ class Encoder(NamedTuple):
     ticks: NDArray[np.float64]
     """Time of the last edge before each look, shape (n,) (clock ticks)."""
     memory: NDArray[np.float64]
-    """Position (edges), sum of false edges, measured speed (rad/s), shape (3,)."""
+    """Position (edges), sum of false and lost edges, measured speed (rad/s), edges yet to be lost, shape (4,)."""
     glitches: NDArray[np.float64]
     """Time (s) and number of edges of each burst of false edges, shape (g, 2)."""
 
 
 def no_encoder() -> Encoder:
     """Make room for an encoder where there is none."""
-    return Encoder(1.0, 1.0, np.zeros(1, np.int64), np.zeros(1), np.zeros(3), np.zeros((0, 2)))
+    return Encoder(1.0, 1.0, np.zeros(1, np.int64), np.zeros(1), np.zeros(4), np.zeros((0, 2)))
 
 
 def turning_encoder(
@@ -86,7 +87,7 @@ def turning_encoder(
         clock=clock,
         counts=whole.astype(np.int64),
         ticks=np.floor((times - since) / clock),
-        memory=np.array([0.0, 0.0, initial_speed]),
+        memory=np.array([0.0, 0.0, initial_speed, 0.0]),
         glitches=glitches,
     )
 
@@ -126,6 +127,30 @@ def encoder_count(encoder: Encoder) -> int:
 
 
 @inlined
+def lose_count(encoder: Encoder) -> None:
+    """Let the counter miss the next edge.
+
+    Parameters
+    ----------
+    encoder : Encoder
+        Updated: from that edge on its count is off by one, and so is the number of edges that the speed follows from
+        while the edge lies within the speed window.
+    """
+    encoder.memory[_TO_LOSE] += 1.0
+
+
+@inlined
+def _without_lost(encoder: Encoder, edges: float) -> float:
+    """Return how many of the edges of a control period are seen, of either sign, with one that is lost taken off."""
+    if encoder.memory[_TO_LOSE] <= 0.0 or edges == 0.0:
+        return edges
+    encoder.memory[_TO_LOSE] -= 1.0
+    lost = 1.0 if edges > 0.0 else -1.0
+    encoder.memory[_FALSE_COUNTS] -= lost
+    return edges - lost
+
+
+@inlined
 def turn_encoder(encoder: Encoder, step: int, time: float, period: float, speed: float) -> None:
     """Let the encoder turn for one control period, and measure the speed at its end.
 
@@ -151,7 +176,7 @@ def turn_encoder(encoder: Encoder, step: int, time: float, period: float, speed:
     after = before + speed * period / encoder.edge_angle
     whole = floor(after)
     tick = ticks[(step - 1) % counts.size]
-    if whole != floor(before):
+    if _without_lost(encoder, whole - floor(before)) != 0.0:
         # Exact, since the speed is constant within the period; the timer rounds it down.
         last = whole if speed > 0.0 else whole + 1.0
         edge = time + period - (after - last) * encoder.edge_angle / speed

@@ -38,6 +38,8 @@ _SINCE = 0
 _MEASURED = 1
 _NUMBER = 0
 _TIMED = 1
+_UNSEEN = 2
+_TO_LOSE = 3
 # The angle stays inside its sector by so much (rad), so that rounding commutates no edge that has not come.
 _INSIDE = 1e-6
 # So slow (rad/s) that a timer that has run for a long time has no edge of it.
@@ -63,14 +65,15 @@ class Hall(NamedTuple):
     ticks: NDArray[np.float64]
     """Times of the last edges, a ring by their numbers, shape (7,) (clock ticks)."""
     numbers: NDArray[np.int64]
-    """Number of the last edge, and how many edges are timed, shape (2,)."""
+    """Number of the last edge, how many edges are timed, how many of the last ones were lost, and how many are yet to
+    be, shape (4,)."""
     memory: NDArray[np.float64]
     """Electrical angle turned since the last edge (rad), measured speed of the shaft (rad/s), shape (2,)."""
 
 
 def no_hall() -> Hall:
     """Make room for Hall switches where there are none."""
-    return Hall(False, 1.0, 1.0, SECTOR, np.zeros(EDGES), np.zeros(_RING), np.zeros(2, np.int64), np.zeros(2))
+    return Hall(False, 1.0, 1.0, SECTOR, np.zeros(EDGES), np.zeros(_RING), np.zeros(4, np.int64), np.zeros(2))
 
 
 def turning_hall(
@@ -126,7 +129,7 @@ def turning_hall(
         longest=SECTOR + 2.0 * greatest_error,
         lags=lags,
         ticks=ticks,
-        numbers=np.array([last, _RING if is_turning else 0]),
+        numbers=np.array([last, _RING if is_turning else 0, 0, 0]),
         memory=np.array([turned[last], initial_speed if is_turning else 0.0]),
     )
 
@@ -149,6 +152,35 @@ def hall_speed(hall: Hall) -> float:
 
 
 @inlined
+def lose_switching(hall: Hall) -> None:
+    """Let the next edge not come.
+
+    Parameters
+    ----------
+    hall : Hall
+        The switches: they keep their state for one more sector, and change by two with the edge behind it, from whose
+        state the timer's program tells that one was lost.
+    """
+    hall.numbers[_TO_LOSE] += 1
+
+
+@inlined
+def _seen_edge(hall: Hall) -> int:
+    """Return the number of the last edge that has come."""
+    return int(hall.numbers[_NUMBER] - hall.numbers[_UNSEEN])
+
+
+@inlined
+def _time_edge(hall: Hall, number: int, unseen: int, tick: float) -> None:
+    """Keep an edge's time, and as those of lost ones before it times that part the way to it evenly (clock ticks)."""
+    first = number - unseen - 1
+    begin = hall.ticks[first % _RING]
+    for lost in range(1, unseen + 1):
+        hall.ticks[(first + lost) % _RING] = begin + floor((tick - begin) * lost / (unseen + 1))
+    hall.ticks[number % _RING] = tick
+
+
+@inlined
 def hall_bits(hall: Hall) -> int:
     """Return the states of the switches as bits, the first phase's the lowest.
 
@@ -162,7 +194,7 @@ def hall_bits(hall: Hall) -> int:
     int
         1, 3, 2, 6, 4 and 5 in the sectors of a cycle, from `FIRST_EDGE` on.
     """
-    sector = hall.numbers[_NUMBER] % EDGES
+    sector = _seen_edge(hall) % EDGES
     bits = 0
     for phase in range(3):
         # Each switch is on for half a cycle that begins a third of one after the switch before it.
@@ -187,7 +219,7 @@ def hall_angle(hall: Hall, now: float) -> float:
     float
         (rad).
     """
-    number = hall.numbers[_NUMBER]
+    number = _seen_edge(hall)
     begin = FIRST_EDGE + SECTOR * (number % EDGES)
     electrical = hall.pole_pairs * hall.memory[_MEASURED]
     if hall.numbers[_TIMED] == 0 or electrical <= 0.0:
@@ -259,6 +291,7 @@ def turn_hall(hall: Hall, time: float, period: float, speed: float) -> float:
     since = hall.memory[_SINCE]
     number = hall.numbers[_NUMBER]
     timed = hall.numbers[_TIMED]
+    unseen = hall.numbers[_UNSEEN]
     passed = 0.0
     error = 0.0
     while passed < period:
@@ -267,19 +300,25 @@ def turn_hall(hall: Hall, time: float, period: float, speed: float) -> float:
         # Divided only where an edge is within reach: a shaft that all but rests would reach it at no finite time.
         to_edge = max(left, 0.0) / electrical if electrical > 0.0 and left <= electrical * period else inf
         length = min(to_edge, period - passed)
-        begin = time + passed - ticks[number % _RING] * hall.clock
+        begin = time + passed - ticks[(number - unseen) % _RING] * hall.clock
         seen = _mean_angle(measured if timed > 0 else 0.0, begin, begin + length)
-        error += length * (seen - lag - since - 0.5 * electrical * length)
+        error += length * (seen - lag - since - 0.5 * electrical * length - SECTOR * unseen)
         if to_edge > period - passed:
             since += electrical * length
             break
         passed += to_edge
         number += 1
         since = 0.0
-        ticks[number % _RING] = floor((time + passed) / hall.clock)
-        timed = min(timed + 1, _RING)
+        if hall.numbers[_TO_LOSE] > 0:
+            hall.numbers[_TO_LOSE] -= 1
+            unseen += 1
+            continue
+        _time_edge(hall, number, unseen, floor((time + passed) / hall.clock))
+        timed = min(timed + 1 + unseen, _RING) if timed > 0 else 1
+        unseen = 0
     hall.numbers[_NUMBER] = number
     hall.numbers[_TIMED] = timed
+    hall.numbers[_UNSEEN] = unseen
     hall.memory[_SINCE] = since
-    hall.memory[_MEASURED] = _measured_speed(hall, number, timed, time + period)
+    hall.memory[_MEASURED] = _measured_speed(hall, number - unseen, timed, time + period)
     return error / period

@@ -133,6 +133,15 @@ def test_a_scenario_carries_the_whole_drive_and_its_control_period() -> None:
         ({"sensors": "mcs96"}, 'one of the kind "pm-ac" has ideal or shunts'),
         ({"dropouts": [{"signal": "speed", "start_s": 0.1, "duration_s": 0.01}]}, "'dropouts' is for other"),
         ({"drive": "paper-5-phase"}, "the load 'dynamometer' is for drives of the kind"),
+        ({"failure": {"kind": "lost-edge", "time_s": 0.1}}, "a position that is shown as it is has no edges"),
+        (
+            {
+                "failure": {"kind": "lost-edge", "time_s": 0.1},
+                "sensors": {"kind": "shunts", "position": "exact"},
+            },
+            "'lost-edge' needs the sensors 'shunts' with the position 'encoder' or 'hall'",
+        ),
+        ({"failure": {"kind": "lost-edge", "time_s": 0.1, "phase": 2}, "sensors": "shunts"}, "no phase's"),
     ],
 )
 def test_a_scenario_that_the_kind_cannot_have_is_refused(changes: dict[str, Any], words: str) -> None:

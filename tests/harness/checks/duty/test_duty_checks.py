@@ -15,7 +15,13 @@ from drivegate.checks.drive_numbers import on_drive
 from drivegate.checks.duty.optimum import greatest_at, least_free
 from drivegate.runs.duty.record import DutyRecord
 from drivegate.scenarios.changes import with_scales
-from drivegate.scenarios.duty.building import failing, speed_scenario, torque_of, torque_scenario
+from drivegate.scenarios.duty.building import (
+    failing,
+    speed_scenario,
+    torque_of,
+    torque_scenario,
+    with_edges,
+)
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.signals import LEG_PWM
@@ -85,7 +91,16 @@ def locked(run: Run, interior: PmAcDocument) -> DutyRecord:
     return run(failing(start, "locked-rotor", 0.0))
 
 
+@pytest.fixture(scope="session")
+def edge(run: Run, interior: PmAcDocument) -> DutyRecord:
+    """Give a torque at base speed, in whose course an edge of the Hall switches is lost."""
+    speed = interior.rating.base_speed_rpm
+    held = torque_scenario(interior, speed, (torque_of(interior, speed, 0.5),))
+    return run(failing(with_edges(held, "hall", 1), "lost-edge", 0.3))
+
+
 RUNS = {
+    "edge": ("PWR-1", "DUT-1", "OVC-1", "SAF-1"),
     "slow": ("PWR-1", "DUT-1", "ACC-1", "RIP-4", "DTM-1", "FWK-2", "MTP-1", "OVC-1"),
     "stuck": ("PWR-1", "DUT-1", "OVC-1", "SAF-1"),
     "locked": ("PWR-1", "DUT-1", "OVC-1", "SAF-1"),
@@ -135,6 +150,7 @@ FAULTS: list[tuple[str, str, str, Callable[[Any], Any]]] = [
         lambda torque: np.where(np.arange(len(torque)) >= 3001, torque + 0.6, torque),
     ),
     ("SAF-1", "locked", "torque", lambda torque: torque + 0.6),
+    ("SAF-1", "edge", "torque", lambda torque: np.where(np.arange(len(torque)) == 3050, 0.5, torque)),
     (
         "ROB-4",
         "other_plant",
@@ -184,6 +200,28 @@ def test_a_safe_state_that_is_never_late_or_early_taken_is_noticed(
     assert margin is not None
     assert not margin.met
     assert words in margin.measured
+
+
+def test_behind_a_lost_edge_a_drive_goes_on_or_is_safe(edge: DutyRecord) -> None:
+    went_on = judged("SAF-1", edge)
+    assert went_on is not None
+    assert went_on.met
+    assert "off its reference behind lost-edge" in went_on.measured
+    claimed = np.arange(len(edge.run.commands)) >= 3100
+    stopped = with_column(edge, "torque", lambda torque: np.where(claimed, 0.0, torque))
+    silent = judged("SAF-1", stopped)
+    told = judged("SAF-1", with_command(stopped, "fault", lambda _: claimed.astype(int)))
+    assert silent is not None
+    assert not silent.met, "without a word it is neither"
+    assert told is not None
+    assert told.met
+    assert "safe 10 ms after lost-edge" in told.measured
+
+
+def test_a_lost_edge_is_judged_where_a_torque_is_asked_for(run: Run, interior: PmAcDocument) -> None:
+    speed = interior.rating.base_speed_rpm
+    turning = with_edges(speed_scenario(interior, (speed,), torque_nm=1.0), "hall", 1)
+    assert judged("SAF-1", run(failing(turning, "lost-edge", 0.3))) is None
 
 
 def test_what_is_not_declared_is_not_judged(stuck: DutyRecord) -> None:

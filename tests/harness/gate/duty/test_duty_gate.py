@@ -24,7 +24,13 @@ from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.verdict import check_outcomes
 from drivegate.scenarios.changes import with_scales
-from drivegate.scenarios.duty.building import failing, speed_scenario, torque_of, torque_scenario
+from drivegate.scenarios.duty.building import (
+    failing,
+    speed_scenario,
+    torque_of,
+    torque_scenario,
+    with_edges,
+)
 from drivegate.scenarios.facts import facts_of
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -48,6 +54,7 @@ def telling_runs() -> tuple[Scenario, ...]:
         torque_scenario(INTERIOR, 0.08 * INTERIOR.rating.base_speed_rpm, levels[1:3]),
         failing(torque_scenario(INTERIOR, below, levels[1:2]), "stuck-current", 0.25),
         failing(speed_scenario(INTERIOR, (below,), initial_speed_rpm=0.0), "locked-rotor", 0.0),
+        failing(with_edges(torque_scenario(INTERIOR, below, levels[1:2]), "hall", 1), "lost-edge", 0.25),
     )
 
 
@@ -63,7 +70,7 @@ def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
     assert DUTY_FAULTS[name].check in {margin.check for margin in margins if not margin.met}
 
 
-@pytest.mark.parametrize("name", ["foc", "predictive-flux"])
+@pytest.mark.parametrize("name", ["foc", "predictive-flux", "direct-torque"])
 def test_a_correct_controller_passes_the_same_runs_and_repeats_itself(name: str) -> None:
     with Judge(resolve_candidate(name)) as judge:
         outcome = judge.run(Job(run_fixed, FixedRuns(telling_runs(), repeat=True)))
@@ -129,24 +136,38 @@ def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> 
 
 
 @pytest.mark.parametrize(
-    ("drive", "speeds", "torque", "scales"),
+    ("name", "drive", "speeds", "torque", "scales"),
     [
-        ("pm-ac-surface", (800.0, 600.0), 2.0, {}),
+        ("foc", "pm-ac-surface", (800.0, 600.0), 2.0, {}),
         # What locked up generating at 16 A, and again nearly so at the end of the reluctance torque.
-        ("pm-ac-interior", (6000.0, 5000.0), 0.5, {"inductance": 0.7}),
-        ("pm-ac-interior", (2330.0, 1260.0), 0.6148, {"inductance": 1.3, "emf_constant": 0.85}),
+        ("foc", "pm-ac-interior", (6000.0, 5000.0), 0.5, {"inductance": 0.7}),
+        ("foc", "pm-ac-interior", (2330.0, 1260.0), 0.6148, {"inductance": 1.3, "emf_constant": 0.85}),
         # Less voltage than any torque takes, on a salient machine.
-        ("pm-ac-2kw", (2040.0, 2560.0), 0.0, {"resistance": 2.0, "inductance": 0.7, "emf_constant": 1.05}),
+        (
+            "foc",
+            "pm-ac-2kw",
+            (2040.0, 2560.0),
+            0.0,
+            {"resistance": 2.0, "inductance": 0.7, "emf_constant": 1.05},
+        ),
+        # The flux turns through zero load angle, and what the model does not know stays where it is.
+        (
+            "direct-torque",
+            "pm-ac-interior",
+            (5820.0, 630.0),
+            0.341,
+            {"resistance": 0.8, "inductance": 1.3, "emf_constant": 0.8},
+        ),
     ],
 )
 def test_the_voltage_limit_locks_no_current_up(
-    drive: str, speeds: tuple[float, float], torque: float, scales: dict[str, float]
+    name: str, drive: str, speeds: tuple[float, float], torque: float, scales: dict[str, float]
 ) -> None:
     document = load_drive(drive).replaced(settling_s=0.4)
     begin = None if not scales else document.rating.base_speed_rpm
     plain = speed_scenario(document, speeds, torque_nm=torque, initial_speed_rpm=begin)
     scenario = with_scales(plain, **scales)
-    loaded = own_candidate(resolve_candidate("foc"))
+    loaded = own_candidate(resolve_candidate(name))
     failed = [
         margin
         for margin in judged(
@@ -155,6 +176,22 @@ def test_the_voltage_limit_locks_no_current_up(
         if not margin.met
     ]
     assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
+
+
+@pytest.mark.parametrize("drive", ["pm-ac-interior", "pm-ac-surface"])
+def test_a_shaft_starts_under_load_by_hall_switches_alone(drive: str) -> None:
+    document = load_drive(drive)
+    assert isinstance(document, PmAcDocument)
+    slow = 0.2 * document.rating.base_speed_rpm
+    load = torque_of(document, slow, 0.5)
+    start = with_edges(speed_scenario(document, (slow,), torque_nm=load, initial_speed_rpm=0.0), "hall", 2)
+    loaded = own_candidate(resolve_candidate("foc"))
+    record = recorded(loaded, start, loaded.controller())
+    assert not record.run.commands["fault"].any(), (
+        "a shaft that begins to turn is not locked, nor a phase missing"
+    )
+    margins = {margin.check: margin for margin in judged(record, kind_of(document).checks()).margins}
+    assert margins["ROB-5"].met, margins["ROB-5"].measured
 
 
 def test_drawn_runs_depend_on_their_seed_alone() -> None:

@@ -23,12 +23,14 @@ from drivegate.scenarios.duty.feasibility import unfair_because
 from drivegate.scenarios.duty.fixed import fixed_scenarios
 from drivegate.scenarios.duty.simplification import DUTY_SIMPLIFICATIONS
 from drivegate.scenarios.duty.windows import duty_windows
+from drivegate.scenarios.facts import facts_of
 from drivegate.scenarios.simplification import simplified
 from drivegate_cases.drive.drive_document import drive_names, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
 from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import ShuntSensors
 
 DRIVES = [drive for name in drive_names() if isinstance(drive := load_drive(name), PmAcDocument)]
 INTERIOR = next(drive for drive in DRIVES if drive.name == "pm-ac-interior")
@@ -115,6 +117,32 @@ def test_a_scenario_can_be_made_simpler_down_to_one_torque() -> None:
     assert 1 in lengths, "a single torque is among the simpler runs"
     assert any(found.speed_rpm == ((0.0, 0.0),) for found in simpler), "so is a standstill"
     assert all(duty_windows(found) for found in simpler)
+
+
+def position(run: Scenario) -> str:
+    """Return what gives the position in a run with shunts."""
+    assert isinstance(run.sensors, ShuntSensors)
+    return run.sensors.position
+
+
+def test_edges_of_both_kinds_are_lost_under_a_torque_and_stay_of_their_kind() -> None:
+    fixed = [run for run in fixed_scenarios(INTERIOR, detected=("lost-edge",)) if run.failure is not None]
+    assert {position(run) for run in fixed} == {"encoder", "hall"}
+    by_hall = next(run for run in fixed if position(run) == "hall")
+    assert "shunts-hall-lost-edge" in by_hall.name
+    assert "shunts sensors with Hall switches of seed 1" in facts_of(by_hall.to_mapping())
+    odd = by_hall.replaced(sensors=by_hall.sensors.model_copy(update={"placement_error_deg": 3.0}), seed=7)
+    simpler = [
+        found
+        for simplification in DUTY_SIMPLIFICATIONS
+        for fields in simplification(odd)
+        if (found := simplified(odd, fields)) is not None
+    ]
+    assert any(found.sensors == by_hall.sensors for found in simpler)
+    assert {position(found) for found in simpler} == {"hall"}
+    assert not [
+        run for run in fixed_scenarios(INTERIOR, ("speed",), ("lost-edge",)) if run.failure is not None
+    ]
 
 
 def test_only_failures_that_a_candidate_detects_are_given() -> None:

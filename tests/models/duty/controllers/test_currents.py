@@ -91,7 +91,7 @@ def into_weakening(drive: PmAcDrive, name: str, share: float, duration: float) -
 
 @pytest.mark.parametrize("dead_time", [0.0, 2e-6])
 @pytest.mark.parametrize(("kind", "duration"), [("interior", 1.5), ("surface", 3.0)])
-@pytest.mark.parametrize("name", ["foc-loss-model", "foc-loss-search", "predictive-flux"])
+@pytest.mark.parametrize("name", ["foc-loss-model", "foc-loss-search", "predictive-flux", "direct-torque"])
 def test_other_controllers_than_foc_hold_constant_power_up_to_three_times_base_speed(
     name: str, kind: str, duration: float, dead_time: float
 ) -> None:

@@ -2,47 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-from tests.models.duty_runs import COLUMN, PERIOD, course, limits_of, nameplate_of, rating, reset_controller
+from tests.models.duty_runs import COLUMN, held, limits_of, rating
 from tests.models.pm_ac.conftest import INTERIOR
 
-from drivegate_models.contract.duty.signals import TORQUE_REFERENCE
-from drivegate_models.duty.controllers.foc import step_function
-from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.schedule import Course, steady
-from drivegate_models.machine.load import LOCKED, Load
-from drivegate_models.pm_ac.closed_loop import DutyRun, run_duty_loop
 from drivegate_models.pm_ac.oracle import greatest_torque
-from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive, make_pm_ac_drive
+from drivegate_models.pm_ac.plant.drive import Modulator, make_pm_ac_drive
 
-
-def held(
-    drive: PmAcDrive,
-    speed: float,
-    torque: Course,
-    *,
-    plant: PmAcDrive | None = None,
-    name: str = "predictive-flux",
-) -> tuple[DutyRun, NDArray[Any]]:
-    """Run a controller of a torque at a held speed; return the run and the state at its end."""
-    state = reset_controller(name, nameplate_of(drive, TORQUE_REFERENCE))
-    run = run_duty_loop(
-        plant or drive,
-        Load(LOCKED),
-        course(drive, steady(speed), steady(0.0)),
-        step_address=step_function().address,
-        state_address=state.ctypes.data,
-        control_period=PERIOD,
-        duration=0.1,
-        initial_speed=speed,
-        torque_reference=torque,
-    )
-    assert run.status == COMPLETED
-    return run, state
+NAME = "predictive-flux"
 
 
 @pytest.mark.parametrize("update_delay", [0, 1])
@@ -51,7 +20,7 @@ def test_the_flux_of_the_next_sample_is_foreseen(share: float, update_delay: int
     drive = make_pm_ac_drive(**INTERIOR, modulator=Modulator(update_delay=update_delay))
     speed = share * rating(drive)[0]
     torque = 0.5 * greatest_torque(drive, limits_of(drive), speed).torque
-    run, state = held(drive, speed, steady(torque))
+    run, state = held(drive, NAME, speed, steady(torque))
     assert run.trace[-100:, COLUMN["torque"]].mean() == pytest.approx(torque, rel=1e-2)
     missed = np.hypot(state["direct_missed"][0], state["quadrature_missed"][0]) / limits_of(drive).voltage
     assert missed < 0.01, f"what the model does not explain is {100.0 * missed:.2f} % of the voltage"
@@ -60,7 +29,7 @@ def test_the_flux_of_the_next_sample_is_foreseen(share: float, update_delay: int
 def test_what_the_model_does_not_know_leaves_no_error() -> None:
     drive = make_pm_ac_drive(**INTERIOR)
     warm = drive._replace(resistance=1.5 * drive.resistance, magnet_flux=0.9 * drive.magnet_flux)
-    run, _ = held(drive, 0.5 * rating(drive)[0], steady(1.0), plant=warm)
+    run, _ = held(drive, NAME, 0.5 * rating(drive)[0], steady(1.0), plant=warm)
     late = run.trace[-200:]
     saliency = drive.direct_inductance - drive.quadrature_inductance
     direct, quadrature = late[:, COLUMN["direct"]].mean(), late[:, COLUMN["quadrature"]].mean()
@@ -71,7 +40,7 @@ def test_what_the_model_does_not_know_leaves_no_error() -> None:
 def test_a_torque_is_there_within_milliseconds() -> None:
     drive = make_pm_ac_drive(**INTERIOR)
     step = Course(np.array([0.0, 0.02, 0.02]), np.array([0.0, 0.0, 1.0]))
-    torque = held(drive, 0.5 * rating(drive)[0], step)[0].trace[:, COLUMN["torque"]]
+    torque = held(drive, NAME, 0.5 * rating(drive)[0], step)[0].trace[:, COLUMN["torque"]]
     assert np.abs(torque[150:200]).max() < 0.05
     assert np.argmax(torque[200:] > 0.9) < 20, "90 % of it takes less than 2 ms"
     assert torque.max() < 1.1
@@ -80,7 +49,6 @@ def test_a_torque_is_there_within_milliseconds() -> None:
 def test_it_is_another_regulator_than_that_of_foc() -> None:
     drive = make_pm_ac_drive(**INTERIOR)
     first, other = (
-        held(drive, rating(drive)[0], steady(1.0), name=name)[0].commands["first_duty"]
-        for name in ("foc", "predictive-flux")
+        held(drive, name, rating(drive)[0], steady(1.0))[0].commands["first_duty"] for name in ("foc", NAME)
     )
     assert np.abs(first[10:] - other[10:]).max() > 1e-4
