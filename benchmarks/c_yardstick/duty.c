@@ -1,8 +1,8 @@
 /* The closed loop of duty ratios by hand in C: a PM AC machine behind ideal switches, one centred pulse a period.
  *
- * Segments between the edges of the gates by the derivatives of the currents at both ends, as drivegate has them, zeros
- * and extremes of the phase currents to rounding, the whole ledger and its check in every control period. It knows
- * constant references, load and link, and ideal sensors. */
+ * Segments between the edges of the gates by the derivatives of the currents at both ends, as drivegate has them, all of a
+ * period at once where no current comes to zero, zeros and extremes of the phase currents to rounding, the whole ledger
+ * and its check in every control period. It knows constant references, load and link, and ideal sensors. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -129,6 +129,33 @@ static inline jet torque_of(const task *k, const currents *c) {
                  f.jerk * q.value + 3 * (f.bend * q.slope + f.slope * q.bend) + f.value * q.jerk};
 }
 
+typedef struct { double square, torque, along, across; } sums;
+
+/* How far the slope of a phase current can change in half of a segment. */
+static inline double change_of(const rates *r, const currents *b, double length) {
+    const double reach = r->pace * length;
+    const double size = fabs(b->d.bend) + fabs(b->q.bend) + length * (fabs(b->d.jerk) + fabs(b->q.jerk));
+    return 0.5 * length * (size + 0.5 * reach * reach * r->bend);
+}
+
+static inline sums sums_between(const task *k, const rates *r, const currents *begin, const currents *end, const frame *f,
+                                const frame *after, double length, int shortest) {
+    const double l2 = length * length;
+    double weight[4] = {0.5 * length, (3.0 / 28) * l2, (1.0 / 84) * l2 * length, (1.0 / 1680) * l2 * l2};
+    if (shortest) {
+        weight[1] = 0.1 * l2;
+        weight[2] = (1.0 / 120) * l2 * length;
+        weight[3] = 0.0;
+    }
+    const double behind[4] = {weight[0], -weight[1], weight[2], -weight[3]};
+    const currents b = standing(begin, r->w), e = standing(end, r->w);
+    const jet sb = square_of(begin), se = square_of(end), tb = torque_of(k, begin), te = torque_of(k, end);
+    const double bd = part(weight, &b.d), bq = part(weight, &b.q), ed = part(behind, &e.d), eq = part(behind, &e.q);
+    return (sums){part(weight, &sb) + part(behind, &se), part(weight, &tb) + part(behind, &te),
+                  f->cosine * bd - f->sine * bq + (after->cosine * ed - after->sine * eq),
+                  f->sine * bd + f->cosine * bq + (after->sine * ed + after->cosine * eq)};
+}
+
 /* Pass a segment with the voltages of three legs, and add it to the ledger. */
 static frame pass(const task *k, const rates *r, frame f, const int upper[3], double length, double *totals) {
     const double v0 = upper[0] * k->link, v1 = upper[1] * k->link, v2 = upper[2] * k->link;
@@ -145,9 +172,7 @@ static frame pass(const task *k, const rates *r, frame f, const int upper[3], do
     const currents end = derivatives(r, d, q, (co * raw_d + si * raw_q) * r->per_d, (co * raw_q - si * raw_d) * r->per_q);
     const frame after = {d, q, f.cosine * co - f.sine * si, f.sine * co + f.cosine * si};
     const currents b = standing(&begin, r->w), e = standing(&end, r->w);
-    const double reach = r->pace * length;
-    const double size = fabs(b.d.bend) + fabs(b.q.bend) + length * (fabs(b.d.jerk) + fabs(b.q.jerk));
-    const double change = 0.5 * length * (size + 0.5 * reach * reach * r->bend);
+    const double change = change_of(r, &b, length);
     const double ba = f.cosine * f.d - f.sine * f.q, bb = f.sine * f.d + f.cosine * f.q;
     const double ea = after.cosine * d - after.sine * q, eb = after.sine * d + after.cosine * q;
     const double bsa = f.cosine * b.d.slope - f.sine * b.q.slope, bsb = f.sine * b.d.slope + f.cosine * b.q.slope;
@@ -169,23 +194,12 @@ static frame pass(const task *k, const rates *r, frame f, const int upper[3], do
         peak = fmax(peak, top);
     }
     totals[PEAK] = peak;
-    const double l2 = length * length;
-    double weight[4] = {0.5 * length, (3.0 / 28) * l2, (1.0 / 84) * l2 * length, (1.0 / 1680) * l2 * l2};
-    if (shortest) {
-        weight[1] = 0.1 * l2;
-        weight[2] = (1.0 / 120) * l2 * length;
-        weight[3] = 0.0;
-    }
-    const double behind[4] = {weight[0], -weight[1], weight[2], -weight[3]};
-    const jet sb = square_of(&begin), se = square_of(&end), tb = torque_of(k, &begin), te = torque_of(k, &end);
-    totals[SQUARE] += 1.5 * (part(weight, &sb) + part(behind, &se));
-    totals[IMPULSE] += 1.5 * k->pole_pairs * (part(weight, &tb) + part(behind, &te));
-    const double pd = part(behind, &e.d), pq = part(behind, &e.q);
-    const double ca = co * pd - si * pq + part(weight, &b.d), cb = si * pd + co * pq + part(weight, &b.q);
-    const double charge_a = f.cosine * ca - f.sine * cb, charge_b = f.sine * ca + f.cosine * cb;
+    const sums all = sums_between(k, r, &begin, &end, &f, &after, length, shortest);
+    totals[SQUARE] += 1.5 * all.square;
+    totals[IMPULSE] += 1.5 * k->pole_pairs * all.torque;
     const int on = upper[0] + upper[1] + upper[2];
     for (int leg = 0; leg < 3; leg++) {
-        const double charge = of_phase(leg, charge_a, charge_b), magnitude = fabs(charge);
+        const double charge = of_phase(leg, all.along, all.across), magnitude = fabs(charge);
         totals[MAGNITUDE] += magnitude;
         if ((on == 1 && upper[leg]) || (on == 2 && !upper[leg])) {
             const double exchanged = k->link * magnitude, taken = k->link * (on == 1 ? charge : -charge);
@@ -198,6 +212,8 @@ static frame pass(const task *k, const rates *r, frame f, const int upper[3], do
     totals[EVENTS] += 1;
     return after;
 }
+
+#include "period.h"
 
 static rates rates_of(const task *k, double speed, double d, double q) {
     const double w = k->pole_pairs * speed, turning = fabs(w);
@@ -226,7 +242,8 @@ static void advance(const task *k, double angle, double speed, const double rati
         upper[leg] = edge[leg][0] <= 0.0;
     }
     const double longest = SHORT / r.rate;
-    for (double time = 0.0; time < k->period;) {
+    const int is_passed = pass_period(k, &r, &f, edge, totals);
+    for (double time = is_passed ? k->period : 0.0; time < k->period;) {
         double limit = k->period;
         for (int leg = 0; leg < 3; leg++) {
             if (edge[leg][0] > time) limit = fmin(limit, edge[leg][0]);

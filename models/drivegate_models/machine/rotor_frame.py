@@ -47,6 +47,20 @@ def phase_current(frame: RotorFrame, leg: int) -> float:
     return cosine * frame.direct - sine * frame.quadrature
 
 
+@inlined
+def turned(frame: RotorFrame, along: float, across: float) -> tuple[float, float]:
+    """Return a quantity of the rotor's axes along and across the first phase's axis."""
+    return frame.cosine * along - frame.sine * across, frame.sine * along + frame.cosine * across
+
+
+@inlined
+def of_phase(leg: int, along: float, across: float) -> float:
+    """Return the share of a phase in a quantity along and across the first phase's axis."""
+    if leg == 0:
+        return along
+    return -0.5 * along + (HALF_ROOT if leg == 1 else -HALF_ROOT) * across
+
+
 @kernel
 def phase_currents(
     direct: NDArray[np.float64], quadrature: NDArray[np.float64], angles: NDArray[np.float64]

@@ -96,6 +96,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.torque_step = state.greatest_torque / _FULL_TORQUE_PERIODS
     state.speed_integral = 0.0
     state.torque = 0.0
+    state.added_flux = 0.0
     state.voltage_share = VOLTAGE_SHARE
     reset_search(state, nameplate)
     reset_position(state, nameplate)

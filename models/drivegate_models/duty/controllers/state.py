@@ -75,6 +75,8 @@ FOC_STATE: Final = np.dtype(
         ("speed_integral", np.float64),
         # Torque that is gone for.
         ("torque", np.float64),
+        # Flux y of the last current along the magnet's axis that gave a torque with least current.
+        ("added_flux", np.float64),
         ("direct_integral", np.float64),
         ("quadrature_integral", np.float64),
         # Share of the undistorted voltage that references are made for.

@@ -29,7 +29,10 @@ from drivegate_models.pm_ac.plant.events import (
 from drivegate_models.pm_ac.plant.integrals import add_segment
 from drivegate_models.pm_ac.plant.jets import rates_of
 from drivegate_models.pm_ac.plant.modulator import Gates, make_gates, schedule_gates
-from drivegate_models.pm_ac.plant.quiet import SHORT, pass_quietly
+from drivegate_models.pm_ac.plant.pattern import Upcoming, make_upcoming
+from drivegate_models.pm_ac.plant.quiet import pass_quietly
+from drivegate_models.pm_ac.plant.quiet_period import LONGEST_PERIOD, pass_period
+from drivegate_models.pm_ac.plant.rows import make_rows
 from drivegate_models.pm_ac.plant.series import (
     Series,
     at_end,
@@ -40,6 +43,7 @@ from drivegate_models.pm_ac.plant.series import (
     shorten,
 )
 from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, make_legs, settle
+from drivegate_models.pm_ac.plant.two_points import SHORT
 
 EVENT_LIMIT: Final = 100_000
 """Greatest number of segments in one advance."""
@@ -70,6 +74,10 @@ class PmAcPhases(NamedTuple):
     """Signs and voltages of the legs; the signs are part of the state."""
     series: Series
     """Room for the series of a segment."""
+    upcoming: Upcoming
+    """Room for what the legs do in a quiet period."""
+    rows: NDArray[np.float64]
+    """Room for its segments, as `plant.rows` has it."""
 
 
 class _Connected(NamedTuple):
@@ -104,6 +112,8 @@ def make_phases(*, follows_torque: bool = False) -> PmAcPhases:
         make_gates(),
         make_legs(),
         make_series(),
+        make_upcoming(),
+        make_rows(),
     )
 
 
@@ -323,6 +333,25 @@ def advance_period(
     time = 0.0
     segments = 0
     settled = settle(circuit, legs, frame, _NO_LEG, 0)
+    if settled.held == FREE and quiet_length > 0.0 and circuit.rate * duration <= LONGEST_PERIOD:
+        segments, after = pass_period(
+            drive.pole_pairs,
+            circuit,
+            rates,
+            legs,
+            gates,
+            phases.upcoming,
+            settled.frame,
+            duration,
+            phases.series,
+            phases.rows,
+            phases.magnitudes,
+            totals,
+        )
+        if segments > 0:
+            time = duration
+            totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
+            settled = settle(circuit, legs, after, _NO_LEG, 0)
     while time < duration:
         segments += 1
         if segments > EVENT_LIMIT:

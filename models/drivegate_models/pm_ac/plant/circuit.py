@@ -154,10 +154,15 @@ def drop_of(circuit: Circuit, gate: int, sign: int) -> float:
 
 
 @inlined
+def axes_voltages(first: float, second: float, third: float) -> tuple[float, float]:
+    """Return the voltages along and across the first phase's axis that those of three legs make (V)."""
+    return (2.0 * first - second - third) * _THIRD, (second - third) * _PER_ROOT_THREE
+
+
+@inlined
 def rotor_voltages(frame: RotorFrame, first: float, second: float, third: float) -> tuple[float, float]:
     """Return the voltages of the rotor frame that those of three legs make (V)."""
-    along = (2.0 * first - second - third) * _THIRD
-    across = (second - third) * _PER_ROOT_THREE
+    along, across = axes_voltages(first, second, third)
     return (
         frame.cosine * along + frame.sine * across,
         frame.cosine * across - frame.sine * along,

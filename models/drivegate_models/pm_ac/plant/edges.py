@@ -46,23 +46,21 @@ def begin_schedule(circuit: Circuit, legs: Legs, gates: Gates, frame: RotorFrame
 
 
 @inlined
-def _changes_nothing(circuit: Circuit, legs: Legs, leg: int, sign: int, gate: int) -> bool:
-    """Return whether a leg stays on its rail when its gate changes so and its current has a sign, 0 for any."""
-    if sign == 0:
-        return False
-    low, high = leg_voltages(circuit, gate)
-    return bool((low if sign > 0 else high) == legs.voltages[leg])
+def following_edge(circuit: Circuit, gates: Gates, leg: int, position: int, sign: int, voltage: float) -> int:
+    """Return the number of the next edge that changes a leg's voltage while its current has a sign, 0 for any."""
+    following = position + 1
+    while following < gates.counts[leg] and sign != 0:
+        low, high = leg_voltages(circuit, gates.gates[leg, following])
+        if (low if sign > 0 else high) != voltage:
+            break
+        following += 1
+    return int(following)
 
 
 @inlined
 def _following(circuit: Circuit, legs: Legs, gates: Gates, leg: int, sign: int) -> int:
-    """Return the number of the next edge that changes a leg's voltage while its current has a sign, 0 for any."""
-    following = legs.positions[leg] + 1
-    while following < gates.counts[leg] and _changes_nothing(
-        circuit, legs, leg, sign, gates.gates[leg, following]
-    ):
-        following += 1
-    return int(following)
+    """Return the number of the next edge that changes a leg's voltage now, while its current has a sign."""
+    return following_edge(circuit, gates, leg, legs.positions[leg], sign, legs.voltages[leg])
 
 
 @inlined

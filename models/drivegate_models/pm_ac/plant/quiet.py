@@ -1,65 +1,25 @@
 """A short segment in which no current comes near an event: by the derivatives of the currents at its two ends.
 
 The equations of the rotor frame give all derivatives of the currents for a few products each. The first eight and
-their Taylor series lead to the end; value and three derivatives at both ends give every integral, with the two-point
-formula that is exact for polynomials of degree 7.
+their Taylor series lead to the end.
 """
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine import ledger
-from drivegate_models.machine.rotor_frame import HALF_ROOT, RotorFrame
+from drivegate_models.machine.rotor_frame import RotorFrame, of_phase, turned
 from drivegate_models.machine.sine import small_cosine_sine
 from drivegate_models.pm_ac.plant.circuit import Circuit, rotor_voltages
 from drivegate_models.pm_ac.plant.integrals import add_charge, supply_leg
-from drivegate_models.pm_ac.plant.jets import (
-    Currents,
-    Jet,
-    Rates,
-    derivatives,
-    square_of,
-    standing,
-    torque_of,
-)
+from drivegate_models.pm_ac.plant.jets import Currents, Rates, derivatives, standing
 from drivegate_models.pm_ac.plant.settling import FREE, Legs
-
-SHORT: Final = 0.05
-"""Longest segment over the time of the fastest rate (1).
-
-The ninth term of the series is then below 1e-17, and the integral of the square of a current that begins at zero is
-exact to 5e-13 of itself; that of any other far more."""
-
-# The same up to which the seventh term is below 1e-17, and the formula without third derivatives leaves less than 3e-12
-# of the square of a current that begins at zero.
-_SHORTEST = 0.008
-
-
-class Weights(NamedTuple):
-    """Of value and derivatives at one end of a segment in an integral over it."""
-
-    value: float
-    slope: float
-    bend: float
-    jerk: float
-
-
-class Sums(NamedTuple):
-    """Integrals over a segment."""
-
-    square: float
-    """Of the squares of the currents of the rotor frame (A2 s)."""
-    torque: float
-    """Of the torque over three halves of the pole pairs (V A s2)."""
-    along: float
-    """Of the current along where the magnet's axis was at the start (A s)."""
-    across: float
-    """Of that across it (A s)."""
+from drivegate_models.pm_ac.plant.two_points import SHORTEST, sums_between
 
 
 class Passed(NamedTuple):
@@ -103,58 +63,12 @@ def _at_end(
 
 
 @inlined
-def _part(weights: Weights, one: Jet, is_shortest: bool) -> float:
-    """Return what one end gives to an integral."""
-    total = weights.value * one.value + weights.slope * one.slope + weights.bend * one.bend
-    # Not a weight of zero, which would be multiplied by all the same.
-    return total if is_shortest else total + weights.jerk * one.jerk
-
-
-@inlined
-def _sums(
-    circuit: Circuit, begin: Currents, end: Currents, turn: RotorFrame, length: float, is_shortest: bool
-) -> Sums:
-    """Return the integrals over a segment that turns the rotor by an angle of a given cosine and sine."""
-    square = length * length
-    if is_shortest:
-        weights = Weights(0.5 * length, 0.1 * square, (1.0 / 120.0) * square * length, 0.0)
-    else:
-        weights = Weights(
-            0.5 * length,
-            (3.0 / 28.0) * square,
-            (1.0 / 84.0) * square * length,
-            (1.0 / 1680.0) * square * square,
-        )
-    behind = Weights(weights.value, -weights.slope, weights.bend, -weights.jerk)
-    first = standing(begin, circuit.electrical)
-    last = standing(end, circuit.electrical)
-    along, across = _turn(
-        turn, _part(behind, last.direct, is_shortest), _part(behind, last.quadrature, is_shortest)
-    )
-    return Sums(
-        _part(weights, square_of(begin), is_shortest) + _part(behind, square_of(end), is_shortest),
-        _part(weights, torque_of(circuit, begin), is_shortest)
-        + _part(behind, torque_of(circuit, end), is_shortest),
-        along + _part(weights, first.direct, is_shortest),
-        across + _part(weights, first.quadrature, is_shortest),
-    )
-
-
-@inlined
-def _curvature(circuit: Circuit, begin: Currents, length: float) -> float:
+def curvature(circuit: Circuit, begin: Currents, length: float) -> float:
     """Return a bound of the bend of any phase current over a segment (A/s2)."""
     direct, quadrature = begin.direct, begin.quadrature
     reach = circuit.pace * length
     size = abs(direct.bend) + abs(quadrature.bend) + length * (abs(direct.jerk) + abs(quadrature.jerk))
     return size + 0.5 * reach * reach * circuit.bend
-
-
-@inlined
-def _of_phase(leg: int, along: float, across: float) -> float:
-    """Return the share of a phase in a quantity along and across the first phase's axis."""
-    if leg == 0:
-        return along
-    return -0.5 * along + (HALF_ROOT if leg == 1 else -HALF_ROOT) * across
 
 
 @inlined
@@ -165,12 +79,6 @@ def _keeps_sign(legs: Legs, leg: int, begin: float, end: float, is_monotone: boo
     sign = legs.signs[leg]
     least = min(sign * begin, sign * end)
     return bool(least > deviation or (is_monotone and least >= 0.0))
-
-
-@inlined
-def _turn(frame: RotorFrame, along: float, across: float) -> tuple[float, float]:
-    """Return a quantity of the rotor's axes along and across the first phase's axis."""
-    return frame.cosine * along - frame.sine * across, frame.sine * along + frame.cosine * across
 
 
 @inlined
@@ -199,7 +107,7 @@ def pass_quietly(
     frame : RotorFrame
         At the segment's start.
     length : float
-        Its length, at most `SHORT` over the circuit's rate (s).
+        Its length, at most `two_points.SHORT` over the circuit's rate (s).
     magnitudes : ndarray, shape (3,)
         Integral of each phase's current magnitude (A s), added to.
     totals : ndarray, shape (ledger.ENTRIES,)
@@ -209,14 +117,8 @@ def pass_quietly(
     -------
     Passed
         Not quiet where a current may come to zero, or be greatest within the segment.
-
-    Notes
-    -----
-    Between two instants h apart the integral of f is the sum of ``h/2 f``, ``3 h**2/28 f'``, ``h**3/84 f''`` and
-    ``h**4/1680 f'''`` at the first, and of the same with the signs +, -, +, - at the second; in the shortest segments
-    of ``h/2 f``, ``h**2/10 f'`` and ``h**3/120 f''``.
     """
-    is_shortest = circuit.rate * length <= _SHORTEST
+    is_shortest = circuit.rate * length <= SHORTEST
     voltages = legs.voltages
     direct, quadrature = rotor_voltages(frame, voltages[0], voltages[1], voltages[2])
     driven = direct * rates.per_direct
@@ -239,18 +141,18 @@ def pass_quietly(
     )
     begin_standing = standing(begin, circuit.electrical)
     end_standing = standing(end, circuit.electrical)
-    begin_a, begin_b = _turn(frame, begin.direct.value, begin.quadrature.value)
-    end_a, end_b = _turn(after, end_d, end_q)
-    begin_slope_a, begin_slope_b = _turn(frame, begin_standing.direct.slope, begin_standing.quadrature.slope)
-    end_slope_a, end_slope_b = _turn(after, end_standing.direct.slope, end_standing.quadrature.slope)
-    change = 0.5 * length * _curvature(circuit, begin_standing, length)
+    begin_a, begin_b = turned(frame, begin.direct.value, begin.quadrature.value)
+    end_a, end_b = turned(after, end_d, end_q)
+    begin_slope_a, begin_slope_b = turned(frame, begin_standing.direct.slope, begin_standing.quadrature.slope)
+    end_slope_a, end_slope_b = turned(after, end_standing.direct.slope, end_standing.quadrature.slope)
+    change = 0.5 * length * curvature(circuit, begin_standing, length)
     deviation = 0.25 * length * change
     peak = totals[ledger.PEAK]
     for leg in range(3):
-        first = _of_phase(leg, begin_a, begin_b)
-        last = _of_phase(leg, end_a, end_b)
-        first_slope = _of_phase(leg, begin_slope_a, begin_slope_b)
-        last_slope = _of_phase(leg, end_slope_a, end_slope_b)
+        first = of_phase(leg, begin_a, begin_b)
+        last = of_phase(leg, end_a, end_b)
+        first_slope = of_phase(leg, begin_slope_a, begin_slope_b)
+        last_slope = of_phase(leg, end_slope_a, end_slope_b)
         is_monotone = min(first_slope, last_slope) > change or max(first_slope, last_slope) < -change
         top = max(abs(first), abs(last))
         if not is_monotone and top + deviation > peak:
@@ -260,17 +162,15 @@ def pass_quietly(
         peak = max(peak, top)
     totals[ledger.PEAK] = peak
 
-    turn = RotorFrame(0.0, 0.0, cosine, sine)
     # Twice, so that each is compiled without what the other alone needs.
     if is_shortest:
-        sums = _sums(circuit, begin, end, turn, length, True)
+        sums = sums_between(circuit, begin, end, frame, after, length, True)
     else:
-        sums = _sums(circuit, begin, end, turn, length, False)
+        sums = sums_between(circuit, begin, end, frame, after, length, False)
     totals[ledger.SQUARE] += 1.5 * sums.square
     totals[ledger.IMPULSE] += 1.5 * pole_pairs * sums.torque
-    along, across = _turn(frame, sums.along, sums.across)
     supply = supply_leg(legs, FREE)
     for leg in range(3):
-        charge = _of_phase(leg, along, across)
+        charge = of_phase(leg, sums.along, sums.across)
         add_charge(circuit, legs, leg, supply, charge, abs(charge), magnitudes, totals)
     return Passed(True, after)

@@ -1,0 +1,138 @@
+"""The voltages of a whole control period in which every current keeps its sign: one segment after the other."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.machine.rotor_frame import HALF_ROOT
+from drivegate_models.pm_ac.plant.circuit import Circuit, axes_voltages, is_on_upper_rail, leg_voltages
+from drivegate_models.pm_ac.plant.edges import following_edge
+from drivegate_models.pm_ac.plant.modulator import Gates
+from drivegate_models.pm_ac.plant.rows import (
+    ACROSS,
+    ALONG,
+    DROP,
+    GROUP,
+    LINK_ACROSS,
+    LINK_ALONG,
+    MOST,
+    TIME,
+    WIDTH,
+)
+from drivegate_models.pm_ac.plant.settling import Legs
+
+
+class Upcoming(NamedTuple):
+    """What each leg does in the period, as far as it has been followed; each of shape (3,)."""
+
+    times: NDArray[np.float64]
+    """When its voltage next changes (s)."""
+    positions: NDArray[np.int64]
+    """Entry of the schedule now."""
+    following: NDArray[np.int64]
+    """Entry that changes it."""
+    voltages: NDArray[np.float64]
+    """Its voltage now (V)."""
+    uppers: NDArray[np.float64]
+    """1 while it takes its current from the upper rail, 0 else."""
+
+
+class Pattern(NamedTuple):
+    """How a period is divided."""
+
+    segments: int
+    """Number of its segments; 0 where there are too many."""
+    longest: float
+    """The longest of them (s)."""
+
+
+def make_upcoming() -> Upcoming:
+    """Return room."""
+    return Upcoming(np.zeros(3), np.zeros(3, np.int64), np.zeros(3, np.int64), np.zeros(3), np.zeros(3))
+
+
+@inlined
+def _enter(
+    circuit: Circuit, legs: Legs, gates: Gates, upcoming: Upcoming, leg: int, position: int, duration: float
+) -> None:
+    """Let a leg be at an entry of its schedule."""
+    gate = gates.gates[leg, position]
+    sign = legs.signs[leg]
+    low, high = leg_voltages(circuit, gate)
+    voltage = low if sign > 0 else high
+    following = following_edge(circuit, gates, leg, position, sign, voltage)
+    upcoming.voltages[leg] = voltage
+    upcoming.uppers[leg] = 1.0 if is_on_upper_rail(gate, sign) else 0.0
+    upcoming.following[leg] = following
+    upcoming.times[leg] = gates.times[leg, following] if following < gates.counts[leg] else duration
+
+
+@inlined
+def _write(circuit: Circuit, legs: Legs, upcoming: Upcoming, rows: NDArray[np.float64], n: int) -> None:
+    """Write down what a segment's legs do."""
+    voltages = upcoming.voltages
+    rows[ALONG + n], rows[ACROSS + n] = axes_voltages(voltages[0], voltages[1], voltages[2])
+    first, second, third = upcoming.uppers[0], upcoming.uppers[1], upcoming.uppers[2]
+    # The sum of the currents of the legs on the upper rail: none where all three are.
+    rows[LINK_ALONG + n] = first - 0.5 * (second + third)
+    rows[LINK_ACROSS + n] = HALF_ROOT * (second - third)
+    for leg in range(3):
+        is_switch = (upcoming.uppers[leg] > 0.0) == (legs.signs[leg] > 0)
+        rows[DROP + leg * WIDTH + n] = circuit.switch_drop if is_switch else circuit.diode_drop
+
+
+@inlined
+def lay_out(
+    circuit: Circuit,
+    legs: Legs,
+    gates: Gates,
+    upcoming: Upcoming,
+    duration: float,
+    rows: NDArray[np.float64],
+) -> Pattern:
+    """Divide a period into segments of constant voltages, if every current keeps its sign.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Constants of the advance.
+    legs : Legs
+        Signs; none is 0.
+    gates : Gates
+        Schedule.
+    upcoming : Upcoming
+        Room.
+    duration : float
+        Length of the period (s).
+    rows : ndarray
+        Receives the rows of this module; behind the last segment the time is `duration`.
+
+    Returns
+    -------
+    Pattern
+        Number and greatest length of the segments.
+    """
+    for leg in range(3):
+        _enter(circuit, legs, gates, upcoming, leg, 0, duration)
+    count = 0
+    longest = 0.0
+    time = 0.0
+    while time < duration:
+        if count == MOST:
+            return Pattern(0, longest)
+        rows[TIME + count] = time
+        _write(circuit, legs, upcoming, rows, count)
+        limit = min(upcoming.times[0], upcoming.times[1], upcoming.times[2])
+        longest = max(longest, limit - time)
+        for leg in range(3):
+            if upcoming.times[leg] <= limit and limit < duration:
+                _enter(circuit, legs, gates, upcoming, leg, upcoming.following[leg], duration)
+        time = limit
+        count += 1
+    for n in range(count, count + GROUP):
+        rows[TIME + n] = duration
+    return Pattern(count, longest)
