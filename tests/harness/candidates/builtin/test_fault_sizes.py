@@ -27,7 +27,7 @@ ALL = {**MUTATIONS, **NEAR_DESIGNS}
 # Size and second size on the drive of the paper, as the faults were first made.
 ON_PAPER = {
     "speed-six-rpm-off": (6.0 * RADIANS_PER_RPM, 0.0),
-    "speed-offset": (4.5 * RADIANS_PER_RPM, 0.0),
+    "speed-offset": (4.0 * RADIANS_PER_RPM, 0.0),
     "filter-sticks": (8.0 * RADIANS_PER_RPM, 0.0),
     "speed-in-ten-rpm": (10.0 * RADIANS_PER_RPM, 0.0),
     "speed-error-overflows": (327.68 * RADIANS_PER_RPM, 0.0),
@@ -102,7 +102,8 @@ def test_what_is_just_beyond_a_tolerance_is_so_on_every_drive(drive: DriveDocume
     ):
         assert 1.0 < share <= 1.21
     assert number_on(ALL["settles-in-seven-seconds"].extent, drive) > angle
-    assert 0.85 < over("speed-offset", k1) < 1.0
+    # The rest is for what the speed varies by: 0.7 rpm of 5 with 20 % more inductance.
+    assert 0.75 < over("speed-offset", k1) < 0.86
     begins = ALL["advances-from-540-rpm"].constants[0][1].of(drive)
     assert 1.02 * drive.rating.base_speed_rpm < begins < scale_of(drive).lowest_loaded_rpm
 
