@@ -112,9 +112,47 @@ static inline currents currents_at(const rates *r, const segments *s, int at, in
                        r->per_q * (C * s->across[n] - S * s->along[n]));
 }
 
-static inline double slope_at(const segments *s, int at, const currents *c, int leg) {
+static inline jet jet_of(const segments *s, int at, const currents *c, int leg) {
     const double C = s->cosine[at], S = s->sine[at];
-    return of_phase(leg, C * c->d.slope - S * c->q.slope, S * c->d.slope + C * c->q.slope);
+    const jet d = c->d, q = c->q;
+    return (jet){of_phase(leg, C * d.value - S * q.value, S * d.value + C * q.value),
+                 of_phase(leg, C * d.slope - S * q.slope, S * d.slope + C * q.slope),
+                 of_phase(leg, C * d.bend - S * q.bend, S * d.bend + C * q.bend),
+                 of_phase(leg, C * d.jerk - S * q.jerk, S * d.jerk + C * q.jerk)};
+}
+
+static inline void coefficients(double v, double s, double b, double j, double c[4]) {
+    c[0] = v;
+    c[1] = 4 * v + s;
+    c[2] = 10 * v + 4 * s + b;
+    c[3] = 20 * v + 10 * s + 4 * b + j;
+}
+
+/* The polynomial of degree 7 through value and three derivatives at both ends of a segment, at a share of it. */
+static inline double interpolated(const double p[2][4], double x) {
+    const double y = 1 - x, x2 = x * x, y2 = y * y, *b = p[0], *e = p[1];
+    return y2 * y2 * (b[0] + x * (b[1] + x * (b[2] + x * b[3]))) + x2 * x2 * (e[0] + y * (e[1] + y * (e[2] + y * e[3])));
+}
+
+static inline void interpolate(const jet *b, const jet *e, double h, double p[2][4]) {
+    const double half = 0.5 * h * h, sixth = (1.0 / 3.0) * h * half;
+    coefficients(b->value, h * b->slope, half * b->bend, sixth * b->jerk, p[0]);
+    coefficients(e->value, -h * e->slope, half * e->bend, -sixth * e->jerk, p[1]);
+}
+
+/* A phase current where its slope, of opposite signs at both ends, is zero. */
+static double turning_value(const jet *b, const jet *e, double h) {
+    double at = b->slope / (b->slope - e->slope), p[2][4];
+    for (int k = 0; k < 14; k++) {
+        const double y = 1 - at;
+        const double slope = y * y * (b->slope + at * (2 * b->slope + h * b->bend)) +
+                             at * at * (e->slope + y * (2 * e->slope - h * e->bend));
+        const double step = slope / (h * (b->bend + at * (e->bend - b->bend)));
+        at = fmin(fmax(at - step, 0.0), 1.0);
+        if (fabs(step) < 1e-8) break;
+    }
+    interpolate(b, e, h, p);
+    return interpolated(p, at);
 }
 
 /* The greatest magnitude of a phase current, below 0 where one may come to zero. */
@@ -134,21 +172,16 @@ static double peak_of(const rates *r, const segments *s) {
         top[leg] = fmax(high, -low);
         peak = fmax(peak, top[leg]);
     }
-    const double most = peak - deviation;
+    const double least = peak - deviation;
     for (int leg = 0; leg < 3; leg++)
-        for (int n = 0; n < s->count && top[leg] > most; n++) {
-            if (fmax(fabs(current[leg][n]), fabs(current[leg][n + 1])) <= most) continue;
+        for (int n = 0; n < s->count && top[leg] > least; n++) {
+            const double before = current[leg][n], behind = current[leg][n + 1];
+            const double h = s->time[n + 1] - s->time[n], sagitta = 0.125 * r->bend * h * h;
+            if (fmax(fabs(before), fabs(behind)) + sagitta <= peak || fabs(behind - before) > 4 * sagitta) continue;
             const currents begin = currents_at(r, s, n, n), end = currents_at(r, s, n + 1, n);
-            const currents b = standing(&begin, r->w), e = standing(&end, r->w);
-            const double h = s->time[n + 1] - s->time[n], change = change_of(r, &b, h);
-            const double bs = slope_at(s, n, &b, leg), es = slope_at(s, n + 1, &e, leg);
-            if (bs * es < 0.0 && !(fmin(bs, es) > change || fmax(bs, es) < -change)) {
-                const frame f = {s->d[n], s->q[n], s->cosine[n], s->sine[n]};
-                const double vd = r->per_d * (f.cosine * s->along[n] + f.sine * s->across[n]);
-                const double vq = r->per_q * (f.cosine * s->across[n] - f.sine * s->along[n]);
-                const double at = zero_of(r, &begin, &f, vd, vq, h, leg, 1);
-                peak = fmax(peak, fabs(phase_at(r, &begin, &f, vd, vq, at, leg).value));
-            }
+            const currents bs = standing(&begin, r->w), es = standing(&end, r->w);
+            const jet b = jet_of(s, n, &bs, leg), e = jet_of(s, n + 1, &es, leg);
+            if (b.slope * e.slope < 0.0) peak = fmax(peak, fabs(turning_value(&b, &e, h)));
         }
     return peak;
 }
