@@ -1,4 +1,4 @@
-"""A control period in which no current comes near an event: all of its segments at once.
+"""A control period in which no current comes near an event that changes a voltage: all of its segments at once.
 
 Every segment is an affine map of the currents, and every integral over it follows from the currents at its two ends, so
 the arithmetic is the same for all and is done for several at a time. What a period needs to be quiet is looked at once.
@@ -15,6 +15,7 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine import ledger
 from drivegate_models.machine.rotor_frame import RotorFrame, of_phase
 from drivegate_models.pm_ac.plant.circuit import Circuit
+from drivegate_models.pm_ac.plant.crossings import Returning, ignores_sign, passes_zero, returning_of
 from drivegate_models.pm_ac.plant.jets import Rates
 from drivegate_models.pm_ac.plant.modulator import Gates
 from drivegate_models.pm_ac.plant.pattern import Upcoming, lay_out
@@ -39,6 +40,8 @@ from drivegate_models.pm_ac.plant.two_points import SHORT, SHORTEST, sums_betwee
 
 LONGEST_PERIOD: Final = 0.75
 """Longest period over the time of the fastest rate (1): the rotor turns by less than an eighth of a turn in it."""
+
+_NONE: Final = Returning(0.0, 0.0)
 
 
 class PassedPeriod(NamedTuple):
@@ -82,11 +85,21 @@ def _add_drops(circuit: Circuit, rows: NDArray[np.float64], count: int, totals: 
 
 
 @inlined
+def _add_magnitude(
+    leg: int, magnitude: float, magnitudes: NDArray[np.float64], totals: NDArray[np.float64]
+) -> None:
+    """Add the integral of a current's magnitude to the ledger (A s)."""
+    magnitudes[leg] += magnitude
+    totals[ledger.MAGNITUDE] += magnitude
+
+
+@inlined
 def _add(
     pole_pairs: float,
     circuit: Circuit,
     rows: NDArray[np.float64],
     count: int,
+    returning: tuple[Returning, Returning, Returning],
     magnitudes: NDArray[np.float64],
     totals: NDArray[np.float64],
 ) -> None:
@@ -102,17 +115,26 @@ def _add(
         )
         taken += charge
         exchanged += abs(charge)
+    first, second, third = returning
+    exchanged += first.exchanged + second.exchanged + third.exchanged
     totals[ledger.SQUARE] += 1.5 * square
     totals[ledger.IMPULSE] += 1.5 * pole_pairs * torque
     totals[ledger.UPPER] += 0.5 * circuit.link * taken
     totals[ledger.LOWER] += 0.5 * circuit.link * taken
     totals[ledger.EXCHANGED] += circuit.link * exchanged
     totals[ledger.RETURNED] += 0.5 * circuit.link * (exchanged - taken)
-    for leg in range(3):
-        magnitude = abs(of_phase(leg, along, across))
-        magnitudes[leg] += magnitude
-        totals[ledger.MAGNITUDE] += magnitude
+    _add_magnitude(0, abs(along) + first.magnitude, magnitudes, totals)
+    _add_magnitude(1, abs(of_phase(1, along, across)) + second.magnitude, magnitudes, totals)
+    _add_magnitude(2, abs(of_phase(2, along, across)) + third.magnitude, magnitudes, totals)
     _add_drops(circuit, rows, count, totals)
+
+
+@inlined
+def _may_change(
+    circuit: Circuit, rates: Rates, gates: Gates, rows: NDArray[np.float64], count: int, leg: int
+) -> bool:
+    """Return whether a period goes at once although a current may not keep its sign."""
+    return ignores_sign(circuit, gates, leg) and passes_zero(circuit, rates, rows, count, leg)
 
 
 @inlined
@@ -162,7 +184,8 @@ def pass_period(
     Returns
     -------
     PassedPeriod
-        No segments where a current may come to zero, or where a segment is too long or there are too many.
+        No segments where a current may come to zero and that is more than a zero passed, or where a segment is too
+        long or there are too many.
     """
     pattern = lay_out(circuit, legs, gates, upcoming, duration, rows)
     count = pattern.segments
@@ -171,17 +194,26 @@ def pass_period(
         return PassedPeriod(0, frame)
     propagate(rates, circuit.electrical, frame, count, reach, rows)
     ranges = ranges_of(circuit, rows, count, pattern.longest)
+    deviation = ranges.deviation
+    keeps_first = keeps_sign(legs, 0, ranges.first, deviation)
+    keeps_second = keeps_sign(legs, 1, ranges.second, deviation)
+    keeps_third = keeps_sign(legs, 2, ranges.third, deviation)
     if not (
-        keeps_sign(legs, 0, ranges.first, ranges.deviation)
-        and keeps_sign(legs, 1, ranges.second, ranges.deviation)
-        and keeps_sign(legs, 2, ranges.third, ranges.deviation)
+        (keeps_first or _may_change(circuit, rates, gates, rows, count, 0))
+        and (keeps_second or _may_change(circuit, rates, gates, rows, count, 1))
+        and (keeps_third or _may_change(circuit, rates, gates, rows, count, 2))
     ):
         return PassedPeriod(0, frame)
-    totals[ledger.PEAK] = max(totals[ledger.PEAK], peak_of(circuit, rates, ranges, series, rows, count))
     # Twice, so that each is compiled without what the other alone needs.
     if reach <= SHORTEST:
         _integrate(circuit, rates, count, True, rows)
     else:
         _integrate(circuit, rates, count, False, rows)
-    _add(pole_pairs, circuit, rows, count, magnitudes, totals)
+    returning = (
+        _NONE if keeps_first else returning_of(circuit, rates, rows, count, 0),
+        _NONE if keeps_second else returning_of(circuit, rates, rows, count, 1),
+        _NONE if keeps_third else returning_of(circuit, rates, rows, count, 2),
+    )
+    totals[ledger.PEAK] = max(totals[ledger.PEAK], peak_of(circuit, rates, ranges, series, rows, count))
+    _add(pole_pairs, circuit, rows, count, returning, magnitudes, totals)
     return PassedPeriod(count, frame_at(rows, count))
