@@ -1,7 +1,7 @@
 /* The closed loop of duty ratios by hand in C: a PM AC machine behind ideal switches, one centred pulse a period.
  *
  * Segments between the edges of the gates by the derivatives of the currents at both ends, as drivegate has them, all of a
- * period at once where no current comes to zero, zeros and extremes of the phase currents to rounding, the whole ledger
+ * period at once where no current turns near zero, zeros and extremes of the phase currents to rounding, the whole ledger
  * and its check in every control period. It knows constant references, load and link, and ideal sensors. */
 #include <math.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
-/* A period in which no current comes to zero, all of its segments at once: each is an affine map of the currents, whose
- * power series have the coefficients of the period. */
+/* A period all of whose segments go at once: each is an affine map of the currents, whose power series have the
+ * coefficients of the period. The magnitude of a current that passes zero is divided there. */
 enum { ROOM = 8, ORDERS = 9 };
 /* Segments over the time of the fastest rate up to which six orders will do; eight do in all. */
 #define SIX_ORDERS 0.0125
@@ -112,45 +112,142 @@ static inline currents currents_at(const rates *r, const segments *s, int at, in
                        r->per_q * (C * s->across[n] - S * s->along[n]));
 }
 
-static inline double slope_at(const segments *s, int at, const currents *c, int leg) {
+static inline jet jet_of(const segments *s, int at, const currents *c, int leg) {
     const double C = s->cosine[at], S = s->sine[at];
-    return of_phase(leg, C * c->d.slope - S * c->q.slope, S * c->d.slope + C * c->q.slope);
+    const jet d = c->d, q = c->q;
+    return (jet){of_phase(leg, C * d.value - S * q.value, S * d.value + C * q.value),
+                 of_phase(leg, C * d.slope - S * q.slope, S * d.slope + C * q.slope),
+                 of_phase(leg, C * d.bend - S * q.bend, S * d.bend + C * q.bend),
+                 of_phase(leg, C * d.jerk - S * q.jerk, S * d.jerk + C * q.jerk)};
 }
 
-/* The greatest magnitude of a phase current, below 0 where one may come to zero. */
-static double peak_of(const rates *r, const segments *s) {
-    double current[3][ROOM + 1], peak = 0.0, top[3] = {0.0};
+static inline void coefficients(double v, double s, double b, double j, double c[4]) {
+    c[0] = v;
+    c[1] = 4 * v + s;
+    c[2] = 10 * v + 4 * s + b;
+    c[3] = 20 * v + 10 * s + 4 * b + j;
+}
+
+/* The polynomial of degree 7 through value and three derivatives at both ends of a segment, at a share of it. */
+static inline double interpolated(const double p[2][4], double x) {
+    const double y = 1 - x, x2 = x * x, y2 = y * y, *b = p[0], *e = p[1];
+    return y2 * y2 * (b[0] + x * (b[1] + x * (b[2] + x * b[3]))) + x2 * x2 * (e[0] + y * (e[1] + y * (e[2] + y * e[3])));
+}
+
+static inline void interpolate(const jet *b, const jet *e, double h, double p[2][4]) {
+    const double half = 0.5 * h * h, sixth = (1.0 / 3.0) * h * half;
+    coefficients(b->value, h * b->slope, half * b->bend, sixth * b->jerk, p[0]);
+    coefficients(e->value, -h * e->slope, half * e->bend, -sixth * e->jerk, p[1]);
+}
+
+static inline double interpolated_slope(const jet *b, const jet *e, double h, double x) {
+    const double y = 1 - x;
+    return y * y * (b->slope + x * (2 * b->slope + h * b->bend)) + x * x * (e->slope + y * (2 * e->slope - h * e->bend));
+}
+
+/* A phase current where its slope, of opposite signs at both ends, is zero. */
+static double turning_value(const jet *b, const jet *e, double h) {
+    double at = b->slope / (b->slope - e->slope), p[2][4];
+    for (int k = 0; k < 14; k++) {
+        const double step = interpolated_slope(b, e, h, at) / (h * (b->bend + at * (e->bend - b->bend)));
+        at = fmin(fmax(at - step, 0.0), 1.0);
+        if (fabs(step) < 1e-8) break;
+    }
+    interpolate(b, e, h, p);
+    return interpolated(p, at);
+}
+
+/* The phase currents at the ends of segments, and which of them keep their signs. */
+typedef struct { double at[3][ROOM + 1], top[3]; int keeps[3]; } ends;
+
+static ends ends_of(const rates *r, const segments *s) {
+    ends all = {0};
     const double deviation = 0.125 * r->bend * s->longest * s->longest;
     for (int leg = 0; leg < 3; leg++) {
         double low = INFINITY, high = -INFINITY;
         for (int n = 0; n <= s->count; n++) {
             const double C = s->cosine[n], S = s->sine[n];
             const double i = of_phase(leg, C * s->d[n] - S * s->q[n], S * s->d[n] + C * s->q[n]);
-            current[leg][n] = i;
+            all.at[leg][n] = i;
             low = fmin(low, i);
             high = fmax(high, i);
         }
-        if (low <= deviation && -high <= deviation) return -1.0;
-        top[leg] = fmax(high, -low);
-        peak = fmax(peak, top[leg]);
+        all.keeps[leg] = low > deviation || -high > deviation;
+        all.top[leg] = fmax(high, -low);
     }
-    const double most = peak - deviation;
+    return all;
+}
+
+/* The greatest magnitude of a phase current. */
+static double peak_of(const rates *r, const segments *s, const ends *c) {
+    double peak = fmax(fmax(c->top[0], c->top[1]), c->top[2]);
+    const double least = peak - 0.125 * r->bend * s->longest * s->longest;
     for (int leg = 0; leg < 3; leg++)
-        for (int n = 0; n < s->count && top[leg] > most; n++) {
-            if (fmax(fabs(current[leg][n]), fabs(current[leg][n + 1])) <= most) continue;
+        for (int n = 0; n < s->count && c->top[leg] > least; n++) {
+            const double before = c->at[leg][n], behind = c->at[leg][n + 1];
+            const double h = s->time[n + 1] - s->time[n], sagitta = 0.125 * r->bend * h * h;
+            if (fmax(fabs(before), fabs(behind)) + sagitta <= peak || fabs(behind - before) > 4 * sagitta) continue;
             const currents begin = currents_at(r, s, n, n), end = currents_at(r, s, n + 1, n);
-            const currents b = standing(&begin, r->w), e = standing(&end, r->w);
-            const double h = s->time[n + 1] - s->time[n], change = change_of(r, &b, h);
-            const double bs = slope_at(s, n, &b, leg), es = slope_at(s, n + 1, &e, leg);
-            if (bs * es < 0.0 && !(fmin(bs, es) > change || fmax(bs, es) < -change)) {
-                const frame f = {s->d[n], s->q[n], s->cosine[n], s->sine[n]};
-                const double vd = r->per_d * (f.cosine * s->along[n] + f.sine * s->across[n]);
-                const double vq = r->per_q * (f.cosine * s->across[n] - f.sine * s->along[n]);
-                const double at = zero_of(r, &begin, &f, vd, vq, h, leg, 1);
-                peak = fmax(peak, fabs(phase_at(r, &begin, &f, vd, vq, at, leg).value));
-            }
+            const currents bs = standing(&begin, r->w), es = standing(&end, r->w);
+            const jet b = jet_of(s, n, &bs, leg), e = jet_of(s, n + 1, &es, leg);
+            if (b.slope * e.slope < 0.0) peak = fmax(peak, fabs(turning_value(&b, &e, h)));
         }
     return peak;
+}
+
+/* Integral of a phase current that only rises or only falls up to its zero. */
+static double charge_to_zero(const jet *b, const jet *e, double h) {
+    static const double place[4] = {0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970262};
+    static const double weight[4] = {0.17392742256872679, 0.3260725774312732, 0.3260725774312732, 0.17392742256872679};
+    double p[2][4], low = 0.0, high = 1.0, at = b->value / (b->value - e->value), sum = 0.0;
+    interpolate(b, e, h, p);
+    for (int k = 0; k < 60; k++) {
+        const double value = interpolated(p, at);
+        if (b->value > 0.0 ? value > 0.0 : value < 0.0) low = at; else high = at;
+        double next = at - value / (h * interpolated_slope(b, e, h, at));
+        if (!(low <= next && next <= high)) next = 0.5 * (low + high);
+        const double step = fabs(next - at);
+        at = next;
+        if (step < 1e-9) break;
+    }
+    for (int n = 0; n < 4; n++) sum += weight[n] * interpolated(p, at * place[n]);
+    return h * at * sum;
+}
+
+/* Whether a current that comes near zero only rises or only falls in every segment there. */
+static int passes_zero(const rates *r, const segments *s, const ends *c, int leg) {
+    for (int n = 0; n < s->count; n++) {
+        const double before = c->at[leg][n], behind = c->at[leg][n + 1], h = s->time[n + 1] - s->time[n];
+        const double sagitta = 0.125 * r->bend * h * h;
+        if (before * behind >= 0.0 && fmin(fabs(before), fabs(behind)) > sagitta) continue;
+        if (fabs(behind - before) > 4 * sagitta) continue;
+        const currents begin = currents_at(r, s, n, n), end = currents_at(r, s, n + 1, n);
+        const currents bs = standing(&begin, r->w), es = standing(&end, r->w);
+        const double b = jet_of(s, n, &bs, leg).slope, e = jet_of(s, n + 1, &es, leg).slope, change = change_of(r, &bs, h);
+        if (fmin(b, e) <= change && fmax(b, e) >= -change) return 0;
+    }
+    return 1;
+}
+
+/* Integral of a current's magnitude beyond the magnitude of its integral, and what the link exchanges beyond that of each
+ * segment. */
+static double returning(const rates *r, const segments *s, const ends *c, int leg, double *exchanged) {
+    double magnitude = 0.0, whole = 0.0;
+    for (int n = 0; n < s->count; n++) {
+        const double charge = of_phase(leg, s->charge_along[n], s->charge_across[n]);
+        double parts = fabs(charge);
+        if (c->at[leg][n] * c->at[leg][n + 1] < 0.0) {
+            const currents begin = currents_at(r, s, n, n), end = currents_at(r, s, n + 1, n);
+            const currents bs = standing(&begin, r->w), es = standing(&end, r->w);
+            const jet b = jet_of(s, n, &bs, leg), e = jet_of(s, n + 1, &es, leg);
+            const double first = charge_to_zero(&b, &e, s->time[n + 1] - s->time[n]);
+            parts = fabs(first) + fabs(charge - first);
+            if (fabs(of_phase(leg, s->link_along[n], s->link_across[n])) > 0.75) *exchanged += parts - fabs(charge);
+        }
+        magnitude += parts;
+        whole += charge;
+    }
+    return magnitude - fabs(whole);
 }
 
 static inline void integrate(const task *k, const rates *r, segments *s, int shortest) {
@@ -167,7 +264,7 @@ static inline void integrate(const task *k, const rates *r, segments *s, int sho
     }
 }
 
-/* Pass a whole period, if no current comes to zero in it, and add it to the ledger; tell whether it has been passed. */
+/* Pass a whole period, if no current may turn near zero in it, and add it to the ledger; tell whether it has been passed. */
 static int pass_period(const task *k, const rates *r, frame *f, const double edge[3][2], double *totals) {
     segments s;
     lay_out(k, edge, &s);
@@ -175,13 +272,16 @@ static int pass_period(const task *k, const rates *r, frame *f, const double edg
     if (reach > SHORT) return 0;
     if (reach <= SIX_ORDERS) propagate(r, f, &s, 6);
     else propagate(r, f, &s, 8);
-    const double peak = peak_of(r, &s);
-    if (peak < 0.0) return 0;
-    totals[PEAK] = fmax(totals[PEAK], peak);
+    const ends c = ends_of(r, &s);
+    for (int leg = 0; leg < 3; leg++)
+        if (!c.keeps[leg] && !passes_zero(r, &s, &c, leg)) return 0;
     for (int n = s.count; n < ROOM; n++) s.d[n + 1] = s.q[n + 1] = s.cosine[n + 1] = s.sine[n + 1] = 0.0;
     if (reach <= SHORTEST) integrate(k, r, &s, 1);
     else integrate(k, r, &s, 0);
-    double square = 0.0, torque = 0.0, along = 0.0, across = 0.0, taken = 0.0, exchanged = 0.0;
+    double square = 0.0, torque = 0.0, along = 0.0, across = 0.0, taken = 0.0, exchanged = 0.0, beyond[3] = {0.0};
+    for (int leg = 0; leg < 3; leg++)
+        if (!c.keeps[leg]) beyond[leg] = returning(r, &s, &c, leg, &exchanged);
+    totals[PEAK] = fmax(totals[PEAK], peak_of(r, &s, &c));
     for (int n = 0; n < s.count; n++) {
         const double charge = s.link_along[n] * s.charge_along[n] + s.link_across[n] * s.charge_across[n];
         square += s.square[n];
@@ -197,7 +297,7 @@ static int pass_period(const task *k, const rates *r, frame *f, const double edg
     totals[LOWER] += 0.5 * k->link * taken;
     totals[EXCHANGED] += k->link * exchanged;
     totals[RETURNED] += 0.5 * k->link * (exchanged - taken);
-    for (int leg = 0; leg < 3; leg++) totals[MAGNITUDE] += fabs(of_phase(leg, along, across));
+    for (int leg = 0; leg < 3; leg++) totals[MAGNITUDE] += fabs(of_phase(leg, along, across)) + beyond[leg];
     totals[EVENTS] += s.count;
     *f = (frame){s.d[s.count], s.q[s.count], s.cosine[s.count], s.sine[s.count]};
     return 1;

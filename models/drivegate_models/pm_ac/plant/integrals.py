@@ -23,15 +23,17 @@ from drivegate_models.pm_ac.plant.polynomial import (
 from drivegate_models.pm_ac.plant.series import TERMS, Series, phase_series
 from drivegate_models.pm_ac.plant.settling import FREE, Legs
 
-# Places and weights on [0, 1] of the rules of 3, 4 and 5 points, one after the other.
+FOUR_PLACES: Final = (0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970262)
+"""Places on [0, 1] of the rule of four points, which is exact up to degree 7."""
+FOUR_WEIGHTS: Final = (0.17392742256872679, 0.3260725774312732, 0.3260725774312732, 0.17392742256872679)
+"""Its weights."""
+
+# Places and weights of the rules of 3, 4 and 5 points, one after the other.
 _PLACES: Final = (
     0.1127016653792583,
     0.5,
     0.8872983346207417,
-    0.06943184420297371,
-    0.33000947820757187,
-    0.6699905217924281,
-    0.9305681557970262,
+    *FOUR_PLACES,
     0.04691007703066802,
     0.23076534494715845,
     0.5,
@@ -42,10 +44,7 @@ _WEIGHTS: Final = (
     0.27777777777777785,
     0.4444444444444444,
     0.27777777777777785,
-    0.17392742256872679,
-    0.3260725774312732,
-    0.3260725774312732,
-    0.17392742256872679,
+    *FOUR_WEIGHTS,
     0.11846344252809464,
     0.23931433524968315,
     0.28444444444444433,

@@ -1,0 +1,210 @@
+"""The greatest phase current of a control period, and which currents may come to zero in it."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.machine.rotor_frame import of_phase, turned
+from drivegate_models.pm_ac.plant.circuit import Circuit, sagitta
+from drivegate_models.pm_ac.plant.interpolation import interpolant_of, interpolated, interpolated_slope
+from drivegate_models.pm_ac.plant.jets import Rates
+from drivegate_models.pm_ac.plant.phase_segments import (
+    PhaseSegment,
+    current_at,
+    frame_at,
+    is_bent_one_way,
+    is_monotone,
+    is_steep,
+    phase_segment,
+)
+from drivegate_models.pm_ac.plant.polynomial import extremes
+from drivegate_models.pm_ac.plant.rows import ACROSS, ALONG, TIME
+from drivegate_models.pm_ac.plant.series import Series, free_series, phase_series
+from drivegate_models.pm_ac.plant.settling import Legs
+
+# Steps toward a greatest current; each leaves at most a quarter of its error, and that is squared in the current.
+_STEPS: Final = 14
+_REACHED: Final = 1e-8
+
+
+class Range(NamedTuple):
+    """Of a phase current at the ends of segments (A)."""
+
+    lowest: float
+    highest: float
+
+
+class Ranges(NamedTuple):
+    """Of the three phases."""
+
+    first: Range
+    second: Range
+    third: Range
+    deviation: float
+    """How far a current can be from the chord of any segment."""
+
+
+@inlined
+def ranges_of(circuit: Circuit, rows: NDArray[np.float64], count: int, longest: float) -> Ranges:
+    """Return the ranges of the phase currents at the ends of all segments, the longest of them given (s)."""
+    lowest, lowest_second, lowest_third = inf, inf, inf
+    highest, highest_second, highest_third = -inf, -inf, -inf
+    for n in range(count + 1):
+        frame = frame_at(rows, n)
+        along, across = turned(frame, frame.direct, frame.quadrature)
+        second, third = of_phase(1, along, across), of_phase(2, along, across)
+        lowest, highest = min(lowest, along), max(highest, along)
+        lowest_second, highest_second = min(lowest_second, second), max(highest_second, second)
+        lowest_third, highest_third = min(lowest_third, third), max(highest_third, third)
+    return Ranges(
+        Range(lowest, highest),
+        Range(lowest_second, highest_second),
+        Range(lowest_third, highest_third),
+        sagitta(circuit, longest),
+    )
+
+
+@inlined
+def keeps_sign(legs: Legs, leg: int, range_of_leg: Range, deviation: float) -> bool:
+    """Return whether a current that is within a range at all instants keeps the sign that its leg has."""
+    if legs.sure[leg] != 0:
+        return True
+    return bool((range_of_leg.lowest if legs.signs[leg] > 0 else -range_of_leg.highest) > deviation)
+
+
+@inlined
+def _turning_value(phase: PhaseSegment) -> float:
+    """Return a current where its slope, which only rises or only falls, is zero."""
+    begin, end, length = phase.begin, phase.end, phase.length
+    share = begin.slope / (begin.slope - end.slope)
+    for _ in range(_STEPS):
+        slope = interpolated_slope(begin, end, length, share)
+        step = slope / (length * (begin.bend + share * (end.bend - begin.bend)))
+        share = min(max(share - step, 0.0), 1.0)
+        if abs(step) < _REACHED:
+            break
+    return interpolated(interpolant_of(begin, end, length), share)
+
+
+@inlined
+def _top_of_series(
+    circuit: Circuit, series: Series, rows: NDArray[np.float64], n: int, leg: int, length: float
+) -> float:
+    """Return the greatest magnitude of a phase current in a segment (A), by its series."""
+    frame = frame_at(rows, n)
+    along, across = rows[ALONG + n], rows[ACROSS + n]
+    direct = frame.cosine * along + frame.sine * across
+    quadrature = frame.cosine * across - frame.sine * along
+    count = free_series(circuit, series, frame, direct, quadrature, length)
+    phase_series(circuit, series, frame, leg, count, length)
+    lowest, highest = extremes(series.other, count, series.slopes)
+    return max(-lowest, highest)
+
+
+@unallocating
+def top_within(
+    circuit: Circuit, rates: Rates, series: Series, rows: NDArray[np.float64], n: int, leg: int
+) -> float:
+    """Return the greatest magnitude of a phase current within a segment, if that is above those at its ends.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Constants of the advance.
+    rates : Rates
+        Its equations.
+    series : Series
+        Room.
+    rows : ndarray
+        Currents and rotor at both ends, voltages and times, as `rows` has them.
+    n : int
+        The segment, of at most `two_points.SHORT` over the circuit's rate.
+    leg : int
+        The phase.
+
+    Returns
+    -------
+    float
+        (A), 0 where it is not.
+    """
+    phase = phase_segment(circuit, rates, rows, n, leg)
+    if is_monotone(phase):
+        return 0.0
+    if not is_bent_one_way(circuit, phase):
+        return _top_of_series(circuit, series, rows, n, leg, phase.length)
+    if phase.begin.slope * phase.end.slope >= 0.0:
+        return 0.0
+    return abs(_turning_value(phase))
+
+
+@inlined
+def _top(
+    circuit: Circuit,
+    rates: Rates,
+    series: Series,
+    rows: NDArray[np.float64],
+    count: int,
+    leg: int,
+    most: float,
+) -> float:
+    """Return the greatest magnitude of a phase current (A), if that is above so much (A)."""
+    top = most
+    behind = current_at(rows, 0, leg)
+    for n in range(count):
+        before = behind
+        behind = current_at(rows, n + 1, leg)
+        deviation = sagitta(circuit, rows[TIME + 1 + n] - rows[TIME + n])
+        greatest = max(abs(before), abs(behind))
+        if greatest + deviation > top and not is_steep(before, behind, deviation):
+            top = max(top, top_within(circuit, rates, series, rows, n, leg))
+    return top
+
+
+@inlined
+def peak_of(
+    circuit: Circuit,
+    rates: Rates,
+    ranges: Ranges,
+    series: Series,
+    rows: NDArray[np.float64],
+    count: int,
+) -> float:
+    """Return the greatest magnitude of any phase current in a control period.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Constants of the advance.
+    rates : Rates
+        Its equations.
+    ranges : Ranges
+        Of the currents at the ends of the segments.
+    series : Series
+        Room.
+    rows : ndarray
+        Currents and rotor at the ends of all segments, voltages and times, as `rows` has them.
+    count : int
+        Number of segments.
+
+    Returns
+    -------
+    float
+        (A).
+    """
+    first = max(ranges.first.highest, -ranges.first.lowest)
+    second = max(ranges.second.highest, -ranges.second.lowest)
+    third = max(ranges.third.highest, -ranges.third.lowest)
+    peak = max(first, second, third)
+    least = peak - ranges.deviation
+    if first > least:
+        peak = _top(circuit, rates, series, rows, count, 0, peak)
+    if second > least:
+        peak = _top(circuit, rates, series, rows, count, 1, peak)
+    if third > least:
+        peak = _top(circuit, rates, series, rows, count, 2, peak)
+    return peak
