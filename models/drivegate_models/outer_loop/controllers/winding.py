@@ -15,6 +15,8 @@ from drivegate_models.outer_loop.controllers.unrest import is_sagging
 # over the current limit of the drive tuned on (A).
 _CREEP = 1.15
 _CREEP_LEAST = 0.15 / 26.0
+# Times what the last good angle took from which on a speed that is back would overshoot for long.
+_OVERSHOOTING = 2.0
 # The same creep before any good angle is known: an integral that grows for no more current.
 _WINDING = 0.005
 _IDLE = 0.002
@@ -122,7 +124,7 @@ def unwind_when_back(state: Any) -> bool:
         Whether it was wound up; once for a loss of speed.
     """
     back = state.mode == SETTLING and state.lost_speed < inf and state.error <= 0.0
-    if not (back and asks_for_more(state)):
+    if not back or state.integral <= _OVERSHOOTING * state.good_integral:
         return False
     state.integral = state.good_integral
     begin_settling(state)
