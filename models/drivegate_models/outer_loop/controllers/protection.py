@@ -142,6 +142,20 @@ def walk_back(state: Any, angle: float, lost: bool) -> None:
 
 
 @inlined
+def remember_lost_speed(state: Any, sag: float) -> None:
+    """Keep the speed that was lost when a step was given back, where more is given back if it falls on.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sag : float
+        Speed reference minus speed (rad/s).
+    """
+    state.lost_speed = sag if state.tries_again == 1 else inf
+
+
+@inlined
 def falls_on(state: Any, sag: float, period: float) -> bool:
     """Return whether as much speed again is lost, although the step that began to lose it was given back.
 
@@ -294,7 +308,7 @@ def guard_regulation(
         # The integral has wound up in vain; with the old angle goes the old current.
         state.integral = state.good_integral
         walk_back(state, -state.moved + _RECOVERY, True)
-        state.lost_speed = sag if state.tries_again == 1 else inf
+        remember_lost_speed(state, sag)
     elif falls_on(state, sag, period):
         walk_farther_back(state, sag)
     elif is_starved and state.offset < 0.0:

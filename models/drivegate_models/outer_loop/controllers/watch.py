@@ -22,6 +22,7 @@ from drivegate_models.outer_loop.controllers.forbidden_angle import allow_all_an
 from drivegate_models.outer_loop.controllers.protection import (
     begin_settling,
     rearm,
+    remember_lost_speed,
     walk_back,
     walk_farther_back,
 )
@@ -309,7 +310,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         # A lighter load would take less current reference too: this step has lost the torque.
         state.integral = state.good_integral
         walk_back(state, 0.5 * state.first_step - state.moved, True)
-        state.lost_speed = max(state.error, 0.0) if state.tries_again == 1 else inf
+        remember_lost_speed(state, max(state.error, 0.0))
         return WAITING, change
     # Nor does one that still changes, with the speed still on its way back or the regulator still wound up, or after
     # small steps over the edge and the way up from there, tell of another load.

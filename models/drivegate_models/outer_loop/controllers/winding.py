@@ -24,24 +24,6 @@ _WOUND = 3
 
 
 @inlined
-def asks_for_more(state: Any) -> bool:
-    """Return whether the regulator's integral is well above that of the last good angle.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-
-    Returns
-    -------
-    bool
-        False as long as no good angle is known.
-    """
-    more: bool = state.integral > _CREEP * state.good_integral + _CREEP_LEAST * state.current_limit
-    return more
-
-
-@inlined
 def winds_up(state: Any, power: float) -> bool:
     """Return whether the integral has grown over a decision interval for no more current.
 
@@ -85,7 +67,11 @@ def is_creeping(state: Any, power: float, share: float) -> bool:
     if state.mode == HOLDING and state.rest_power < inf:
         # What was read when the speed was calm is known better than what the last step left.
         known = max(known, state.rest_power)
-    creeping: bool = near and asks_for_more(state) and power < (1.0 + share) * known
+    creeping: bool = (
+        near
+        and state.integral > _CREEP * state.good_integral + _CREEP_LEAST * state.current_limit
+        and power < (1.0 + share) * known
+    )
     return creeping
 
 
