@@ -7,7 +7,13 @@ from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.outer_loop.controllers.another_load import CHANGED
-from drivegate_models.outer_loop.controllers.protection import SLACK, STARVED, begin_settling, walk_back
+from drivegate_models.outer_loop.controllers.protection import (
+    SLACK,
+    STARVED,
+    begin_settling,
+    remember_lost_speed,
+    walk_back,
+)
 from drivegate_models.outer_loop.controllers.state import HOLDING, SETTLING
 from drivegate_models.outer_loop.controllers.unrest import is_sagging
 
@@ -146,5 +152,9 @@ def unwind(state: Any, power: float) -> bool:
     else:
         return False
     if is_sagging(state):
-        walk_back(state, angle, True)
+        # An own step toward less angle is to blame, so it is given back whole.
+        stepped = -state.moved
+        walk_back(state, max(angle, stepped), True)
+        if stepped > 0.0:
+            remember_lost_speed(state, state.error)
     return True

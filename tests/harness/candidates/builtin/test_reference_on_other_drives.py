@@ -5,12 +5,14 @@ import pytest
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.convergence import converges, reaches_optimum, window_convergence
+from drivegate.checks.robustness import ROB_2
 from drivegate.drives.drawn_drives import drawn_drive
 from drivegate.drives.running import run_scenario
 from drivegate.runs.record import RunRecord
 from drivegate.scenarios.building import coming_on, steady_scenario, vehicle_scenario
 from drivegate.scenarios.changes import with_load_factor, with_scales
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.disturbance import CurrentError
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -118,6 +120,15 @@ FALLING_ON = (
     ),
     steady_scenario(drawn_drive(0, 60).document, 4840.0, power_share=0.5, constant_power=False),
 )
+# A step that loses the torque a little beyond the edge, 60 degrees below the initial angle.
+LATE_AT_THE_EDGE = with_scales(
+    vehicle_scenario(STAR, 1380.0, mass_units=3, gear_units=8, grade_percent=((0.0, 1.0),)), emf_constant=0.95
+).replaced(
+    duration_s=25.0,
+    supply_v=((0.0, 48.0), (3.0, 48.0), (3.0, 46.08)),
+    current_errors=(CurrentError(phase=3, gain=1.0, offset_a=0.5),),
+    restarts_s=tuple(5.4 + 0.4 * count for count in range(20)),
+)
 
 
 @pytest.mark.parametrize("scenario", RUNS, ids=lambda scenario: f"{scenario.drive.name}, {scenario.name}")
@@ -138,3 +149,10 @@ def test_a_speed_that_falls_on_is_caught_before_the_regulator_winds_up(scenario:
     for window in record.windows():
         value, measured = window_convergence(window)
         assert value >= 0.0, measured
+
+
+def test_a_step_that_winds_the_regulator_up_is_given_back_whole() -> None:
+    candidate = resolve_candidate("near:speed-offset")
+    run = run_scenario(LATE_AT_THE_EDGE, load_controller(candidate))
+    margin = ROB_2.evaluate(RunRecord(LATE_AT_THE_EDGE, run, candidate.declaration))
+    assert margin is not None and margin.met, margin
