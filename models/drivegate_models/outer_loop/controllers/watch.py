@@ -43,6 +43,7 @@ from drivegate_models.outer_loop.controllers.unrest import (
     noise_of_power,
 )
 from drivegate_models.outer_loop.controllers.winding import (
+    has_cost_torque,
     is_creeping,
     is_wound,
     unwind,
@@ -306,8 +307,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     if state.mode == SETTLING and settled and back and is_another_load(state, power, state.good_power):
         rearm(state)
         return WAITING, change
-    if state.moved < 0.0 and state.integral > state.good_integral and power < (1.0 - fall) * state.good_power:
-        # A lighter load would take less current reference too: this step has lost the torque.
+    if has_cost_torque(state, power, fall):
         state.integral = state.good_integral
         walk_back(state, 0.5 * state.first_step - state.moved, True)
         remember_lost_speed(state, max(state.error, 0.0))

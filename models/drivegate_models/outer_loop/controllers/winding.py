@@ -21,7 +21,9 @@ from drivegate_models.outer_loop.controllers.unrest import is_sagging
 # over the current limit of the drive tuned on (A).
 _CREEP = 1.15
 _CREEP_LEAST = 0.15 / 26.0
-# Times what the last good angle took from which on a speed that is back would overshoot for long.
+# Times what the last good angle took that is much more.
+_GROWN = 1.1
+# The same from which on a speed that is back would overshoot for long.
 _OVERSHOOTING = 2.0
 # The same creep before any good angle is known: an integral that grows for no more current.
 _WINDING = 0.005
@@ -99,6 +101,32 @@ def is_wound(state: Any, power: float) -> bool:
     """
     wound: bool = state.integral > STARVED * power / state.conducting_phases + SLACK * state.current_limit
     return wound
+
+
+@inlined
+def has_cost_torque(state: Any, power: float, fall: float) -> bool:
+    """Return whether the last step has lost the torque: less current flows, and more of it is asked for.
+
+    A lighter load would take less current reference too. Nor would it let the speed sag: where that does and the
+    reference has grown much, any fall of the current sum tells.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    power : float
+        Mean current sum of the decision interval (A).
+    fall : float
+        Share by which one step of this search lessens the current sum at most.
+
+    Returns
+    -------
+    bool
+        False unless the step was one toward less angle.
+    """
+    explained = 0.0 if state.integral > _GROWN * state.good_integral and is_sagging(state) else fall
+    less: bool = power < (1.0 - explained) * state.good_power
+    return less and state.moved < 0.0 and state.integral > state.good_integral
 
 
 @inlined
