@@ -12,7 +12,9 @@ typedef struct {
     double square[ROOM], torque[ROOM], charge_along[ROOM], charge_across[ROOM];
 } segments;
 
-typedef struct { double even, odd, dd, dq, qd, qq, od, oq, turned; } orders;
+/* An order of the growth without a voltage, and of what voltages make of no current. */
+typedef struct { double even, odd; } orders;
+typedef struct { double d, q, vd, vq; } step;
 
 static inline void small_turn(double a, double *co, double *si) {
     const double s = a * a;
@@ -57,13 +59,23 @@ static void lay_out(const task *k, const double edge[3][2], segments *s) {
     for (int n = s->count; n < ROOM; n++) s->along[n] = s->across[n] = 0.0;
 }
 
-static inline orders following(const rates *r, double m, double square, const orders *b, int order) {
-    const double share = 1.0 / order, straight = order % 2 ? b->turned : 0.0, turning = order % 2 ? 0.0 : b->turned;
-    return (orders){share * (m * b->even + square * b->odd), share * (m * b->odd + b->even),
-                    share * (r->dd * b->dd + r->dq * b->qd + straight), share * (r->dd * b->dq + r->dq * (b->qq + turning)),
-                    share * (r->qq * b->qd + r->qd * (b->dd + turning)), share * (r->qq * b->qq + r->qd * b->dq + straight),
-                    share * (r->dd * b->od + r->dq * b->oq), share * (r->qd * b->od + r->qq * b->oq),
-                    share * (order % 2 ? b->turned : b->turned * r->dq * r->qd)};
+static inline step following(const rates *r, double h, step b, int order) {
+    const double share = h * (1.0 / order), turned = r->dq * b.vq, across = r->qd * b.vd;
+    return (step){share * (r->dd * b.d + r->dq * b.q + turned), share * (r->qd * b.d + r->qq * b.q + across), share * turned,
+                  share * across};
+}
+
+static inline void added(const rates *r, double h, double vd, double vq, int last, double *d, double *q) {
+    const step x1 = {h * vd, h * (vq - r->opposed), h * vd, h * vq}, x2 = following(r, h, x1, 2), x3 = following(r, h, x2, 3),
+               x4 = following(r, h, x3, 4), x5 = following(r, h, x4, 5), x6 = following(r, h, x5, 6);
+    double rest = x6.d, across = x6.q;
+    if (last > 6) {
+        const step x7 = following(r, h, x6, 7), x8 = following(r, h, x7, 8);
+        rest += x7.d + x8.d;
+        across += x7.q + x8.q;
+    }
+    *d = x1.d + (x2.d + (x3.d + (x4.d + (x5.d + rest))));
+    *q = x1.q + (x2.q + (x3.q + (x4.q + (x5.q + across))));
 }
 
 #define SUM(field) sum(last, h, o[1].field, o[2].field, o[3].field, o[4].field, o[5].field, o[6].field, o[7].field, o[8].field)
@@ -75,8 +87,9 @@ static inline double sum(int last, double h, double a, double b, double c, doubl
 static inline void propagate(const rates *r, const frame *f, segments *s, const int last) {
     const double m = 0.5 * (r->dd + r->qq), half = 0.5 * (r->dd - r->qq), square = half * half + r->dq * r->qd;
     orders o[ORDERS] = {0};
-    o[1] = (orders){m, 1, 1, 0, 0, 1, 0, -r->opposed, 1};
-    for (int order = 2; order <= last; order++) o[order] = following(r, m, square, &o[order - 1], order);
+    o[1] = (orders){m, 1};
+    for (int k = 2; k <= last; k++)
+        o[k] = (orders){(m * o[k - 1].even + square * o[k - 1].odd) * (1.0 / k), (m * o[k - 1].odd + o[k - 1].even) * (1.0 / k)};
     const int groups = (s->count + 3) / 4 * 4;
     for (int n = 0; n < groups; n++) {
         const double h = s->time[n + 1] - s->time[n];
@@ -90,16 +103,15 @@ static inline void propagate(const rates *r, const frame *f, segments *s, const 
         s->dq[n] = r->dq * odd;
         s->qd[n] = r->qd * odd;
         s->qq[n] = even - half * odd;
-        s->da[n] = SUM(dd) * vd + SUM(dq) * vq + SUM(od);
-        s->qa[n] = SUM(qd) * vd + SUM(qq) * vq + SUM(oq);
+        added(r, h, vd, vq, last, &s->da[n], &s->qa[n]);
     }
     turn_by(f, r->w * s->time[s->count], &s->cosine[s->count], &s->sine[s->count]);
     double d = f->d, q = f->q;
     s->d[0] = d;
     s->q[0] = q;
     for (int n = 0; n < s->count; n++) {
-        const double gained = s->dd[n] * d + s->dq[n] * q + s->da[n];
-        q += s->qd[n] * d + s->qq[n] * q + s->qa[n];
+        const double gained = s->dd[n] * d + (s->dq[n] * q + s->da[n]);
+        q += s->qq[n] * q + (s->qd[n] * d + s->qa[n]);
         d += gained;
         s->d[n + 1] = d;
         s->q[n + 1] = q;

@@ -52,7 +52,8 @@ def make_exchange(
         sense,
         command,
         fresh,
-        np.zeros(steps, DUTY_COMMAND) if kept is None else kept,
+        # Every entry is written before it is read.
+        np.empty(steps, DUTY_COMMAND) if kept is None else kept,
         np.zeros(1, np.int64) if progress is None else progress,
         currents,
         step_address,

@@ -49,7 +49,8 @@ class DutyRecords(NamedTuple):
 
 def make_records(steps: int) -> DutyRecords:
     """Make room for what a run of so many steps fills in."""
-    return DutyRecords(np.zeros(1, RUN_RECORD), np.zeros((steps, len(TRACE))), np.zeros(ledger.ENTRIES))
+    # A row is read only once its control period has been run.
+    return DutyRecords(np.zeros(1, RUN_RECORD), np.empty((steps, len(TRACE))), np.zeros(ledger.ENTRIES))
 
 
 @inlined
@@ -81,11 +82,12 @@ def keep_period(
     row[0] = begin[0]
     row[1] = begin[1]
     row[2] = begin[2]
-    row[3] = period[ledger.IMPULSE] / length
+    rate = 1.0 / length
+    row[3] = period[ledger.IMPULSE] * rate
     row[4] = rotor_currents[0]
     row[5] = rotor_currents[1]
     row[6] = period[ledger.PEAK]
-    row[7] = ledger.source_energy(period) / length
+    row[7] = ledger.source_energy(period) * rate
     row[8] = load
     row[9] = begin[3]
     row[10] = begin[4]

@@ -40,8 +40,9 @@ def speed_change(
     driving -= drive.viscous_friction * speed
     opposing = load + drive.friction
     # Load and friction oppose a shaft that turns and hold one that stands; they never turn it.
-    forward = float((driving - opposing) * length / inertia)
-    backward = float((driving + opposing) * length / inertia)
+    mobility = length / inertia
+    forward = float((driving - opposing) * mobility)
+    backward = float((driving + opposing) * mobility)
     if speed > 0.0:
         return max(forward, -speed) if driving >= -opposing else forward
     if speed < 0.0:

@@ -10,6 +10,8 @@ from drivegate_models.compilation.kernels import inlined
 _HALVINGS = 24
 _NEWTON_STEPS = 16
 _CONVERGED = 1e-9
+# Newton's last step over a place, of whose square at most three halves are left: hardly more than half of that.
+_LAST_STEP = 2e-5
 # Share of a place above the root below which the last root is no better place to begin.
 _FAR_BELOW = 0.125
 _GOLDEN = 0.6180339887498949
@@ -34,6 +36,19 @@ def most_torque_direct(state: Any, current: float) -> float:
 
 
 @inlined
+def _beginning(state: Any, square: float) -> float:
+    """Return where to begin to look for the root y of ``y (psi + y)**3``: mostly where the last search has ended."""
+    last = state.added_flux
+    cube = state.magnet_flux * state.magnet_flux * state.magnet_flux
+    if square < cube * state.magnet_flux:
+        # From one step to the next the torque changes little. Without a division, since it is asked in each.
+        near = cube * last
+        return float(last if _FAR_BELOW * square < near < square else square / cube)
+    above = sqrt(sqrt(square))
+    return float(last if _FAR_BELOW * above < last < above else above)
+
+
+@inlined
 def least_current_direct(state: Any, torque: float) -> float:
     """Return the current along the magnet's axis that gives a torque with least current, if it weakens (A).
 
@@ -50,16 +65,12 @@ def least_current_direct(state: Any, torque: float) -> float:
     square = reach * reach
     if square <= 0.0:
         return 0.0
-    above = sqrt(sqrt(square))
-    if above < flux:
-        above = square / (flux * flux * flux)
-    # From one step to the next the torque changes little.
-    added = state.added_flux if _FAR_BELOW * above < state.added_flux < above else above
+    added = _beginning(state, square)
     for _ in range(_NEWTON_STEPS):
         whole = flux + added
         step = (added * whole * whole * whole - square) / (whole * whole * (whole + 3.0 * added))
         added -= step
-        if abs(step) <= _CONVERGED * added:
+        if abs(step) <= _LAST_STEP * added:
             break
     state.added_flux = added
     return float(min(added / saliency, 0.0))

@@ -197,10 +197,9 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     command : record of DUTY_COMMAND
         Receives the answer.
     """
-    see_shaft(state, sense)
     # A speed regulator is to notice a shaft that slows down as soon as its sensor does.
     speed = sense.speed
-    sense = state.seen
+    sense = see_shaft(state, sense)
     command.angle = sense.angle
     command.speed = sense.speed
     if look_for_faults(state, sense):

@@ -46,15 +46,20 @@ def copy_sense(sense: Any, seen: Any) -> None:
 
 
 @inlined
-def see_shaft(state: Any, sense: Any) -> None:
-    """Write what the controller goes by: what is sensed, but for the shaft where a Hall edge is overdue.
+def see_shaft(state: Any, sense: Any) -> Any:
+    """Return what the controller goes by: what is sensed, but for the shaft where a Hall edge is overdue.
 
     Parameters
     ----------
     state : record of FOC_STATE
-        Its `seen` is written.
+        Its `seen` is written where Hall switches show the shaft.
     sense : record of DUTY_SENSE
         What the sensors saw.
+
+    Returns
+    -------
+    record of DUTY_SENSE
+        `seen`, or else `sense` itself.
 
     Notes
     -----
@@ -62,10 +67,10 @@ def see_shaft(state: Any, sense: Any) -> None:
     Where the speed was high, a shaft that turns on is likelier than one that stops: for a sector more its angle goes on
     with the speed that it had. If still no edge has come then, it is as sensed.
     """
+    if sense.hall < 0:
+        return sense
     seen = state.seen
     copy_sense(sense, seen)
-    if sense.hall < 0:
-        return
     turned = state.pole_pairs * (sense.angle - state.hall_angle)
     turned -= _TURN * floor(turned / _TURN + 0.5)
     expected = state.pole_pairs * state.hall_speed * state.control_period
@@ -80,3 +85,4 @@ def see_shaft(state: Any, sense: Any) -> None:
         state.led_on += expected - turned
         seen.angle = sense.angle + state.led_on / state.pole_pairs
         seen.speed = state.hall_speed
+    return seen

@@ -241,6 +241,8 @@ def _add_core_loss(
     drive: PmAcDrive, circuit: Circuit, connected: _Connected, duration: float, totals: NDArray[np.float64]
 ) -> None:
     """Add the core loss of the mean flux voltage; without any current the shaft supplies it."""
+    if drive.core_loss_conductance == 0.0:
+        return
     conductance = 1.5 * drive.core_loss_conductance
     length = duration - connected.idle
     if length > 0.0:

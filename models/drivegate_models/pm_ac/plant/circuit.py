@@ -130,6 +130,12 @@ def sagitta(circuit: Circuit, length: float) -> float:
 
 
 @inlined
+def has_drops(circuit: Circuit) -> bool:
+    """Return whether switches or freewheeling diodes have a forward drop."""
+    return circuit.switch_drop != 0.0 or circuit.diode_drop != 0.0
+
+
+@inlined
 def leg_voltages(circuit: Circuit, gate: int) -> tuple[float, float]:
     """Return the voltages of a leg, against the lower rail, for a positive and for a negative current (V)."""
     if gate == UPPER:

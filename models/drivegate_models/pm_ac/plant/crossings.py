@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.machine.rotor_frame import of_phase
-from drivegate_models.pm_ac.plant.circuit import Circuit, sagitta
+from drivegate_models.pm_ac.plant.circuit import Circuit, has_drops, sagitta
 from drivegate_models.pm_ac.plant.integrals import FOUR_PLACES, FOUR_WEIGHTS
 from drivegate_models.pm_ac.plant.interpolation import (
     Interpolant,
@@ -57,12 +57,11 @@ class Returning(NamedTuple):
 @inlined
 def ignores_sign(circuit: Circuit, gates: Gates, leg: int) -> bool:
     """Return whether the sign of a leg's current changes no voltage and no loss in a period."""
-    drops = circuit.switch_drop + circuit.diode_drop
     energies = circuit.turn_on_energy + circuit.turn_off_energy
     blanked = 0
     for position in range(gates.counts[leg]):
         blanked += 1 if gates.gates[leg, position] == BLANKED else 0
-    return drops == 0.0 and energies == 0.0 and blanked == 0
+    return not has_drops(circuit) and energies == 0.0 and blanked == 0
 
 
 @inlined

@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine.rotor_frame import HALF_ROOT
-from drivegate_models.pm_ac.plant.circuit import Circuit, axes_voltages, is_on_upper_rail, leg_voltages
+from drivegate_models.pm_ac.plant.circuit import (
+    Circuit,
+    axes_voltages,
+    has_drops,
+    is_on_upper_rail,
+    leg_voltages,
+)
 from drivegate_models.pm_ac.plant.edges import following_edge
 from drivegate_models.pm_ac.plant.modulator import Gates
 from drivegate_models.pm_ac.plant.rows import (
@@ -80,6 +86,8 @@ def _write(circuit: Circuit, legs: Legs, upcoming: Upcoming, rows: NDArray[np.fl
     # The sum of the currents of the legs on the upper rail: none where all three are.
     rows[LINK_ALONG + n] = first - 0.5 * (second + third)
     rows[LINK_ACROSS + n] = HALF_ROOT * (second - third)
+    if not has_drops(circuit):
+        return
     for leg in range(3):
         is_switch = (upcoming.uppers[leg] > 0.0) == (legs.signs[leg] > 0)
         rows[DROP + leg * WIDTH + n] = circuit.switch_drop if is_switch else circuit.diode_drop

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from math import inf
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.machine.rotor_frame import of_phase, turned
 from drivegate_models.pm_ac.plant.circuit import Circuit, sagitta
 from drivegate_models.pm_ac.plant.interpolation import interpolant_of, interpolated, interpolated_slope
 from drivegate_models.pm_ac.plant.jets import Rates
@@ -50,21 +48,22 @@ class Ranges(NamedTuple):
 
 
 @inlined
+def _range_of(rows: NDArray[np.float64], count: int, leg: int) -> Range:
+    """Return the range of a phase current at the ends of all segments."""
+    lowest = highest = current_at(rows, 0, leg)
+    for n in range(1, count + 1):
+        current = current_at(rows, n, leg)
+        lowest, highest = min(lowest, current), max(highest, current)
+    return Range(lowest, highest)
+
+
+@inlined
 def ranges_of(circuit: Circuit, rows: NDArray[np.float64], count: int, longest: float) -> Ranges:
     """Return the ranges of the phase currents at the ends of all segments, the longest of them given (s)."""
-    lowest, lowest_second, lowest_third = inf, inf, inf
-    highest, highest_second, highest_third = -inf, -inf, -inf
-    for n in range(count + 1):
-        frame = frame_at(rows, n)
-        along, across = turned(frame, frame.direct, frame.quadrature)
-        second, third = of_phase(1, along, across), of_phase(2, along, across)
-        lowest, highest = min(lowest, along), max(highest, along)
-        lowest_second, highest_second = min(lowest_second, second), max(highest_second, second)
-        lowest_third, highest_third = min(lowest_third, third), max(highest_third, third)
     return Ranges(
-        Range(lowest, highest),
-        Range(lowest_second, highest_second),
-        Range(lowest_third, highest_third),
+        _range_of(rows, count, 0),
+        _range_of(rows, count, 1),
+        _range_of(rows, count, 2),
         sagitta(circuit, longest),
     )
 

@@ -12,7 +12,17 @@ from drivegate_models.machine.rotor_frame import RotorFrame, of_phase, turned
 from drivegate_models.pm_ac.plant.circuit import Circuit
 from drivegate_models.pm_ac.plant.jets import Currents, Jet, Rates, derivatives, standing
 from drivegate_models.pm_ac.plant.quiet import curvature
-from drivegate_models.pm_ac.plant.rows import ACROSS, ALONG, COSINE, DIRECT, QUADRATURE, SINE, TIME
+from drivegate_models.pm_ac.plant.rows import (
+    ACROSS,
+    ALONG,
+    COSINE,
+    DIRECT,
+    PHASE,
+    QUADRATURE,
+    SINE,
+    TIME,
+    WIDTH,
+)
 
 
 class PhaseSegment(NamedTuple):
@@ -50,9 +60,7 @@ def derivatives_at(rates: Rates, rows: NDArray[np.float64], frame: RotorFrame, n
 @inlined
 def current_at(rows: NDArray[np.float64], n: int, leg: int) -> float:
     """Return the current of a phase at an instant (A)."""
-    frame = frame_at(rows, n)
-    along, across = turned(frame, frame.direct, frame.quadrature)
-    return of_phase(leg, along, across)
+    return float(rows[PHASE + leg * WIDTH + n])
 
 
 @inlined

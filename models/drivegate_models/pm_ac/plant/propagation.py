@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.machine.rotor_frame import RotorFrame
+from drivegate_models.machine.rotor_frame import RotorFrame, of_phase, turned
 from drivegate_models.machine.sine import small_cosine_sine
 from drivegate_models.pm_ac.plant.jets import Rates
 from drivegate_models.pm_ac.plant.rows import (
@@ -23,12 +23,14 @@ from drivegate_models.pm_ac.plant.rows import (
     DIRECT_ADDED,
     DIRECT_BY_QUADRATURE,
     DIRECT_GROWTH,
+    PHASE,
     QUADRATURE,
     QUADRATURE_ADDED,
     QUADRATURE_BY_DIRECT,
     QUADRATURE_GROWTH,
     SINE,
     TIME,
+    WIDTH,
     whole_groups,
 )
 
@@ -38,48 +40,33 @@ SIX_ORDERS: Final = 0.0125
 
 
 class Order(NamedTuple):
-    """What the currents gain in a time, over one power of it.
+    """Of the growth of currents without a voltage, over one power of a time.
 
     With A the matrix of the equations, m half its trace and N = A - m, ``A**k / k!`` is ``even + odd N``.
     """
 
     even: float
     odd: float
+
+
+class Step(NamedTuple):
+    """What voltages make of no current in one order of a segment's length (A)."""
+
     direct: float
-    """Along the magnet's axis by the slope that the voltage gives along it."""
-    direct_turning: float
-    """Along it by that across."""
-    quadrature_turning: float
-    """Across it by that along."""
     quadrature: float
-    """Across it by that across."""
-    opposed: float
-    """Along it by the voltage that the magnet induces."""
-    opposed_across: float
-    """Across it by that."""
-    turned: float
-    """What the voltages' turn back has left of them."""
+    driven: float
+    """What the next order gets from the voltage along the magnet's axis."""
+    driven_across: float
+    """And from that across it."""
 
 
 @inlined
-def _following(rates: Rates, half_trace: float, square: float, before: Order, order: int) -> Order:
-    """Return an order from the one before; N times N is a square."""
+def _following_order(half_trace: float, square: float, before: Order, order: int) -> Order:
+    """Return an order of the growth from the one before; N times N is a square."""
     share = 1.0 / order
-    by_across, by_along = rates.direct_turning, rates.quadrature_turning
-    # Derivatives of an even order find the voltages where they were, those of an odd one a quarter turn back.
-    is_even = order % 2 == 0
-    straight = 0.0 if is_even else before.turned
-    turning = before.turned if is_even else 0.0
     return Order(
         share * (half_trace * before.even + square * before.odd),
         share * (half_trace * before.odd + before.even),
-        share * (rates.direct * before.direct + by_across * before.quadrature_turning + straight),
-        share * (rates.direct * before.direct_turning + by_across * (before.quadrature + turning)),
-        share * (rates.quadrature * before.quadrature_turning + by_along * (before.direct + turning)),
-        share * (rates.quadrature * before.quadrature + by_along * before.direct_turning + straight),
-        share * (rates.direct * before.opposed + by_across * before.opposed_across),
-        share * (by_along * before.opposed + rates.quadrature * before.opposed_across),
-        share * (before.turned * by_across * by_along if is_even else before.turned),
     )
 
 
@@ -106,6 +93,46 @@ def _sum(
 
 
 @inlined
+def _following_step(rates: Rates, length: float, before: Step, order: int) -> Step:
+    """Return an order of what voltages make from the one before."""
+    share = length * (1.0 / order)
+    turned = rates.direct_turning * before.driven_across
+    turned_across = rates.quadrature_turning * before.driven
+    return Step(
+        share * (rates.direct * before.direct + rates.direct_turning * before.quadrature + turned),
+        share
+        * (rates.quadrature_turning * before.direct + rates.quadrature * before.quadrature + turned_across),
+        share * turned,
+        share * turned_across,
+    )
+
+
+@inlined
+def _added(
+    rates: Rates, length: float, driven: float, driven_across: float, takes_six: bool
+) -> tuple[float, float]:
+    """Return what a segment makes of no current, from the slopes that its voltages alone would give (A)."""
+    driven *= length
+    driven_across *= length
+    x1 = Step(driven, driven_across - length * rates.opposed, driven, driven_across)
+    x2 = _following_step(rates, length, x1, 2)
+    x3 = _following_step(rates, length, x2, 3)
+    x4 = _following_step(rates, length, x3, 4)
+    x5 = _following_step(rates, length, x4, 5)
+    x6 = _following_step(rates, length, x5, 6)
+    direct, quadrature = x6.direct, x6.quadrature
+    if not takes_six:
+        x7 = _following_step(rates, length, x6, 7)
+        x8 = _following_step(rates, length, x7, 8)
+        direct += x7.direct + x8.direct
+        quadrature += x7.quadrature + x8.quadrature
+    return (
+        x1.direct + (x2.direct + (x3.direct + (x4.direct + (x5.direct + direct)))),
+        x1.quadrature + (x2.quadrature + (x3.quadrature + (x4.quadrature + (x5.quadrature + quadrature)))),
+    )
+
+
+@inlined
 def _turned_by(begin: RotorFrame, angle: float) -> tuple[float, float]:
     """Return cosine and sine of the rotor's angle behind a small one (rad)."""
     cosine, sine = small_cosine_sine(angle)
@@ -125,14 +152,14 @@ def _write_maps(
     half_trace = 0.5 * (rates.direct + rates.quadrature)
     difference = 0.5 * (rates.direct - rates.quadrature)
     square = difference * difference + rates.direct_turning * rates.quadrature_turning
-    o1 = Order(half_trace, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, -rates.opposed, 1.0)
-    o2 = _following(rates, half_trace, square, o1, 2)
-    o3 = _following(rates, half_trace, square, o2, 3)
-    o4 = _following(rates, half_trace, square, o3, 4)
-    o5 = _following(rates, half_trace, square, o4, 5)
-    o6 = _following(rates, half_trace, square, o5, 6)
-    o7 = o6 if takes_six else _following(rates, half_trace, square, o6, 7)
-    o8 = o6 if takes_six else _following(rates, half_trace, square, o7, 8)
+    o1 = Order(half_trace, 1.0)
+    o2 = _following_order(half_trace, square, o1, 2)
+    o3 = _following_order(half_trace, square, o2, 3)
+    o4 = _following_order(half_trace, square, o3, 4)
+    o5 = _following_order(half_trace, square, o4, 5)
+    o6 = _following_order(half_trace, square, o5, 6)
+    o7 = o6 if takes_six else _following_order(half_trace, square, o6, 7)
+    o8 = o6 if takes_six else _following_order(half_trace, square, o7, 8)
     for n in range(whole_groups(count)):
         time = rows[TIME + n]
         length = rows[TIME + 1 + n] - time
@@ -142,20 +169,25 @@ def _write_maps(
         driven_across = rates.per_quadrature * (turned_cosine * across - turned_sine * along)
         even = _sum(takes_six, length, o1[0], o2[0], o3[0], o4[0], o5[0], o6[0], o7[0], o8[0])
         odd = _sum(takes_six, length, o1[1], o2[1], o3[1], o4[1], o5[1], o6[1], o7[1], o8[1])
-        direct = _sum(takes_six, length, o1[2], o2[2], o3[2], o4[2], o5[2], o6[2], o7[2], o8[2])
-        by_across = _sum(takes_six, length, o1[3], o2[3], o3[3], o4[3], o5[3], o6[3], o7[3], o8[3])
-        by_along = _sum(takes_six, length, o1[4], o2[4], o3[4], o4[4], o5[4], o6[4], o7[4], o8[4])
-        quadrature = _sum(takes_six, length, o1[5], o2[5], o3[5], o4[5], o5[5], o6[5], o7[5], o8[5])
-        opposed = _sum(takes_six, length, o1[6], o2[6], o3[6], o4[6], o5[6], o6[6], o7[6], o8[6])
-        opposed_across = _sum(takes_six, length, o1[7], o2[7], o3[7], o4[7], o5[7], o6[7], o7[7], o8[7])
+        added, added_across = _added(rates, length, driven, driven_across, takes_six)
         rows[COSINE + n] = turned_cosine
         rows[SINE + n] = turned_sine
         rows[DIRECT_GROWTH + n] = even + difference * odd
         rows[DIRECT_BY_QUADRATURE + n] = rates.direct_turning * odd
         rows[QUADRATURE_BY_DIRECT + n] = rates.quadrature_turning * odd
         rows[QUADRATURE_GROWTH + n] = even - difference * odd
-        rows[DIRECT_ADDED + n] = direct * driven + by_across * driven_across + opposed
-        rows[QUADRATURE_ADDED + n] = by_along * driven + quadrature * driven_across + opposed_across
+        rows[DIRECT_ADDED + n] = added
+        rows[QUADRATURE_ADDED + n] = added_across
+
+
+@inlined
+def _write_phases(rows: NDArray[np.float64], n: int) -> None:
+    """Write the currents of the phases at an instant."""
+    frame = RotorFrame(rows[DIRECT + n], rows[QUADRATURE + n], rows[COSINE + n], rows[SINE + n])
+    along, across = turned(frame, frame.direct, frame.quadrature)
+    rows[PHASE + n] = along
+    rows[PHASE + WIDTH + n] = of_phase(1, along, across)
+    rows[PHASE + 2 * WIDTH + n] = of_phase(2, along, across)
 
 
 @inlined
@@ -167,7 +199,7 @@ def propagate(
     reach: float,
     rows: NDArray[np.float64],
 ) -> None:
-    """Write the rotor's axes and the currents at the start of each segment, and behind the last one.
+    """Write the rotor's axes and all currents at the start of each segment, and behind the last one.
 
     Parameters
     ----------
@@ -182,7 +214,7 @@ def propagate(
     reach : float
         Longest segment over the time of the fastest rate, at most `two_points.SHORT` (1).
     rows : ndarray
-        Those of times and voltages are read; from `DIRECT` to `QUADRATURE_ADDED` they are written.
+        Those of times and voltages are read; from `PHASE` to `QUADRATURE_ADDED` they are written.
     """
     # Twice, so that each is compiled without what the other alone needs.
     if reach <= SIX_ORDERS:
@@ -194,16 +226,16 @@ def propagate(
     rows[DIRECT] = direct
     rows[QUADRATURE] = quadrature
     for n in range(count):
-        gained = (
-            rows[DIRECT_GROWTH + n] * direct
-            + rows[DIRECT_BY_QUADRATURE + n] * quadrature
-            + rows[DIRECT_ADDED + n]
+        # What comes last of the segment before is added last.
+        gained = rows[DIRECT_GROWTH + n] * direct + (
+            rows[DIRECT_BY_QUADRATURE + n] * quadrature + rows[DIRECT_ADDED + n]
         )
-        quadrature += (
-            rows[QUADRATURE_BY_DIRECT + n] * direct
-            + rows[QUADRATURE_GROWTH + n] * quadrature
-            + rows[QUADRATURE_ADDED + n]
+        quadrature += rows[QUADRATURE_GROWTH + n] * quadrature + (
+            rows[QUADRATURE_BY_DIRECT + n] * direct + rows[QUADRATURE_ADDED + n]
         )
         direct += gained
         rows[DIRECT + 1 + n] = direct
         rows[QUADRATURE + 1 + n] = quadrature
+    for n in range(whole_groups(count)):
+        _write_phases(rows, n)
+    _write_phases(rows, count)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine import ledger
 from drivegate_models.machine.rotor_frame import RotorFrame, of_phase
-from drivegate_models.pm_ac.plant.circuit import Circuit
+from drivegate_models.pm_ac.plant.circuit import Circuit, has_drops
 from drivegate_models.pm_ac.plant.crossings import Returning, ignores_sign, passes_zero, returning_of
 from drivegate_models.pm_ac.plant.jets import Rates
 from drivegate_models.pm_ac.plant.modulator import Gates
@@ -74,7 +74,7 @@ def _integrate(
 @inlined
 def _add_drops(circuit: Circuit, rows: NDArray[np.float64], count: int, totals: NDArray[np.float64]) -> None:
     """Add the loss in the forward drops to the ledger."""
-    if circuit.switch_drop == 0.0 and circuit.diode_drop == 0.0:
+    if not has_drops(circuit):
         return
     lost = 0.0
     for n in range(count):

@@ -28,39 +28,41 @@ CHARGE_ALONG: Final = 2 * WIDTH
 """Integral of the current along the first phase's axis (A s)."""
 CHARGE_ACROSS: Final = 3 * WIDTH
 """And across it (A s)."""
-DIRECT: Final = 4 * WIDTH
+PHASE: Final = 4 * WIDTH
+"""Current of the first phase at the start of each segment, and behind the last one (A); those of the others follow."""
+DIRECT: Final = 7 * WIDTH
 """Current along the magnet's axis at the start of each segment, and behind the last one (A)."""
-QUADRATURE: Final = 5 * WIDTH
+QUADRATURE: Final = 8 * WIDTH
 """And across it (A)."""
-COSINE: Final = 6 * WIDTH
+COSINE: Final = 9 * WIDTH
 """Cosine of the electrical angle then (1)."""
-SINE: Final = 7 * WIDTH
+SINE: Final = 10 * WIDTH
 """Its sine (1)."""
-DIRECT_GROWTH: Final = 8 * WIDTH
+DIRECT_GROWTH: Final = 11 * WIDTH
 """What the current along the magnet's axis gains by itself in each segment (1)."""
-DIRECT_BY_QUADRATURE: Final = 9 * WIDTH
+DIRECT_BY_QUADRATURE: Final = 12 * WIDTH
 """What it gains by that across (1)."""
-DIRECT_ADDED: Final = 10 * WIDTH
+DIRECT_ADDED: Final = 13 * WIDTH
 """What it gains without any current (A)."""
-QUADRATURE_GROWTH: Final = 11 * WIDTH
+QUADRATURE_GROWTH: Final = 14 * WIDTH
 """What the current across the magnet's axis gains by itself in each segment (1)."""
-QUADRATURE_BY_DIRECT: Final = 12 * WIDTH
+QUADRATURE_BY_DIRECT: Final = 15 * WIDTH
 """What it gains by that along (1)."""
-QUADRATURE_ADDED: Final = 13 * WIDTH
+QUADRATURE_ADDED: Final = 16 * WIDTH
 """What it gains without any current (A)."""
-TIME: Final = 14 * WIDTH
+TIME: Final = 17 * WIDTH
 """Start of each segment, from the period's start, and end of the last one (s)."""
-ALONG: Final = 15 * WIDTH
+ALONG: Final = 18 * WIDTH
 """Voltage along the first phase's axis (V)."""
-ACROSS: Final = 16 * WIDTH
+ACROSS: Final = 19 * WIDTH
 """And across it (V)."""
-LINK_ALONG: Final = 17 * WIDTH
+LINK_ALONG: Final = 20 * WIDTH
 """The link's current over that along the first phase's axis (1)."""
-LINK_ACROSS: Final = 18 * WIDTH
+LINK_ACROSS: Final = 21 * WIDTH
 """And over that across it (1)."""
-DROP: Final = 19 * WIDTH
-"""Forward drop in the first leg (V); the rows of the second and third one follow."""
-_ROWS = 22
+DROP: Final = 22 * WIDTH
+"""Forward drop in the first leg (V), if there are any; the rows of the second and third one follow."""
+_ROWS = 25
 
 
 def make_rows() -> NDArray[np.float64]:

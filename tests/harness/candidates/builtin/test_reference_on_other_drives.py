@@ -138,7 +138,9 @@ SAGGING_AT_THE_EDGE = steady_scenario(PAPER, 1220.0, power_share=0.5, constant_p
     initial_speed_rpm=700.0,
     speed_rpm=((0.0, 700.0), (7.0, 700.0), (7.0, 1220.0)),
     supply_v=((0.0, 44.16),),
-    load=ConstantTorqueLoad(kind="constant_torque", torque_nm=4.1, factor=((0.0, 0.0), (7.0, 0.0), (7.0, 0.6))),
+    load=ConstantTorqueLoad(
+        kind="constant_torque", torque_nm=4.1, factor=((0.0, 0.0), (7.0, 0.0), (7.0, 0.6))
+    ),
     dropouts=(Dropout(signal="supply", phase=None, start_s=7.0, duration_s=0.01),),
 )
 
@@ -171,4 +173,5 @@ def test_a_step_that_loses_the_torque_is_given_back_whole(scenario: Scenario, ch
     margin = check.evaluate(
         RunRecord(scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration)
     )
-    assert margin is not None and margin.met, margin
+    assert margin is not None, f"{check.id} judges this run"
+    assert margin.met, margin
