@@ -10,7 +10,7 @@ from drivegate_models.compilation.kernels import inlined
 _HALVINGS = 24
 _NEWTON_STEPS = 16
 _CONVERGED = 1e-9
-# Newton's last step over a place, of whose square at most three halves are left: hardly more than half of that.
+# Newton's step over the root from which on it is the last one: it leaves three halves of its square at most, 6e-10.
 _LAST_STEP = 2e-5
 # Share of a place above the root below which the last root is no better place to begin.
 _FAR_BELOW = 0.125

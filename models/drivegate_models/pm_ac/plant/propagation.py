@@ -1,7 +1,8 @@
 """The currents between the segments of a control period: each segment is one affine map of the currents at its start.
 
-The speed stands still in a period, so the coefficients of the maps' power series do too. The maps are independent of
-each other and of the currents; what is left to do one after the other is a product and a sum.
+The speed stands still in a period, so what becomes of currents by themselves has one power series for all segments;
+what the voltages add has one of its own in each. The maps are independent of each other and of the currents; what is
+left to do one after the other is a product and a sum.
 """
 
 from __future__ import annotations
