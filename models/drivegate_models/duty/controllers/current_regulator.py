@@ -18,6 +18,8 @@ _INTEGRAL = 0.1
 # ramp leaves ripple where the voltage is small, and the current that is wanted has no noise to be kept out.
 _DEAD_SHARE = 0.0005
 _ROOT_THREE = sqrt(3.0)
+_PER_ROOT_THREE = 1.0 / _ROOT_THREE
+_THIRD = 1.0 / 3.0
 
 
 @inlined
@@ -55,8 +57,8 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
 def rotor_currents(state: Any, sense: Any) -> tuple[float, float]:
     """Return the measured currents along and across the magnet's axis (A)."""
     currents = sense.phase_currents
-    along = (2.0 * double_at(currents, 0) - double_at(currents, 1) - double_at(currents, 2)) / 3.0
-    across = (double_at(currents, 1) - double_at(currents, 2)) / _ROOT_THREE
+    along = (2.0 * double_at(currents, 0) - double_at(currents, 1) - double_at(currents, 2)) * _THIRD
+    across = (double_at(currents, 1) - double_at(currents, 2)) * _PER_ROOT_THREE
     cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
     return cosine * along + sine * across, cosine * across - sine * along
 
@@ -64,7 +66,7 @@ def rotor_currents(state: Any, sense: Any) -> tuple[float, float]:
 @inlined
 def voltage_limit(sense: Any) -> float:
     """Return the greatest peak voltage of a phase without distortion (V)."""
-    return float(max(sense.supply_voltage, 0.0) / _ROOT_THREE)
+    return float(max(sense.supply_voltage, 0.0) * _PER_ROOT_THREE)
 
 
 @inlined
@@ -92,9 +94,10 @@ def write_ratios(command: Any, along: float, across: float, supply: float) -> No
     second = -0.5 * along + 0.5 * _ROOT_THREE * across
     third = -0.5 * along - 0.5 * _ROOT_THREE * across
     middle = 0.5 * (max(first, second, third) + min(first, second, third))
-    command.first_duty = min(max(0.5 + (first - middle) / supply, 0.0), 1.0)
-    command.second_duty = min(max(0.5 + (second - middle) / supply, 0.0), 1.0)
-    command.third_duty = min(max(0.5 + (third - middle) / supply, 0.0), 1.0)
+    share = 1.0 / supply
+    command.first_duty = min(max(0.5 + share * (first - middle), 0.0), 1.0)
+    command.second_duty = min(max(0.5 + share * (second - middle), 0.0), 1.0)
+    command.third_duty = min(max(0.5 + share * (third - middle), 0.0), 1.0)
     command.first_leg = LEG_PWM
     command.second_leg = LEG_PWM
     command.third_leg = LEG_PWM

@@ -88,16 +88,19 @@ def circuit_of(
         electrical = 0.0
     least = min(drive.direct_inductance, drive.quadrature_inductance)
     greatest = max(drive.direct_inductance, drive.quadrature_inductance)
+    per_least = 1.0 / least
     turning = abs(electrical)
     # Along axes that stand still, speed alone drives currents only where the machine is salient.
-    growth = (drive.resistance + turning * (greatest - least)) / least
+    growth = (drive.resistance + turning * (greatest - least)) * per_least
     pace = growth + 4.0 * turning
     # The legs lie between -V_D and V + V_D, or, on a link below the switches' drop, between V - V_S and V_S.
     span = link + 2.0 * max(drive.diode_drop, drive.switch_drop)
     voltage = (2.0 / 3.0) * span + turning * abs(drive.magnet_flux)
     steepest = UNBOUNDED
     if growth * duration <= 0.5:
-        forced = (2.0 / 3.0) * span / least + turning * abs(drive.magnet_flux) / drive.quadrature_inductance
+        forced = (2.0 / 3.0) * span * per_least + turning * abs(
+            drive.magnet_flux
+        ) / drive.quadrature_inductance
         # e**x is at most 1 + 2 x up to a half.
         size = (sqrt(direct * direct + quadrature * quadrature) + forced * duration) * (
             1.0 + 2.0 * growth * duration
@@ -114,12 +117,12 @@ def circuit_of(
         drive.diode_drop,
         drive.turn_on_energy,
         drive.turn_off_energy,
-        turning + drive.resistance / least,
+        turning + drive.resistance * per_least,
         pace,
         steepest,
         pace * steepest,
         _TIE * voltage,
-        _ROUNDING * voltage / least * duration,
+        _ROUNDING * voltage * per_least * duration,
     )
 
 
