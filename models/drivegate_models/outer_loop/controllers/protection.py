@@ -156,6 +156,23 @@ def remember_lost_speed(state: Any, sag: float) -> None:
 
 
 @inlined
+def give_step_back(state: Any, angle: float) -> None:
+    """Add angle after a step toward less of it that has crept over the edge, which lies somewhere in that step.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated; half of the step is forbidden.
+    angle : float
+        Angle to add, no less than the step (rad electrical).
+    """
+    half = -0.5 * state.moved
+    state.offset += half
+    walk_back(state, angle - half, True)
+    remember_lost_speed(state, max(state.error, 0.0))
+
+
+@inlined
 def falls_on(state: Any, sag: float, period: float) -> bool:
     """Return whether as much speed again is lost, although the step that began to lose it was given back.
 

@@ -21,8 +21,8 @@ from drivegate_models.outer_loop.controllers.current_share import draws_less_tha
 from drivegate_models.outer_loop.controllers.forbidden_angle import allow_all_angles, forbid, is_heavier_load
 from drivegate_models.outer_loop.controllers.protection import (
     begin_settling,
+    give_step_back,
     rearm,
-    remember_lost_speed,
     walk_back,
     walk_farther_back,
 )
@@ -309,8 +309,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         return WAITING, change
     if has_cost_torque(state, power, fall):
         state.integral = state.good_integral
-        walk_back(state, 0.5 * state.first_step - state.moved, True)
-        remember_lost_speed(state, max(state.error, 0.0))
+        give_step_back(state, 0.5 * state.first_step - state.moved)
         return WAITING, change
     # Nor does one that still changes, with the speed still on its way back or the regulator still wound up, or after
     # small steps over the edge and the way up from there, tell of another load.

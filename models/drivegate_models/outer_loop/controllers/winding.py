@@ -11,7 +11,7 @@ from drivegate_models.outer_loop.controllers.protection import (
     SLACK,
     STARVED,
     begin_settling,
-    remember_lost_speed,
+    give_step_back,
     walk_back,
 )
 from drivegate_models.outer_loop.controllers.state import HOLDING, SETTLING
@@ -179,10 +179,9 @@ def unwind(state: Any, power: float) -> bool:
         angle = 0.5 * state.first_step
     else:
         return False
-    if is_sagging(state):
-        # An own step toward less angle is to blame, so it is given back whole.
-        stepped = -state.moved
-        walk_back(state, max(angle, stepped), True)
-        if stepped > 0.0:
-            remember_lost_speed(state, state.error)
+    if is_sagging(state) and state.moved < 0.0:
+        # That step is to blame, so it is given back whole.
+        give_step_back(state, max(angle, -state.moved))
+    elif is_sagging(state):
+        walk_back(state, angle, True)
     return True
