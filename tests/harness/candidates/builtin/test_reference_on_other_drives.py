@@ -5,7 +5,7 @@ import pytest
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import Check
-from drivegate.checks.convergence import converges, reaches_optimum, window_convergence
+from drivegate.checks.convergence import CNV_1, converges, reaches_optimum, window_convergence
 from drivegate.checks.robustness import ROB_2, ROB_3
 from drivegate.drives.drawn_drives import drawn_drive
 from drivegate.drives.running import run_scenario
@@ -143,6 +143,12 @@ SAGGING_AT_THE_EDGE = steady_scenario(PAPER, 1220.0, power_share=0.5, constant_p
     ),
     dropouts=(Dropout(signal="supply", phase=None, start_s=7.0, duration_s=0.01),),
 )
+# And one whose end alone would not be enough to forbid: the search came back to it in ever smaller steps.
+SOON_BACK_AT_THE_EDGE = steady_scenario(STAR, 1380.0, power_share=0.5, constant_power=False).replaced(
+    name="1380rpm-10%",
+    duration_s=11.2,
+    load=ConstantTorqueLoad(kind="constant_torque", torque_nm=10.38, factor=((0.0, 0.0), (0.2, 0.1))),
+)
 
 
 @pytest.mark.parametrize("scenario", RUNS, ids=lambda scenario: f"{scenario.drive.name}, {scenario.name}")
@@ -166,10 +172,18 @@ def test_a_speed_that_falls_on_is_caught_before_the_regulator_winds_up(scenario:
 
 
 @pytest.mark.parametrize(
-    ("scenario", "check"), [(LATE_AT_THE_EDGE, ROB_2), (SAGGING_AT_THE_EDGE, ROB_3)], ids=["star", "paper"]
+    ("name", "scenario", "check"),
+    [
+        ("near:speed-offset", LATE_AT_THE_EDGE, ROB_2),
+        ("near:speed-offset", SAGGING_AT_THE_EDGE, ROB_3),
+        ("near:gain-doubled", SOON_BACK_AT_THE_EDGE, CNV_1),
+    ],
+    ids=["late", "sagging", "soon back"],
 )
-def test_a_step_that_loses_the_torque_is_given_back_whole(scenario: Scenario, check: Check) -> None:
-    candidate = resolve_candidate("near:speed-offset")
+def test_a_step_that_loses_the_torque_is_given_back_whole(
+    name: str, scenario: Scenario, check: Check
+) -> None:
+    candidate = resolve_candidate(name)
     margin = check.evaluate(
         RunRecord(scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration)
     )
