@@ -16,6 +16,7 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine.rotor_frame import RotorFrame, of_phase, turned
 from drivegate_models.machine.sine import small_cosine_sine
 from drivegate_models.pm_ac.plant.jets import Rates
+from drivegate_models.pm_ac.plant.phase_segments import frame_at
 from drivegate_models.pm_ac.plant.rows import (
     ACROSS,
     ALONG,
@@ -184,7 +185,7 @@ def _write_maps(
 @inlined
 def _write_phases(rows: NDArray[np.float64], n: int) -> None:
     """Write the currents of the phases at an instant."""
-    frame = RotorFrame(rows[DIRECT + n], rows[QUADRATURE + n], rows[COSINE + n], rows[SINE + n])
+    frame = frame_at(rows, n)
     along, across = turned(frame, frame.direct, frame.quadrature)
     rows[PHASE + n] = along
     rows[PHASE + WIDTH + n] = of_phase(1, along, across)
