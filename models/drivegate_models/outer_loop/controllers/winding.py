@@ -124,9 +124,11 @@ def has_cost_torque(state: Any, power: float, fall: float) -> bool:
     bool
         False unless the step was one toward less angle.
     """
+    if state.moved >= 0.0 or state.integral <= state.good_integral:
+        return False
     explained = 0.0 if state.integral > _GROWN * state.good_integral and is_sagging(state) else fall
     less: bool = power < (1.0 - explained) * state.good_power
-    return less and state.moved < 0.0 and state.integral > state.good_integral
+    return less
 
 
 @inlined
@@ -179,9 +181,11 @@ def unwind(state: Any, power: float) -> bool:
         angle = 0.5 * state.first_step
     else:
         return False
-    if is_sagging(state) and state.moved < 0.0:
+    if not is_sagging(state):
+        return True
+    if state.moved < 0.0:
         # That step is to blame, so it is given back whole.
         give_step_back(state, max(angle, -state.moved))
-    elif is_sagging(state):
+    else:
         walk_back(state, angle, True)
     return True
