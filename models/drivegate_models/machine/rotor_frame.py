@@ -13,6 +13,9 @@ from drivegate_models.machine.sine import cosine_sine
 
 HALF_ROOT: Final = 0.8660254037844386
 """Sine of a third of a turn."""
+PER_ROOT_THREE: Final = 0.5 / HALF_ROOT
+"""Peak voltage of a phase over that between two phases (1)."""
+_THIRD = 1.0 / 3.0
 SUM_OVER_PEAK: Final = 6.0 / pi
 """Mean of the sum of three sinusoidal currents' magnitudes over their peak (1)."""
 _COSINES: Final = (1.0, -0.5, -0.5)
@@ -51,6 +54,12 @@ def phase_current(frame: RotorFrame, leg: int) -> float:
 def turned(frame: RotorFrame, along: float, across: float) -> tuple[float, float]:
     """Return a quantity of the rotor's axes along and across the first phase's axis."""
     return frame.cosine * along - frame.sine * across, frame.sine * along + frame.cosine * across
+
+
+@inlined
+def from_phases(first: float, second: float, third: float) -> tuple[float, float]:
+    """Return what quantities of three phases make along and across the first phase's axis, their mean left out."""
+    return (2.0 * first - second - third) * _THIRD, (second - third) * PER_ROOT_THREE
 
 
 @inlined

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +11,11 @@ from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.contract.duty.signals import LEG_PWM
 from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
+from drivegate_models.machine.rotor_frame import of_phase
 from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.fundamental import steady_voltages
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive, alignment_of
-
-_ROOT_THREE = sqrt(3.0)
 
 
 @unallocating
@@ -130,16 +129,14 @@ def _take_signs(phases: PmAcPhases, currents: tuple[float, float], angle: float)
     cosine, sine = cosine_sine(angle)
     along = cosine * currents[0] - sine * currents[1]
     across = sine * currents[0] + cosine * currents[1]
-    others = -0.5 * along, 0.5 * _ROOT_THREE * across
-    values = along, others[0] + others[1], others[0] - others[1]
+    values = [of_phase(leg, along, across) for leg in range(3)]
     phases.legs.signs[:] = [1 if value > 0.0 else -1 if value < 0.0 else 0 for value in values]
 
 
 @inlined
 def _write_ideal(ratios: NDArray[np.float64], along: float, across: float, link: float) -> None:
     """Write the duty ratios of a voltage in the frame that stands still, about the middle of the link."""
-    second = -0.5 * along + 0.5 * _ROOT_THREE * across
-    third = -0.5 * along - 0.5 * _ROOT_THREE * across
+    second, third = of_phase(1, along, across), of_phase(2, along, across)
     middle = 0.5 * (max(along, second, third) + min(along, second, third))
     ratios[0] = 0.5 + (along - middle) / link
     ratios[1] = 0.5 + (second - middle) / link

@@ -8,6 +8,7 @@ from typing import Any, Final
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.duty.signals import LEG_PWM
+from drivegate_models.machine.rotor_frame import PER_ROOT_THREE, from_phases, of_phase
 from drivegate_models.machine.sine import cosine_sine
 
 BANDWIDTH: Final = 0.2
@@ -17,9 +18,6 @@ _INTEGRAL = 0.1
 # Current over the limit from which on the whole of a dead time is lost, or won: hardly more than none, since a wider
 # ramp leaves ripple where the voltage is small, and the current that is wanted has no noise to be kept out.
 _DEAD_SHARE = 0.0005
-_ROOT_THREE = sqrt(3.0)
-_PER_ROOT_THREE = 1.0 / _ROOT_THREE
-_THIRD = 1.0 / 3.0
 
 
 @inlined
@@ -57,8 +55,7 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
 def rotor_currents(state: Any, sense: Any) -> tuple[float, float]:
     """Return the measured currents along and across the magnet's axis (A)."""
     currents = sense.phase_currents
-    along = (2.0 * double_at(currents, 0) - double_at(currents, 1) - double_at(currents, 2)) * _THIRD
-    across = (double_at(currents, 1) - double_at(currents, 2)) * _PER_ROOT_THREE
+    along, across = from_phases(double_at(currents, 0), double_at(currents, 1), double_at(currents, 2))
     cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
     return cosine * along + sine * across, cosine * across - sine * along
 
@@ -66,7 +63,7 @@ def rotor_currents(state: Any, sense: Any) -> tuple[float, float]:
 @inlined
 def voltage_limit(sense: Any) -> float:
     """Return the greatest peak voltage of a phase without distortion (V)."""
-    return float(max(sense.supply_voltage, 0.0) * _PER_ROOT_THREE)
+    return float(max(sense.supply_voltage, 0.0) * PER_ROOT_THREE)
 
 
 @inlined
@@ -90,9 +87,7 @@ def limited_voltage(
 @inlined
 def write_ratios(command: Any, along: float, across: float, supply: float) -> None:
     """Write the answer that gives a voltage in the frame that stands still, about the middle of the link (V)."""
-    first = along
-    second = -0.5 * along + 0.5 * _ROOT_THREE * across
-    third = -0.5 * along - 0.5 * _ROOT_THREE * across
+    first, second, third = along, of_phase(1, along, across), of_phase(2, along, across)
     middle = 0.5 * (max(first, second, third) + min(first, second, third))
     share = 1.0 / supply
     command.first_duty = min(max(0.5 + share * (first - middle), 0.0), 1.0)
@@ -133,10 +128,9 @@ def regain_dead_time(
         return
     cosine, sine = turned
     along, across = cosine * direct - sine * quadrature, sine * direct + cosine * quadrature
-    both, apart = -0.5 * along, 0.5 * _ROOT_THREE * across
     command.first_duty = _regained(state, command.first_duty, along)
-    command.second_duty = _regained(state, command.second_duty, both + apart)
-    command.third_duty = _regained(state, command.third_duty, both - apart)
+    command.second_duty = _regained(state, command.second_duty, of_phase(1, along, across))
+    command.third_duty = _regained(state, command.third_duty, of_phase(2, along, across))
 
 
 @inlined

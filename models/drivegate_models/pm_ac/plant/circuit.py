@@ -9,14 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.machine.rotor_frame import HALF_ROOT, RotorFrame, axis_of
+from drivegate_models.machine.rotor_frame import RotorFrame, axis_of, from_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.modulator import LOWER, UPPER
 
 UNBOUNDED: Final = 1e200
 """Instead of a bound of slopes; finite, so that none is left of it in no time."""
-_THIRD = 1.0 / 3.0
-_PER_ROOT_THREE = 0.5 / HALF_ROOT
 _STANDSTILL = 1e-100
 _TIE = 1e-13
 _ROUNDING = 1e-16
@@ -163,15 +161,9 @@ def drop_of(circuit: Circuit, gate: int, sign: int) -> float:
 
 
 @inlined
-def axes_voltages(first: float, second: float, third: float) -> tuple[float, float]:
-    """Return the voltages along and across the first phase's axis that those of three legs make (V)."""
-    return (2.0 * first - second - third) * _THIRD, (second - third) * _PER_ROOT_THREE
-
-
-@inlined
 def rotor_voltages(frame: RotorFrame, first: float, second: float, third: float) -> tuple[float, float]:
     """Return the voltages of the rotor frame that those of three legs make (V)."""
-    along, across = axes_voltages(first, second, third)
+    along, across = from_phases(first, second, third)
     return (
         frame.cosine * along + frame.sine * across,
         frame.cosine * across - frame.sine * along,

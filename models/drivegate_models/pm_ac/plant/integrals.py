@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.machine import ledger
-from drivegate_models.machine.rotor_frame import HALF_ROOT, RotorFrame, phase_current
+from drivegate_models.machine.rotor_frame import RotorFrame, of_phase, phase_current
 from drivegate_models.machine.sine import small_cosine_sine
 from drivegate_models.pm_ac.plant.circuit import Circuit, drop_of, is_on_upper_rail, sagitta
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
@@ -115,14 +115,6 @@ def _sums(
         length * (frame.cosine * along - frame.sine * across),
         length * (frame.sine * along + frame.cosine * across),
     )
-
-
-@inlined
-def _charge(sums: Sums, leg: int) -> float:
-    """Return the charge that a leg gives in a segment (A s)."""
-    if leg == 0:
-        return sums.along
-    return -0.5 * sums.along + (HALF_ROOT if leg == 1 else -HALF_ROOT) * sums.across
 
 
 @unallocating
@@ -294,7 +286,7 @@ def add_segment(
     for leg in range(3):
         if leg == held:
             continue
-        charge = _charge(sums, leg)
+        charge = of_phase(leg, sums.along, sums.across)
         magnitude, peak = _add_leg(
             circuit, series, frame, after, leg, charge, count, length, held == FREE, peak
         )

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.machine.rotor_frame import HALF_ROOT
+from drivegate_models.machine.rotor_frame import HALF_ROOT, from_phases
 from drivegate_models.pm_ac.plant.circuit import (
     Circuit,
-    axes_voltages,
     has_drops,
     is_on_upper_rail,
     leg_voltages,
@@ -81,7 +80,7 @@ def _enter(
 def _write(circuit: Circuit, legs: Legs, upcoming: Upcoming, rows: NDArray[np.float64], n: int) -> None:
     """Write down what a segment's legs do."""
     voltages = upcoming.voltages
-    rows[ALONG + n], rows[ACROSS + n] = axes_voltages(voltages[0], voltages[1], voltages[2])
+    rows[ALONG + n], rows[ACROSS + n] = from_phases(voltages[0], voltages[1], voltages[2])
     first, second, third = upcoming.uppers[0], upcoming.uppers[1], upcoming.uppers[2]
     # The sum of the currents of the legs on the upper rail: none where all three are.
     rows[LINK_ALONG + n] = first - 0.5 * (second + third)
