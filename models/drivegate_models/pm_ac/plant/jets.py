@@ -43,6 +43,17 @@ class Rates(NamedTuple):
     """w psi/L_q (A/s)."""
 
 
+class Step(NamedTuple):
+    """One order of what the currents gain in a time (A)."""
+
+    direct: float
+    quadrature: float
+    driven: float
+    """What the next order gets from the voltage along the magnet's axis, as that turns."""
+    driven_across: float
+    """And from that across it."""
+
+
 @inlined
 def rates_of(circuit: Circuit) -> Rates:
     """Return the equations of an advance."""
@@ -76,6 +87,38 @@ def derivatives(
     jerk_d = rates.direct * bend_d + rates.direct_turning * (bend_q + turned_q)
     jerk_q = rates.quadrature_turning * (bend_d + turned_d) + rates.quadrature * bend_q
     return Currents(Jet(direct, slope_d, bend_d, jerk_d), Jet(quadrature, slope_q, bend_q, jerk_q))
+
+
+@inlined
+def following_step(rates: Rates, length: float, before: Step, order: int) -> Step:
+    """Return an order of what the currents gain from the one before.
+
+    Parameters
+    ----------
+    rates : Rates
+        The equations.
+    length : float
+        The time (s).
+    before : Step
+        The order before.
+    order : int
+        At least 2.
+
+    Returns
+    -------
+    Step
+        With ``t**n / n!`` in it.
+    """
+    share = length * (1.0 / order)
+    turned = rates.direct_turning * before.driven_across
+    turned_across = rates.quadrature_turning * before.driven
+    return Step(
+        share * (rates.direct * before.direct + rates.direct_turning * before.quadrature + turned),
+        share
+        * (rates.quadrature_turning * before.direct + rates.quadrature * before.quadrature + turned_across),
+        share * turned,
+        share * turned_across,
+    )
 
 
 @inlined

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine.rotor_frame import RotorFrame, of_phase, turned
 from drivegate_models.machine.sine import small_cosine_sine
-from drivegate_models.pm_ac.plant.jets import Rates
+from drivegate_models.pm_ac.plant.jets import Rates, Step, following_step
 from drivegate_models.pm_ac.plant.phase_segments import frame_at
 from drivegate_models.pm_ac.plant.rows import (
     ACROSS,
@@ -51,17 +51,6 @@ class Order(NamedTuple):
     odd: float
 
 
-class Step(NamedTuple):
-    """What voltages make of no current in one order of a segment's length (A)."""
-
-    direct: float
-    quadrature: float
-    driven: float
-    """What the next order gets from the voltage along the magnet's axis."""
-    driven_across: float
-    """And from that across it."""
-
-
 @inlined
 def _following_order(half_trace: float, square: float, before: Order, order: int) -> Order:
     """Return an order of the growth from the one before; N times N is a square."""
@@ -95,21 +84,6 @@ def _sum(
 
 
 @inlined
-def _following_step(rates: Rates, length: float, before: Step, order: int) -> Step:
-    """Return an order of what voltages make from the one before."""
-    share = length * (1.0 / order)
-    turned = rates.direct_turning * before.driven_across
-    turned_across = rates.quadrature_turning * before.driven
-    return Step(
-        share * (rates.direct * before.direct + rates.direct_turning * before.quadrature + turned),
-        share
-        * (rates.quadrature_turning * before.direct + rates.quadrature * before.quadrature + turned_across),
-        share * turned,
-        share * turned_across,
-    )
-
-
-@inlined
 def _added(
     rates: Rates, length: float, driven: float, driven_across: float, takes_six: bool
 ) -> tuple[float, float]:
@@ -117,15 +91,15 @@ def _added(
     driven *= length
     driven_across *= length
     x1 = Step(driven, driven_across - length * rates.opposed, driven, driven_across)
-    x2 = _following_step(rates, length, x1, 2)
-    x3 = _following_step(rates, length, x2, 3)
-    x4 = _following_step(rates, length, x3, 4)
-    x5 = _following_step(rates, length, x4, 5)
-    x6 = _following_step(rates, length, x5, 6)
+    x2 = following_step(rates, length, x1, 2)
+    x3 = following_step(rates, length, x2, 3)
+    x4 = following_step(rates, length, x3, 4)
+    x5 = following_step(rates, length, x4, 5)
+    x6 = following_step(rates, length, x5, 6)
     direct, quadrature = x6.direct, x6.quadrature
     if not takes_six:
-        x7 = _following_step(rates, length, x6, 7)
-        x8 = _following_step(rates, length, x7, 8)
+        x7 = following_step(rates, length, x6, 7)
+        x8 = following_step(rates, length, x7, 8)
         direct += x7.direct + x8.direct
         quadrature += x7.quadrature + x8.quadrature
     return (

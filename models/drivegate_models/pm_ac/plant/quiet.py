@@ -17,7 +17,7 @@ from drivegate_models.machine.rotor_frame import RotorFrame, of_phase, turned
 from drivegate_models.machine.sine import small_cosine_sine
 from drivegate_models.pm_ac.plant.circuit import Circuit, rotor_voltages
 from drivegate_models.pm_ac.plant.integrals import add_charge, supply_leg
-from drivegate_models.pm_ac.plant.jets import Currents, Rates, derivatives, standing
+from drivegate_models.pm_ac.plant.jets import Currents, Rates, Step, derivatives, following_step, standing
 from drivegate_models.pm_ac.plant.settling import FREE, Legs
 from drivegate_models.pm_ac.plant.two_points import SHORTEST, sums_between
 
@@ -40,25 +40,19 @@ def _at_end(
     direct = length * begin.direct.slope + power * begin.direct.bend
     quadrature = length * begin.quadrature.slope + power * begin.quadrature.bend
     power *= length * (1.0 / 3.0)
-    last_d = begin.direct.jerk
-    last_q = begin.quadrature.jerk
-    direct += power * last_d
-    quadrature += power * last_q
-    # Voltages of the derivatives from the third on: two derivatives turn them by half a turn.
-    square = rates.direct_turning * rates.quadrature_turning
-    driven *= square
-    driven_across *= square
+    last_d = power * begin.direct.jerk
+    last_q = power * begin.quadrature.jerk
+    direct += last_d
+    quadrature += last_q
+    # Two derivatives turn the voltages by half a turn.
+    power *= rates.direct_turning * rates.quadrature_turning
+    step = Step(last_d, last_q, power * driven, power * driven_across)
     for order in range(4, 9):
         if is_shortest and order == 7:
             break
-        last_d, last_q = (
-            rates.direct * last_d + rates.direct_turning * (last_q + driven_across),
-            rates.quadrature_turning * (last_d + driven) + rates.quadrature * last_q,
-        )
-        driven, driven_across = rates.direct_turning * driven_across, rates.quadrature_turning * driven
-        power *= length * (1.0 / order)
-        direct += power * last_d
-        quadrature += power * last_q
+        step = following_step(rates, length, step, order)
+        direct += step.direct
+        quadrature += step.quadrature
     return begin.direct.value + direct, begin.quadrature.value + quadrature
 
 
