@@ -9,11 +9,11 @@ import numpy as np
 
 from drivegate.studies.bench.measurement import Correctness, Value, rate, timed
 from drivegate.studies.bench.workbench import Workbench
+from drivegate_models.contract.current.signals import PM_AC
 from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import SPEED_REFERENCE, DutyNameplate
-from drivegate_models.contract.outer_loop.signals import PM_AC
-from drivegate_models.duty.controllers.foc import reset_function, step_function
-from drivegate_models.duty.controllers.state import FOC_STATE
+from drivegate_models.controllers.duty.foc import reset_function, step_function
+from drivegate_models.controllers.duty.state import FOC_STATE
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.schedule import Schedule, steady
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from drivegate.studies.bench.measurement import NotMeasured, Value
 from drivegate.studies.bench.workbench import Workbench
 from drivegate_models.contract.duty.records import DUTY_COMMAND, duty_command_record, duty_nameplate_record
-from drivegate_models.duty.controllers.foc import reset_function, step_function
-from drivegate_models.duty.controllers.state import FOC_STATE
+from drivegate_models.controllers.duty.foc import reset_function, step_function
+from drivegate_models.controllers.duty.state import FOC_STATE
 from drivegate_models.machine import ledger
 from drivegate_models.pm_ac.closed_loop import DutyRun
 from drivegate_models.pm_ac.loop_records import TRACE

@@ -58,8 +58,8 @@ def digest_of_loops() -> str:
     """Run closed loops of many kinds and draw scenarios, and digest the observed numbers."""
     from drivegate.candidates.loading import load_controller
     from drivegate.candidates.resolution import resolve_candidate
+    from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
     from drivegate.drives.running import run_scenario
-    from drivegate.scenarios.fixed import fixed_scenarios
     from drivegate_cases.drive.drive_document import load_drive
 
     controller = load_controller(resolve_candidate("reference"))

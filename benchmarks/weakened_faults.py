@@ -17,15 +17,15 @@ from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.candidates.builtin.faulty_controller import FaultyController
-from drivegate.checks.catalogue import CHECKS
+from drivegate.contracts.current.checks.catalogue import CHECKS
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.scenarios.building import steady_scenario
+from drivegate.contracts.current.scenarios.feasibility import unfair_because
 from drivegate.drives.running import run_scenario
-from drivegate.runs.record import RunRecord
-from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import with_load_shares, with_scales
-from drivegate.scenarios.feasibility import unfair_because
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.outer_loop.faults.state import NO_FAULT
+from drivegate_models.faults.current.state import NO_FAULT
 from drivegate_models.units import RADIANS_PER_RPM
 
 Point: TypeAlias = tuple[float, ...]

@@ -17,13 +17,20 @@ from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import told_on
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
-from drivegate.checks.coverage import JUDGED, NOT_VARIED, SENSED, Varied, drawn_by_family, varied_keys
-from drivegate.checks.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
+from drivegate.contracts.current.coverage import (
+    JUDGED,
+    NOT_VARIED,
+    SENSED,
+    Varied,
+    drawn_by_family,
+    varied_keys,
+)
+from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
+from drivegate.contracts.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
 from drivegate.drives.drawn_kinds import DRAWN_KINDS
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
-from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
-from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.sensors import PLAIN
 

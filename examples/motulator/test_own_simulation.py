@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.containment.judge import own_candidate
+from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
-from drivegate.scenarios.duty.building import torque_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import ConstantTorqueLoad

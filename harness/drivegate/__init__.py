@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from drivegate.candidates.native.numba_controller import NumbaController
 from drivegate.testing.conformance import conformance_tests
 from drivegate.version import __version__
+from drivegate_models.contract.current.signals import Command, Nameplate, Sense
 from drivegate_models.contract.duty.signals import (
     LEG_HIGH,
     LEG_LOW,
@@ -20,7 +21,6 @@ from drivegate_models.contract.duty.signals import (
     DutyNameplate,
     DutySense,
 )
-from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
 
 if TYPE_CHECKING:
     from drivegate.candidates.native.numba_loading import phase_current

@@ -10,9 +10,9 @@ import pytest
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault
-from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
-from drivegate_models.contract.outer_loop.signals import Nameplate
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES
+from drivegate_models.contract.current.records import COMMAND, SENSE
+from drivegate_models.contract.current.signals import Nameplate
+from drivegate_models.controllers.current.builtin import SEARCHES
 
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 Alter = Callable[[Any, Any], None]

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.runs.scripted import GivenSteps
-from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate.contracts.current.scripted import GivenSteps
+from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.errors import InputError
 
 NAMEPLATE = Nameplate(

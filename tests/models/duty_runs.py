@@ -6,11 +6,11 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from drivegate_models.contract.current.signals import PM_AC
 from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
-from drivegate_models.contract.outer_loop.signals import PM_AC
-from drivegate_models.duty.controllers.foc import reset_function, step_function
-from drivegate_models.duty.controllers.state import foc_state
+from drivegate_models.controllers.duty.foc import reset_function, step_function
+from drivegate_models.controllers.duty.state import foc_state
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.schedule import Course, Schedule, steady
 from drivegate_models.machine.load import LOCKED, Load

@@ -15,13 +15,13 @@ from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
+from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
 from drivegate.drives.envelope_document import envelope_of
 from drivegate.drives.running import run_scenario
 from drivegate.gate.behaviour import BehaviourPlan, run_behaviour
 from drivegate.gate.recording import RecordPlan, run_recorded, thinned
 from drivegate.output.result_reports import report_formats, write_result
 from drivegate.results.result import finite
-from drivegate.scenarios.duty.building import torque_of, torque_scenario
 from drivegate.studies.campaign.manifest import MANIFEST
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate.studies.campaign.summary import SUMMARY
@@ -39,8 +39,8 @@ from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_cases.scenario.scenario import load_scenario
+from drivegate_models.controllers.current.builtin import SEARCHES
 from drivegate_models.errors import InputError
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES
 from drivegate_reports.campaign import report as campaign
 from drivegate_reports.comparison import drive_report
 from drivegate_reports.comparison import report as comparison

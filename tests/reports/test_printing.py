@@ -14,8 +14,8 @@ import pytest
 from playwright.sync_api import Browser
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
+from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_reports.conformance.report import write
 

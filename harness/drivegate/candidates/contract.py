@@ -5,8 +5,8 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Final, Literal, TypeAlias
 
+from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.contract.duty.signals import DutyNameplate
-from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.errors import InputError
 
 ContractName: TypeAlias = Literal["current", "duty"]

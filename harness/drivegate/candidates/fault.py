@@ -11,8 +11,8 @@ from enum import StrEnum
 from typing import Any, Final, Literal
 
 from drivegate_cases.documents.wording import one_line
+from drivegate_models.contract.current.signals import Sense
 from drivegate_models.contract.duty.signals import DutySense
-from drivegate_models.contract.outer_loop.signals import Sense
 
 Phase = Literal["loading", "reset", "step"]
 

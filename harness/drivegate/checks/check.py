@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.margin import Margin
-from drivegate.runs.record import RunRecord
+from drivegate.contracts.current.record import RunRecord
 from drivegate_cases.drive.drive_document import DriveDocument
 
 Evaluate: TypeAlias = Callable[[RunRecord], Margin | None]

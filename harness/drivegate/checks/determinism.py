@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin
-from drivegate.runs.record import RunRecord
+from drivegate.contracts.current.record import RunRecord
 
 
 def repeats_itself(record: RunRecord) -> Margin | None:

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin
-from drivegate.runs.record import RunRecord
+from drivegate.contracts.current.checks.catalogue import CHECKS
+from drivegate.contracts.current.record import RunRecord
 
 
 @dataclass(frozen=True)

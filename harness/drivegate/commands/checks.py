@@ -25,7 +25,7 @@ def command(drive: str | None) -> Outcome:
 
     The numbers are those of the drive; without --drive, of the paper's.
     """
-    from drivegate.checks.traceability import traced_checks, traced_facts
+    from drivegate.contracts.traceability import traced_checks, traced_facts
     from drivegate.drives.kinds import DEFAULT_DRIVE
     from drivegate_cases.drive.drive_document import load_drive
 

@@ -6,9 +6,9 @@ from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.containment.candidate_process import Answered, CandidateProcess
 from drivegate.containment.orders import CloseLoop, GiveDutySenses, GiveSenses, Reset
 from drivegate.containment.serving import check_of
+from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.contract.duty.records import DUTY_COMMAND
 from drivegate_models.contract.duty.signals import DutyNameplate
-from drivegate_models.contract.outer_loop.signals import Nameplate
 from drivegate_models.loop.command_playing import player_of, playing_step, rows_of
 from drivegate_models.loop.duty_command_playing import duty_playing_step
 from drivegate_models.loop.exchange import COMPLETED

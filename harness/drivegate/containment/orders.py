@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
+from drivegate_models.contract.current.records import COMMAND
+from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.contract.duty.records import DUTY_COMMAND
 from drivegate_models.contract.duty.signals import DutyNameplate
-from drivegate_models.contract.outer_loop.records import COMMAND
-from drivegate_models.contract.outer_loop.signals import Nameplate
 
 PACKET: Final = Struct("=8sqq")
 """A word that says whose it is, the number of bytes of the order, which lies in the shared memory, and that of the

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 
 from drivegate.candidates.controller import Controller
-from drivegate_models.contract.outer_loop.records import STOP
-from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.contract.current.records import STOP
+from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.loop.restarting import Restarts, no_restarts
 
 _CALLED: Final = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)

@@ -13,7 +13,7 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.contract.outer_loop.records import COMMAND
+from drivegate_models.contract.current.records import COMMAND
 
 _SMALLEST: Final = 2**20
 

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from drivegate.candidates.declaration import Declaration
     from drivegate.checks.check import Check
     from drivegate.containment.messages import AnyController
-    from drivegate.runs.record import RunRecord
-    from drivegate.runs.scenario import PrepareLoop
-    from drivegate.scenarios.simplification import Simplification
+    from drivegate.contracts.current.record import RunRecord
+    from drivegate.contracts.current.run import PrepareLoop
+    from drivegate.contracts.current.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
     from drivegate_models.steady.oracle import AdvanceLine as AdvanceLine

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from drivegate.drives.outer_loop_kind import outer_loop_kind
 
 if TYPE_CHECKING:
-    from drivegate.runs.scenario import PrepareLoop
+    from drivegate.contracts.current.run import PrepareLoop
 
 
 def _prepare_loop() -> PrepareLoop:

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
     from drivegate.candidates.declaration import Declaration
     from drivegate.checks.check import Check
-    from drivegate.runs.scenario import PrepareLoop
-    from drivegate.scenarios.simplification import Simplification
+    from drivegate.contracts.current.run import PrepareLoop
+    from drivegate.contracts.current.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
 
@@ -64,13 +64,13 @@ def _steady_states() -> SteadyStates:
 
 
 def _checks() -> tuple[Check, ...]:
-    from drivegate.checks.catalogue import CHECKS
+    from drivegate.contracts.current.checks.catalogue import CHECKS
 
     return CHECKS
 
 
 def _fixed_scenarios(drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
-    from drivegate.scenarios.fixed import fixed_scenarios
+    from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 
     return fixed_scenarios(drive, declaration.speed_range_rpm)
 
@@ -78,7 +78,7 @@ def _fixed_scenarios(drive: DriveDocument, declaration: Declaration) -> tuple[Sc
 def _drawn_scenarios(
     drive: DriveDocument, declaration: Declaration, group: int | None
 ) -> SearchStrategy[Scenario]:
-    from drivegate.scenarios.drawn.families import drawn_scenarios
+    from drivegate.contracts.current.scenarios.drawn.families import drawn_scenarios
 
     return drawn_scenarios(drive, declaration.speed_range_rpm, group)
 
@@ -86,18 +86,18 @@ def _drawn_scenarios(
 def _joint_scenarios(
     drive: DriveDocument, declaration: Declaration, seed: int, part: int, parts: int
 ) -> tuple[Scenario, ...]:
-    from drivegate.scenarios.combined import combined_scenarios
+    from drivegate.contracts.current.scenarios.combined import combined_scenarios
 
     return combined_scenarios(drive, declaration.speed_range_rpm, seed, part, parts)
 
 
 def _unfair_because(scenario: Scenario) -> str | None:
-    from drivegate.scenarios.feasibility import unfair_because
+    from drivegate.contracts.current.scenarios.feasibility import unfair_because
 
     return unfair_because(scenario)
 
 
 def _simplifications() -> tuple[Simplification, ...]:
-    from drivegate.scenarios.simplification import SIMPLIFICATIONS
+    from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS
 
     return SIMPLIFICATIONS

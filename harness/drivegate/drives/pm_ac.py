@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from drivegate.candidates.declaration import Declaration
     from drivegate.checks.check import Check
     from drivegate.containment.messages import AnyController
-    from drivegate.runs.record import RunRecord
-    from drivegate.scenarios.simplification import Simplification
+    from drivegate.contracts.current.record import RunRecord
+    from drivegate.contracts.current.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.drive.pm_ac.document import PmAcDocument
     from drivegate_cases.scenario.scenario import Scenario
@@ -32,7 +32,7 @@ def _no_angles(*_: object) -> NoReturn:
 
 
 def _checks() -> tuple[Check, ...]:
-    from drivegate.checks.duty.catalogue import DUTY_CHECKS
+    from drivegate.contracts.duty.checks.catalogue import DUTY_CHECKS
 
     return DUTY_CHECKS
 
@@ -45,7 +45,7 @@ def _document(drive: DriveDocument) -> PmAcDocument:
 
 
 def _fixed_scenarios(drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
-    from drivegate.scenarios.duty.fixed import fixed_scenarios
+    from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 
     return fixed_scenarios(_document(drive), declaration.references, declaration.detects)
 
@@ -53,7 +53,7 @@ def _fixed_scenarios(drive: DriveDocument, declaration: Declaration) -> tuple[Sc
 def _drawn_scenarios(
     drive: DriveDocument, declaration: Declaration, group: int | None
 ) -> SearchStrategy[Scenario]:
-    from drivegate.scenarios.duty.drawn import drawn_scenarios
+    from drivegate.contracts.duty.scenarios.drawn import drawn_scenarios
 
     return drawn_scenarios(_document(drive), group, declaration.references, declaration.detects)
 
@@ -64,13 +64,13 @@ def _joint_scenarios(*_: object) -> tuple[Scenario, ...]:
 
 
 def _unfair_because(scenario: Scenario) -> str | None:
-    from drivegate.scenarios.duty.feasibility import unfair_because
+    from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 
     return unfair_because(scenario)
 
 
 def _simplifications() -> tuple[Simplification, ...]:
-    from drivegate.scenarios.duty.simplification import DUTY_SIMPLIFICATIONS
+    from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
 
     return DUTY_SIMPLIFICATIONS
 
@@ -78,9 +78,9 @@ def _simplifications() -> tuple[Simplification, ...]:
 def _record(
     declaration: Declaration, scenario: Scenario, controller: AnyController, kept: NDArray[Any] | None
 ) -> RunRecord:
-    from drivegate.drives.pm_ac_run import duty_run
-    from drivegate.runs.duty.record import DutyRecord
-    from drivegate.scenarios.duty.dead_time import with_other_dead_time
+    from drivegate.contracts.duty.plant_run import duty_run
+    from drivegate.contracts.duty.record import DutyRecord
+    from drivegate.contracts.duty.scenarios.dead_time import with_other_dead_time
 
     run = duty_run(scenario, controller)
     if kept is not None:
@@ -93,7 +93,7 @@ def _record(
 def _behaviour(
     run: Callable[[Scenario], RunRecord], drive: DriveDocument, step: Scenario | None
 ) -> dict[str, Any]:
-    from drivegate.drives.pm_ac_behaviour import behaviour
+    from drivegate.contracts.duty.behaviour import behaviour
 
     return behaviour(run, _document(drive), step)
 

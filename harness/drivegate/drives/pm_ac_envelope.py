@@ -7,9 +7,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from drivegate.drives.pm_ac_efficiency import efficiency_map, known
+from drivegate.contracts.duty.efficiency import efficiency_map, known
+from drivegate.contracts.duty.trajectories import trajectories
 from drivegate.drives.pm_ac_reach import unreachable_duty
-from drivegate.drives.pm_ac_trajectories import trajectories
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_models.pm_ac.fundamental import SIX_STEPS, base_speed

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from drivegate.scenarios.duty.feasibility import IN_HAND
-from drivegate.scenarios.duty.windows import run_up_s
+from drivegate.contracts.duty.scenarios.feasibility import IN_HAND
+from drivegate.contracts.duty.scenarios.windows import run_up_s
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.errors import InputError
 from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits

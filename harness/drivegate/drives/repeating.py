@@ -9,9 +9,9 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from drivegate.containment.messages import AnyController, JudgedCandidate
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.parting import SEED_IN_RESET, Parting, parting_of, room_for_commands
 from drivegate.drives.running import recorded
-from drivegate.runs.parting import SEED_IN_RESET, Parting, parting_of, room_for_commands
-from drivegate.runs.record import RunRecord
 
 _OUTSIDE: Final = (
     f"something outside of the instance is kept, or the answer goes by chance or a clock; {SEED_IN_RESET}"

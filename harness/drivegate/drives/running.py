@@ -7,10 +7,10 @@ from typing import Any
 from numpy.typing import NDArray
 
 from drivegate.containment.messages import AnyController, JudgedCandidate
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.run import Wrap, run_in_closed_loop
 from drivegate.drives.choice import require_contract
 from drivegate.drives.kinds import kind_of
-from drivegate.runs.record import RunRecord
-from drivegate.runs.scenario import Wrap, run_in_closed_loop
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 

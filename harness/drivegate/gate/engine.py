@@ -12,11 +12,11 @@ from typing import Any, Final
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault, FaultKind
-from drivegate.checks.catalogue import ALL_CHECKS, CHECKS_OF
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.pool import WorkerPool
+from drivegate.contracts.current.checks.catalogue import ALL_CHECKS, CHECKS_OF
 from drivegate.drives.choice import drive_for
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.gate.behaviour import behaviour_job

@@ -8,10 +8,10 @@ from enum import Enum, auto
 from typing import Final
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.flowchart.run import ScriptRuns, run_scripts, script_margin
-from drivegate.checks.flowchart.scripts import fixed_scripts, usual_speed
 from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.current.flowchart.run import ScriptRuns, run_scripts, script_margin
+from drivegate.contracts.current.flowchart.scripts import fixed_scripts, usual_speed
 from drivegate.drives.kinds import DEFAULT_DRIVE, kind_of
 from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.joint_runs import JointRuns, run_joint

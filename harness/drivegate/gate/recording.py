@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.fault import Fault
-from drivegate.checks.judged_window import judged_window
 from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.duty.run import DutyClosedLoopRun
+from drivegate.contracts.judged_window import judged_window
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.results.result import CheckOutcome, Recording
-from drivegate.runs.duty.run import DutyClosedLoopRun
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.documents.rounding import significant
 from drivegate_cases.scenario.scenario import Scenario

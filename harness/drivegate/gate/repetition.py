@@ -13,9 +13,9 @@ from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
+from drivegate.contracts.parting import SEED_IN_RESET, parting_of, room_for_commands
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
-from drivegate.runs.parting import SEED_IN_RESET, parting_of, room_for_commands
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 

@@ -13,15 +13,15 @@ from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
 
 from drivegate.candidates.fault import CandidateFault
-from drivegate.checks.catalogue import ALL_CHECKS
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome, judged
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
+from drivegate.contracts.current.checks.catalogue import ALL_CHECKS
+from drivegate.contracts.current.scenarios.drawn.isolation import from_the_seed_alone
+from drivegate.contracts.parting import room_for_commands
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.repeating import with_repetitions
 from drivegate.drives.running import recorded
-from drivegate.runs.parting import room_for_commands
-from drivegate.scenarios.drawn.isolation import from_the_seed_alone
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 

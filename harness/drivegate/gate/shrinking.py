@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from drivegate.candidates.fault import CandidateFault, FaultKind
-from drivegate.checks.catalogue import check_of
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
+from drivegate.contracts.current.checks.catalogue import check_of
+from drivegate.contracts.current.scenarios.simplification import Simplification, simplified
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.gate.shard import content_key
-from drivegate.scenarios.simplification import Simplification, simplified
 from drivegate.scenarios.size import size_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.documents.document import parse_document

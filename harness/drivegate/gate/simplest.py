@@ -10,11 +10,11 @@ from drivegate.candidates.fault import Fault
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job
+from drivegate.contracts.parting import SEED_IN_RESET
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.shrinking import ShrinkPlan, Shrunk, run_shrink, size_of
 from drivegate.results.result import CheckOutcome, Found
 from drivegate.results.verdict import considered
-from drivegate.runs.parting import SEED_IN_RESET
 
 BUDGET: Final = {"quick": 15, "default": 40, "nightly": 200}
 """Runs that may be spent on making one counterexample simpler, by effort."""

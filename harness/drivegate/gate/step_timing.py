@@ -12,9 +12,9 @@ from drivegate.checks.margin import Margin, below
 from drivegate.checks.timing import LARGEST_SHARE
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, JudgedCandidate
+from drivegate.contracts.current.timed_steps import senses_of_run, step_seconds
+from drivegate.contracts.duty.timed_steps import duty_step_seconds
 from drivegate.drives.running import recorded, run_scenario
-from drivegate.runs.duty.timed_steps import duty_step_seconds
-from drivegate.runs.timed_steps import senses_of_run, step_seconds
 from drivegate_cases.scenario.scenario import Scenario
 
 CHECK: Final = "TIM-1"

@@ -10,9 +10,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.contracts.duty.run import DutyClosedLoopRun
 from drivegate.gate.recording import DUTY_COLUMNS, VOLTAGE, thinned_run
 from drivegate.output.recorded_trace import columns_of, recorded_trace
-from drivegate.runs.duty.run import DutyClosedLoopRun
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import DynamometerLoad

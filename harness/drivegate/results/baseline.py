@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Field
 
-from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.check import Check
+from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.results.counterexample import require_kind, resolved_scenario
 from drivegate.results.result import RESULT_SCHEMA, BaselineComparison
 from drivegate_cases.documents.document import Document, Section, parse_document

@@ -86,7 +86,7 @@ class Counterexample(Document):
     @classmethod
     def _is_a_check(cls, name: str) -> str:
         # The catalogue brings the compiled plant, which a file that is refused before does not need.
-        from drivegate.checks.catalogue import CHECK_NAMES
+        from drivegate.contracts.current.checks.catalogue import CHECK_NAMES
 
         known = list(CHECK_NAMES)
         if name not in known:

@@ -8,11 +8,11 @@ from typing import Any, Final
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
-from drivegate.checks.catalogue import ALL_CHECKS, CHECKS_OF
 from drivegate.checks.check import Check
 from drivegate.checks.drive_numbers import on_drive
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
+from drivegate.contracts.current.checks.catalogue import ALL_CHECKS, CHECKS_OF
 from drivegate.drives.kinds import DEFAULT_DRIVES
 from drivegate.results.result import (
     MOST_MARGINS,

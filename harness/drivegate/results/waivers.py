@@ -11,7 +11,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import BeforeValidator, Field
 
-from drivegate.checks.catalogue import ALL_CHECKS
+from drivegate.contracts.current.checks.catalogue import ALL_CHECKS
 from drivegate.results.result import CheckOutcome
 from drivegate_cases.documents.document import Document, Section, read_document
 from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, Final
 
-from drivegate.scenarios.building import TORQUE_DIGITS, steady_scenario
+from drivegate.contracts.current.scenarios.building import TORQUE_DIGITS, steady_scenario
 from drivegate.scenarios.drive_scale import scale_of_mapping
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument

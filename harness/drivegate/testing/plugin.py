@@ -78,7 +78,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         raise _refused(
             f"{metafunc.function.__name__} must take the argument '{FIXTURE}' and call its verify()"
         )
-    from drivegate.checks.catalogue import CHECKS_OF
+    from drivegate.contracts.current.checks.catalogue import CHECKS_OF
     from drivegate.drives.choice import drive_for
     from drivegate_models.errors import InputError
 

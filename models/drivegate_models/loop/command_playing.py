@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.calling import double_at, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE
-from drivegate_models.contract.outer_loop.records import COMMAND, SENSE, STOP
+from drivegate_models.contract.current.records import COMMAND, SENSE, STOP
 from drivegate_models.loop.exchange import OUTPUTS
 
 PLAYER: Final = np.dtype(

@@ -7,8 +7,8 @@ from typing import Any, Final
 
 from drivegate_models.compilation.calling import copy_bytes, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE
+from drivegate_models.contract.current.records import STOP
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
-from drivegate_models.contract.outer_loop.records import STOP
 from drivegate_models.loop.command_playing import PLAYER
 
 _SIZE: Final = DUTY_COMMAND.itemsize

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
+from drivegate_models.contract.current.records import COMMAND, SENSE
 
 OUTPUTS: Final = ("current_reference", "advance_angle", "input_power")
 """The numbers of a Command, in the order of the columns wherever commands stand in rows."""

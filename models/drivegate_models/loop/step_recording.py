@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.calling import call_step, double_at, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined, unallocating
-from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
+from drivegate_models.contract.current.records import COMMAND, SENSE
 from drivegate_models.loop.exchange import OUTPUTS
 from drivegate_models.loop.given_steps import SCALARS
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import isfinite, pi, sqrt
 
+from drivegate_models.contract.current.signals import PM_AC, Nameplate
 from drivegate_models.contract.duty.signals import DutyNameplate
-from drivegate_models.contract.outer_loop.signals import PM_AC, Nameplate
 from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT
 from drivegate_models.pm_ac.oracle import CURRENT, Limits, least_at

@@ -26,7 +26,7 @@ from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
-    from drivegate_models.contract.outer_loop.signals import Nameplate
+    from drivegate_models.contract.current.signals import Nameplate
     from drivegate_models.steady.plant import AnyDrive
 
 HIGHEST_CHOPPING_FREQUENCY_HZ = 10e6
@@ -235,7 +235,7 @@ class DriveDocument(Document):
 
     def nameplate(self, control_period: float) -> Nameplate:
         """Make what a controller is given before a run, in SI units."""
-        from drivegate_models.contract.outer_loop.signals import Nameplate
+        from drivegate_models.contract.current.signals import Nameplate
 
         window = math.radians(self.inverter.window_deg)
         start, slope = advance_line(self)

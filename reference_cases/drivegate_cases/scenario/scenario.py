@@ -31,7 +31,7 @@ from drivegate_cases.scenario.sensors import (
     refusal,
     unfitted,
 )
-from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.contract.current.signals import Nameplate
 
 LONGEST_CONTROL_PERIOD_S = 0.0005
 SHORTEST_CONTROL_PERIOD_S = 1e-6

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.feasible_angles import FEASIBLE
+from drivegate.contracts.current.checks.feasible_angles import FEASIBLE
 from drivegate_reports.comparison.cells import name, written
 from drivegate_reports.comparison.inks import Ink
 from drivegate_reports.page.style import GREY, WIDTH_INCH, ink

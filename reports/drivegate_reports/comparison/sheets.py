@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from drivegate.checks.feasible_angles import FEASIBLE
+from drivegate.contracts.current.checks.feasible_angles import FEASIBLE
 from drivegate_reports.comparison.cells import Cell, Sheet, figure, name, written
 from drivegate_reports.page.printable import clean
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pydantic import ValidationError
 
-from drivegate.drives.pm_ac_trajectories import trajectories
+from drivegate.contracts.duty.trajectories import trajectories
 from drivegate.results.behaviour_section import BehaviourSection, EfficiencyPointSection
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import DriveDocument

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from drivegate.checks.catalogue import CHECKS_OF
 from drivegate.checks.drive_numbers import on_drive
-from drivegate.checks.traceability import SPECIAL, facts_of, families_of
+from drivegate.contracts.current.checks.catalogue import CHECKS_OF
+from drivegate.contracts.traceability import SPECIAL, facts_of, families_of
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive

@@ -16,7 +16,7 @@ from drivegate_cases.documents.rounding import significant
 from drivegate_cases.publication.facts import Fact, Quantity
 from drivegate_cases.scenario.operating_point import load_operating_point
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES
+from drivegate_models.controllers.current.builtin import SEARCHES
 from drivegate_models.steady.oracle import feasible_edge, point_at_torque
 from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM

@@ -13,8 +13,8 @@ from drivegate.drives.running import run_scenario
 from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import load_scenario
+from drivegate_models.controllers.current.builtin import SEARCHES
 from drivegate_models.loop.observation import TRACE_COLUMNS
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES
 from drivegate_models.steady.oracle import least_current_sum, point_at_torque
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import signed

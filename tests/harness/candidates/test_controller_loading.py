@@ -10,7 +10,7 @@ from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES
+from drivegate_models.controllers.current.builtin import SEARCHES
 
 HERE = Path(__file__).parents[1]
 

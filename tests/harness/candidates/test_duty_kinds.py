@@ -12,12 +12,12 @@ from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.duty.record import DutyRecord
+from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.choice import drive_for
 from drivegate.drives.running import recorded
 from drivegate.gate.step_timing import TimedSteps, time_steps
-from drivegate.runs.duty.record import DutyRecord
-from drivegate.runs.record import RunRecord
-from drivegate.scenarios.duty.building import torque_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError

@@ -9,9 +9,9 @@ import pytest
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
-from drivegate.checks.catalogue import CHECK_NAMES, CHECKS
 from drivegate.checks.check import Check
-from drivegate.checks.duty.catalogue import DUTY_CHECKS
+from drivegate.contracts.current.checks.catalogue import CHECK_NAMES, CHECKS
+from drivegate.contracts.duty.checks.catalogue import DUTY_CHECKS
 
 DOCS = Path(__file__).parents[3] / "docs"
 SECTIONS = ["How it is judged", "What a failing candidate does wrong", "How to read its counterexample"]

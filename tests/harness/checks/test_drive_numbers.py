@@ -6,16 +6,16 @@ import pytest
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.drive_numbers import TEXTS, on_drive
-from drivegate.checks.traceability import traced_checks
+from drivegate.contracts.current.checks.catalogue import CHECKS
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
+from drivegate.contracts.traceability import traced_checks
 from drivegate.drives.running import run_scenario
-from drivegate.runs.record import RunRecord
-from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.requirements import RequiredPoint
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES
+from drivegate_models.controllers.current.builtin import SEARCHES
 from drivegate_models.units import RADIANS_PER_RPM
 
 PAPER = load_drive("paper-5-phase")

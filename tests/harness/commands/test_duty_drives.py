@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
-from drivegate.scenarios.duty.building import torque_scenario
+from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 

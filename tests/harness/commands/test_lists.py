@@ -1,6 +1,6 @@
 """`drivegate checks`, `drivegate cases` and `drivegate calibrate`: what there is, and where it comes from."""
 
-from drivegate.checks.catalogue import CHECKS
+from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate_cases.drive.drive_document import drive_names
 from drivegate_cases.scenario.drive_cycle import cycle_names
 from drivegate_cases.scenario.operating_point import operating_point_names, power_sweep_names

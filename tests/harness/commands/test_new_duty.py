@@ -16,12 +16,12 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_of, torque_scenario
 from drivegate.drives.choice import drive_for
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.results.waivers import read_waivers
-from drivegate.runs.record import RunRecord
-from drivegate.scenarios.duty.building import speed_scenario, torque_of, torque_scenario
 from drivegate.studies.new.write import KINDS, write_candidate
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
+from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.results.result import BaselineComparison
-from drivegate.scenarios.building import steady_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 
@@ -65,7 +65,7 @@ def small(monkeypatch):
         )
         for speed in speeds
     )
-    monkeypatch.setattr("drivegate.scenarios.fixed.fixed_scenarios", lambda *_: scenarios)
+    monkeypatch.setattr("drivegate.contracts.current.scenarios.fixed.fixed_scenarios", lambda *_: scenarios)
     monkeypatch.setattr("drivegate.gate.plan.SHARDS", 1)
     monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 1})
 

@@ -21,16 +21,16 @@ from hypothesis import strategies as st
 
 from drivegate.candidates.fault import LONGEST_MESSAGE, LONGEST_TRACEBACK, Fault
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.judging import JudgedRun, judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.contracts.current.checks.catalogue import CHECKS
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
+from drivegate.contracts.current.scripted import GivenSteps
 from drivegate.drives.running import recorded
 from drivegate.gate.recording import RecordPlan, run_recorded
 from drivegate.gate.shard import FixedRuns, run_fixed
-from drivegate.runs.scripted import GivenSteps
-from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 from drivegate_models.loop.command_playing import player_of, playing_step

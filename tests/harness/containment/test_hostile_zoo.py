@@ -19,11 +19,11 @@ from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
 from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.gate import engine
 from drivegate.gate.plan import REPEATED, planned_work
 from drivegate.gate.repetition import repeated_elsewhere
 from drivegate.gate.shard import FixedRuns, run_fixed
-from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 

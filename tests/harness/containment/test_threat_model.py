@@ -10,13 +10,13 @@ import pytest
 
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.contracts.current.checks.catalogue import CHECKS
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import recorded
-from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 
 LIMITS = WorkerLimits(step_processor_seconds=0.5, start_processor_seconds=20.0, idle_seconds=20.0)
@@ -105,8 +105,8 @@ def honest(attempt):
 
 
 REPLACED = """
-import drivegate.checks.catalogue as catalogue, drivegate.checks.judging as judging
-import drivegate.containment.serving as serving, drivegate.runs.scenario as runs
+import drivegate.contracts.current.checks.catalogue as catalogue, drivegate.checks.judging as judging
+import drivegate.containment.serving as serving, drivegate.contracts.current.run as runs
 from drivegate.checks.margin import Margin
 judging.judged = lambda record, checks: judging.JudgedRun({}, tuple(Margin(c.id, 1.0, "fine") for c in checks))
 for check in catalogue.CHECKS:

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.catalogue import CHECKS_OF
+from drivegate.contracts.current.checks.catalogue import CHECKS_OF
 from drivegate.drives.drive_kind import DriveKind
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_KIND, DRIVE_KINDS, kind_of
 from drivegate_cases.drive.drive_document import load_drive

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.envelope_document import envelope_of
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished, CheckStarted, RunDone, Shrinking
@@ -15,7 +16,6 @@ from drivegate.gate.shrinking import size_of
 from drivegate.output.result_file import as_json
 from drivegate.results.document import ResultDocument
 from drivegate.results.result import CheckResult, finite
-from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
@@ -46,7 +46,7 @@ def few_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
             scenario.model_copy(update={"duration_s": 2.0}) for scenario in fixed_scenarios(*given)[:3]
         )
 
-    monkeypatch.setattr("drivegate.scenarios.fixed.fixed_scenarios", short)
+    monkeypatch.setattr("drivegate.contracts.current.scenarios.fixed.fixed_scenarios", short)
     monkeypatch.setattr("drivegate.gate.plan.SHARDS", 1)
     monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 1})
 

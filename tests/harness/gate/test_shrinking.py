@@ -9,11 +9,13 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.catalogue import CHECKS
+from drivegate.contracts.current.checks.catalogue import CHECKS
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.scenarios.building import steady_scenario
+from drivegate.contracts.current.scenarios.feasibility import is_fair
+from drivegate.contracts.current.scenarios.simplification import simplified
 from drivegate.drives.running import run_scenario
 from drivegate.gate.shrinking import ShrinkPlan, Shrunk, run_shrink, size_of
-from drivegate.runs.record import RunRecord
-from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import (
     pulsed,
     stepped,
@@ -31,8 +33,6 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.scenarios.facts import facts_of
-from drivegate.scenarios.feasibility import is_fair
-from drivegate.scenarios.simplification import simplified
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario

@@ -6,9 +6,9 @@ from typing import Any
 import pytest
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
-from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
+from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.gate.shrinking import Shrunk, size_of
 from drivegate.gate.simplest import simplest_failures, with_simplest
 from drivegate.results.result import CheckOutcome

@@ -6,11 +6,11 @@ import json
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-from drivegate.scenarios.combined import combined_scenarios
-from drivegate.scenarios.drawn.families import FAMILY_GROUPS, Family
+from drivegate.contracts.current.scenarios.combined import combined_scenarios
+from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
+from drivegate.contracts.current.scenarios.feasibility import coasted_rate, unfair_because
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.scenarios.drive_scale import DriveScale, scale_of, scale_of_mapping
-from drivegate.scenarios.feasibility import coasted_rate, unfair_because
-from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 

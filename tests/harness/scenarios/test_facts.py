@@ -2,7 +2,8 @@
 
 import pytest
 
-from drivegate.scenarios.building import steady_scenario
+from drivegate.contracts.current.scenarios.building import steady_scenario
+from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS, simplified
 from drivegate.scenarios.changes import (
     stepped,
     with_drift,
@@ -16,7 +17,6 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.scenarios.facts import facts_in_short, facts_of, plain_scenario
-from drivegate.scenarios.simplification import SIMPLIFICATIONS, simplified
 from drivegate.scenarios.size import size_of
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario

@@ -16,7 +16,7 @@ import scipy.optimize  # noqa: F401  (what a run of pytester imports is forgotte
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
-from drivegate.checks.catalogue import CHECKS
+from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.gate import engine as real_engine
 from drivegate.gate.events import CheckFinished, CheckStarted, Event
 from drivegate.results.result import CheckOutcome, CheckResult

@@ -38,7 +38,7 @@ def test_processes_that_compile_at_once_never_share_a_file(
 
 _COMPILE = """
 from drivegate_models.machine.winding_current import current_after
-from drivegate_models.outer_loop.controllers.builtin import reset_function, step_function
+from drivegate_models.controllers.current.builtin import reset_function, step_function
 step_function()
 current_after(1.0, 1.0, 1.0, 1.0, 0.1)
 print(sum(current_after.stats.cache_misses.values()), sum(current_after.stats.cache_hits.values()))

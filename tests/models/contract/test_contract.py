@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from drivegate_models import contract as contracts
-from drivegate_models.contract.outer_loop import records as contract
-from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
+from drivegate_models.contract.current import records as contract
+from drivegate_models.contract.current.signals import Command, Nameplate, Sense
 
 HEADER = Path(contracts.__file__).with_name("include") / "drivegate.h"
 RECORDS = {"nameplate": contract.NAMEPLATE, "sense": contract.SENSE, "command": contract.COMMAND}

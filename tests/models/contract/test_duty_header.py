@@ -7,8 +7,8 @@ from pathlib import Path
 
 from tests.models.contract.test_contract import HEADER, compile_and_run
 
+from drivegate_models.contract.current.signals import PM_AC
 from drivegate_models.contract.duty import records, signals
-from drivegate_models.contract.outer_loop.signals import PM_AC
 
 DUTY_HEADER = HEADER.with_name("drivegate_duty.h")
 RECORDS = {

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivegate_models.contract.outer_loop.records import nameplate_record
-from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.contract.current.records import nameplate_record
+from drivegate_models.contract.current.signals import Nameplate
+from drivegate_models.controllers.current.builtin import SEARCHES, reset_function, step_function
+from drivegate_models.controllers.current.state import CONTROLLER_STATE
 from drivegate_models.half_bridge.closed_loop import prepared_loop
 from drivegate_models.loop import exchange
 from drivegate_models.loop.closed_loop import ClosedLoopRun
@@ -24,8 +26,6 @@ from drivegate_models.machine.load import (
     Load,
     load_torque,
 )
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES, reset_function, step_function
-from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE
 
 RPM = math.pi / 30.0
 

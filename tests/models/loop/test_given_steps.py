@@ -5,7 +5,7 @@ import ctypes
 import numpy as np
 import pytest
 
-from drivegate_models.contract.outer_loop.records import COMMAND, SENSE, STOP
+from drivegate_models.contract.current.records import COMMAND, SENSE, STOP
 from drivegate_models.loop.command_playing import player_of, playing_step
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, OUTPUTS, STOPPED, make_exchange
 from drivegate_models.loop.given_steps import SCALARS, make_steps, senses_of

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from drivegate_models.contract.outer_loop.records import COMMAND, SENSE
+from drivegate_models.contract.current.records import COMMAND, SENSE
 from drivegate_models.loop.exchange import COMPLETED, OUTPUTS, make_exchange
 from drivegate_models.loop.given_steps import make_steps
 from drivegate_models.loop.step_recording import (

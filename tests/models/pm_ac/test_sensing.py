@@ -12,7 +12,7 @@ from tests.models.duty_runs import COLUMN, PERIOD, course, nameplate_of, rating,
 
 from drivegate_models.contract.duty.records import DUTY_SENSE
 from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW, LEG_OFF, LEG_PWM
-from drivegate_models.duty.controllers.foc import step_function
+from drivegate_models.controllers.duty.foc import step_function
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.schedule import steady
 from drivegate_models.loop.sensing.converters import Converters, real_converters

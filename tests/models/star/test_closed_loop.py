@@ -8,14 +8,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from drivegate_models.contract.outer_loop.records import nameplate_record
-from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.contract.current.records import nameplate_record
+from drivegate_models.contract.current.signals import Nameplate
+from drivegate_models.controllers.current.builtin import SEARCHES, reset_function, step_function
+from drivegate_models.controllers.current.state import CONTROLLER_STATE
 from drivegate_models.loop import exchange
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.schedule import Course, Schedule, steady
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES, reset_function, step_function
-from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE
 from drivegate_models.star.closed_loop import prepared_loop
 from drivegate_models.star.plant.drive import StarDrive
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_models.outer_loop.designs.table_values import (
+from drivegate_models.controllers.current.designs.table_values import (
     ANGLES_DEG,
     CURRENT_SUMS,
     DRIVE,

@@ -8,8 +8,8 @@ from typing import Any, Final
 import numpy as np
 
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
-from drivegate_models.outer_loop.designs.state import TABLE_ROWS
-from drivegate_models.outer_loop.designs.table_values import (
+from drivegate_models.controllers.current.designs.state import TABLE_ROWS
+from drivegate_models.controllers.current.designs.table_values import (
     ANGLES_DEG,
     CURRENT_SUMS,
     DRIVE,

@@ -11,9 +11,9 @@ from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import DutyNameplate
-from drivegate_models.duty.controllers.foc import reset_function, step_function
-from drivegate_models.duty.controllers.state import foc_state
-from drivegate_models.duty.faults.spoilt import spoilt_state, spoilt_step_function
+from drivegate_models.controllers.duty.foc import reset_function, step_function
+from drivegate_models.controllers.duty.state import foc_state
+from drivegate_models.faults.duty.spoilt import spoilt_state, spoilt_step_function
 
 
 class DutyController:

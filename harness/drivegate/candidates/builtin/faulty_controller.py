@@ -13,13 +13,13 @@ from drivegate.candidates.builtin.faults.oracle_sizes import nominal_table
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.candidates.fault import Fault
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_models.contract.outer_loop.records import nameplate_record
-from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.contract.current.records import nameplate_record
+from drivegate_models.contract.current.signals import Nameplate
+from drivegate_models.controllers.current.builtin import SEARCHES, reset_function
+from drivegate_models.controllers.current.state import CONTROLLER_STATE
 from drivegate_models.errors import HarnessFault
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES, reset_function
-from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE
-from drivegate_models.outer_loop.faults.controllers import faulty_step_function
-from drivegate_models.outer_loop.faults.state import FAULTY_STATE, NOMINAL_TABLE
+from drivegate_models.faults.current.controllers import faulty_step_function
+from drivegate_models.faults.current.state import FAULTY_STATE, NOMINAL_TABLE
 
 _CONTROLLER_KEYS: Final = frozenset(CONTROLLER_STATE.names or ())
 

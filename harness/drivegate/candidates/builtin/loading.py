@@ -11,11 +11,11 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
-from drivegate_models.contract.outer_loop.records import nameplate_record
-from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.contract.current.records import nameplate_record
+from drivegate_models.contract.current.signals import Nameplate
+from drivegate_models.controllers.current.builtin import SEARCHES, reset_function, step_function
+from drivegate_models.controllers.current.state import CONTROLLER_STATE
 from drivegate_models.errors import HarnessFault
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES, reset_function, step_function
-from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE
 
 if TYPE_CHECKING:
     from drivegate_cases.drive.drive_document import DriveDocument
@@ -64,12 +64,12 @@ def load_controller(candidate: Candidate) -> Controller:
 
 
 def _design_controller(design: str) -> "DesignController":
-    from drivegate_models.outer_loop.designs.controllers import (
+    from drivegate_models.controllers.current.designs.controllers import (
         DESIGNS,
         design_reset_function,
         design_step_function,
     )
-    from drivegate_models.outer_loop.designs.state import DESIGN_STATE
+    from drivegate_models.controllers.current.designs.state import DESIGN_STATE
 
     code = ControllerCode(DESIGN_STATE, design_step_function, design_reset_function)
     return DesignController(DESIGNS[design], code)

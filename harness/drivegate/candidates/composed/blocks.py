@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from drivegate.candidates.fault import CandidateFault, exception_fault
 from drivegate.candidates.python.bridged_steps import InvalidOutput
 from drivegate_cases.documents.wording import one_line
-from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
+from drivegate_models.contract.current.signals import Command, Nameplate, Sense
 from drivegate_models.errors import InputError
 
 

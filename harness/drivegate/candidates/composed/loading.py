@@ -16,11 +16,11 @@ from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.python.loading import named_in_module
-from drivegate_models.contract.outer_loop.records import nameplate_record
-from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.contract.current.records import nameplate_record
+from drivegate_models.contract.current.signals import Nameplate
+from drivegate_models.controllers.current.builtin import SEARCHES, reset_function
+from drivegate_models.controllers.current.composed import COMPOSED_STATE, composed_step_function
 from drivegate_models.errors import HarnessFault
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES, reset_function
-from drivegate_models.outer_loop.controllers.composed import COMPOSED_STATE, composed_step_function
 
 _CONTROLLER: Final = "controller"
 

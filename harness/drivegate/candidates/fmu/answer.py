@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any, TypeAlias
 
 from drivegate.candidates.fmu.variables import Connections
+from drivegate_models.contract.current.signals import Command
 from drivegate_models.contract.duty.signals import DutyCommand
-from drivegate_models.contract.outer_loop.signals import Command
 
 Answer: TypeAlias = Callable[[tuple[float, ...]], Any]
 """From the outputs' values, in the order of the connections, to a Command or a DutyCommand."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from drivegate.candidates.contract import ContractName
+from drivegate_models.contract.current.signals import Nameplate, Sense
 from drivegate_models.contract.duty.signals import DutyNameplate, DutySense
-from drivegate_models.contract.outer_loop.signals import Nameplate, Sense
 
 PHASE_CURRENTS: Final = "phase_currents"
 """The input that may be an array, or one input for each phase."""

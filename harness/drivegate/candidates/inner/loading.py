@@ -16,7 +16,7 @@ from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
 from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import TORQUE_REFERENCE, DutyNameplate
-from drivegate_models.duty.controllers.inner_loop import (
+from drivegate_models.controllers.duty.inner_loop import (
     inner_reset_function,
     inner_state,
     inner_step_function,

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.contract import AnyNameplate, ContractName, require_nameplate_of
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
+from drivegate_models.contract.current.records import STATE_ALIGNMENT, nameplate_record
 from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import DutyNameplate
-from drivegate_models.contract.outer_loop.records import STATE_ALIGNMENT, nameplate_record
 
 RESETS: Final[dict[ContractName, str]] = {"current": "drivegate_reset", "duty": "drivegate_duty_reset"}
 """Name of the function that resets a controller of each contract."""

@@ -11,7 +11,7 @@ from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.native.controller import RESETS, STEPS, NativeController, same_arithmetic
 from drivegate_cases.documents.wording import one_line
-from drivegate_models.contract.outer_loop.records import ABI_MAJOR, ABI_MINOR
+from drivegate_models.contract.current.records import ABI_MAJOR, ABI_MINOR
 from drivegate_models.errors import HarnessFault, InputError
 
 LARGEST_STATE: Final = 64 * 2**20

@@ -26,8 +26,8 @@ from drivegate.candidates.native.numba_controller import NumbaController
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.contract.current.records import COMMAND, NAMEPLATE, SENSE, STOP
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_NAMEPLATE, DUTY_SENSE
-from drivegate_models.contract.outer_loop.records import COMMAND, NAMEPLATE, SENSE, STOP
 from drivegate_models.errors import InputError
 
 _ARGUMENTS: Final = {"reset": ("state", "nameplate"), "step": ("state", "sense", "command")}

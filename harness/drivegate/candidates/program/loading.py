@@ -21,8 +21,8 @@ from drivegate.candidates.program.protocol import (
 )
 from drivegate.candidates.python.bridge import PythonController
 from drivegate_cases.documents.wording import one_line
+from drivegate_models.contract.current.signals import Command, Sense
 from drivegate_models.contract.duty.signals import DutyCommand, DutySense
-from drivegate_models.contract.outer_loop.signals import Command, Sense
 from drivegate_models.errors import HarnessFault
 
 START_DEADLINE: Final = 30.0

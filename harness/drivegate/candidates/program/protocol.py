@@ -9,8 +9,8 @@ from typing import Any, Final
 
 from drivegate.candidates.contract import AnyNameplate
 from drivegate_cases.documents.wording import nearest, one_line, shown
+from drivegate_models.contract.current.signals import Command, Sense
 from drivegate_models.contract.duty.signals import DutyCommand, DutySense
-from drivegate_models.contract.outer_loop.signals import Command, Sense
 from drivegate_models.errors import InputError
 
 PROTOCOL_VERSION: Final = 1

@@ -17,8 +17,8 @@ from drivegate.candidates.contract import AnyNameplate, ContractName, contract_o
 from drivegate.candidates.fault import CandidateFault, Fault, exception_fault
 from drivegate.candidates.python.bridged_steps import BridgedSteps, InvalidOutput, real_number
 from drivegate.candidates.python.duty_steps import DutySteps
-from drivegate_models.contract.outer_loop.records import COMMAND, SENSE, packing
-from drivegate_models.contract.outer_loop.signals import Command, Sense
+from drivegate_models.contract.current.records import COMMAND, SENSE, packing
+from drivegate_models.contract.current.signals import Command, Sense
 from drivegate_models.errors import InputError
 
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)

@@ -12,9 +12,9 @@ from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from drivegate.candidates.contract import ContractName, other_contract
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line, exception_fault
+from drivegate_models.contract.current.records import STOP
+from drivegate_models.contract.current.signals import Command, Sense
 from drivegate_models.contract.duty.signals import DutyCommand, DutySense
-from drivegate_models.contract.outer_loop.records import STOP
-from drivegate_models.contract.outer_loop.signals import Command, Sense
 from drivegate_models.errors import InputError
 
 _STOP = Struct("=q").pack(STOP)

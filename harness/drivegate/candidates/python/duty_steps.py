@@ -10,9 +10,9 @@ from typing import Any, ClassVar, Final
 
 from drivegate.candidates.contract import ContractName
 from drivegate.candidates.python.bridged_steps import BridgedSteps, InvalidOutput, real_number
+from drivegate_models.contract.current.records import packing
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF, DutyCommand, DutySense
-from drivegate_models.contract.outer_loop.records import packing
 
 _SENSE: Final = packing(DUTY_SENSE)
 _CURRENTS: Final = Struct("=3d")

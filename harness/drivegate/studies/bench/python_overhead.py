@@ -13,7 +13,7 @@ from drivegate.studies.bench.measurement import Correctness, Value, interleaved
 from drivegate.studies.bench.workbench import Workbench, operating_scenario
 
 if TYPE_CHECKING:
-    from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
+    from drivegate_models.contract.current.signals import Command, Nameplate, Sense
 
 SIMULATED: Final = 4.0
 """Simulated time of each run (s)."""

@@ -7,7 +7,7 @@ from math import degrees
 from types import MappingProxyType
 from typing import Final
 
-from drivegate.runs.record import RunRecord
+from drivegate.contracts.current.record import RunRecord
 from drivegate.studies.campaign.duty.observations import DUTY_OBSERVATIONS, duty_observed
 from drivegate_models.machine import ledger
 from drivegate_models.units import RPM

@@ -8,14 +8,14 @@ from types import MappingProxyType
 from typing import Final
 
 from drivegate.candidates.fault import Fault, bounded_line
-from drivegate.checks.catalogue import CHECKS_OF, check_of
 from drivegate.checks.check import Check, judged_elsewhere
 from drivegate.checks.determinism import DET_1
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
+from drivegate.contracts.current.checks.catalogue import CHECKS_OF, check_of
+from drivegate.contracts.current.record import RunRecord
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
-from drivegate.runs.record import RunRecord
 from drivegate.studies.campaign.observations import observed
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import HarnessFault

@@ -58,7 +58,7 @@ def focus_of(part: Part, candidates: Sequence[Candidate | None], output: Path) -
 
 def _chosen(words: Iterable[str]) -> tuple[str, ...]:
     """Find checks by their names or their families', in the order of the catalogue."""
-    from drivegate.checks.catalogue import CHECK_NAMES
+    from drivegate.contracts.current.checks.catalogue import CHECK_NAMES
 
     known = list(CHECK_NAMES)
     named = [word.strip().upper() for listed in words for word in listed.split(",") if word.strip()]

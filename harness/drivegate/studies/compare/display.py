@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from drivegate.checks.feasible_angles import FEASIBLE
+from drivegate.contracts.current.checks.feasible_angles import FEASIBLE
 from drivegate.output.console import number, plain, table
 
 if TYPE_CHECKING:

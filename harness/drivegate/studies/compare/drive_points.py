@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from math import hypot
 from typing import Any, Final
 
-from drivegate.scenarios.duty.building import torque_of
-from drivegate.scenarios.duty.fixed import speed_of
+from drivegate.contracts.duty.scenarios.building import torque_of
+from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.duty.plan import EFFORTS as DUTY_EFFORTS
 from drivegate.studies.compare.engine import Compared

@@ -9,8 +9,8 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
+from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.drives.kinds import kind_of
-from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import (
     pulsed,
     stepped,

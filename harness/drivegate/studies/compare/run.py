@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.containment.messages import AnyController, JudgedCandidate
+from drivegate.contracts.current.timed_steps import senses_of_run, step_seconds
 from drivegate.drives.running import run_scenario
-from drivegate.runs.timed_steps import senses_of_run, step_seconds
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate.studies.compare.drive_cycle_run import cycle_figures
 from drivegate.studies.compare.plan import PlannedRun

@@ -30,7 +30,7 @@ from drivegate.studies.diff.record import (
     some_rows,
 )
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.contract.outer_loop.signals import Sense
+from drivegate_models.contract.current.signals import Sense
 from drivegate_models.loop.exchange import OUTPUTS
 
 

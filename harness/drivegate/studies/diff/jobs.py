@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from drivegate.candidates.controller import Controller, show_drive
 from drivegate.candidates.fault import CandidateFault
 from drivegate.containment.messages import JudgedCandidate
+from drivegate.contracts.current.scripted import GivenSteps
 from drivegate.drives.running import run_scenario
-from drivegate.runs.scripted import GivenSteps
 from drivegate.studies.diff.record import RecordingController, recorded_rows
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.exchange import OUTPUTS

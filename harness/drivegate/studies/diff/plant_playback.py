@@ -11,7 +11,7 @@ from drivegate.candidates.python.bridge import PythonController
 from drivegate.drives.running import run_scenario
 from drivegate.studies.diff.record import commands_of, recorded_rows
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
+from drivegate_models.contract.current.signals import Command, Nameplate, Sense
 from drivegate_models.errors import HarnessFault
 
 

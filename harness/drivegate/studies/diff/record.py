@@ -15,7 +15,7 @@ from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
 from drivegate_cases.documents.wording import shown_path
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.errors import InputError
 from drivegate_models.loop.exchange import OUTPUTS
 from drivegate_models.loop.given_steps import SCALARS

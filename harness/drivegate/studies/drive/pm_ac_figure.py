@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import nan
 from typing import TYPE_CHECKING, Any, Final
 
-from drivegate.drives.pm_ac_efficiency import known_map
+from drivegate.contracts.duty.efficiency import known_map
 from drivegate.output.legend import legend_beside
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from drivegate.checks.feasible_angles import given_below_limit
+from drivegate.contracts.current.checks.feasible_angles import given_below_limit
 from drivegate.output.console import number, plain, table
 
 if TYPE_CHECKING:

@@ -13,14 +13,16 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.catalogue import check_of as check_named
 from drivegate.checks.check import Check
 from drivegate.checks.drive_numbers import on_drive
-from drivegate.checks.flowchart.judging import judge_script
-from drivegate.checks.judged_window import judged_window
 from drivegate.checks.margin import Margin
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.current.checks.catalogue import check_of as check_named
+from drivegate.contracts.current.flowchart.judging import judge_script
+from drivegate.contracts.duty.run import DutyClosedLoopRun
+from drivegate.contracts.judged_window import judged_window
+from drivegate.contracts.parting import SEED_IN_RESET, room_for_commands
 from drivegate.drives.repeating import with_repetitions
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
@@ -33,8 +35,6 @@ from drivegate.output.run_signals import RunSignals, signals_of_run
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite
-from drivegate.runs.duty.run import DutyClosedLoopRun
-from drivegate.runs.parting import SEED_IN_RESET, room_for_commands
 from drivegate.studies.simulate.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.drive.drive_document import DriveDocument

@@ -30,7 +30,7 @@ def chosen_names(names: Sequence[str], kind: str) -> tuple[str, ...]:
 
 def selftested(names: Sequence[str], effort: SelftestEffort, *, designs: bool) -> Matrix:
     """Put faulty controllers before the checks, all of them without names, and correct designs if requested."""
-    from drivegate.checks.catalogue import CHECKS_OF
+    from drivegate.contracts.current.checks.catalogue import CHECKS_OF
     from drivegate.drives.choice import drive_for
     from drivegate.studies.selftest.matrix import Matrix
     from drivegate.studies.selftest.seeded_fault import chosen_faults

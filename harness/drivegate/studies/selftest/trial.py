@@ -8,11 +8,11 @@ from typing import Any
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault
-from drivegate.checks.catalogue import ALL_CHECKS, CHECK_NAMES
 from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.current.checks.catalogue import ALL_CHECKS, CHECK_NAMES
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.shard import DrawnRuns, FixedRuns, content_key, run_fixed
 from drivegate.gate.shrinking import ShrinkPlan, run_shrink, size_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import degrees
 from typing import Final
 
-from drivegate.checks.command_range import LARGEST_ANGLE
+from drivegate.contracts.current.checks.command_range import LARGEST_ANGLE
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 

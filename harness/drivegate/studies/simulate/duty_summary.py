@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from drivegate.candidates.declaration import Declaration
+from drivegate.contracts.duty.record import DutyRecord
+from drivegate.contracts.duty.run import DUTY_RATIOS, DutyClosedLoopRun
 from drivegate.gate.recording import VOLTAGE, duty_columns
-from drivegate.runs.duty.record import DutyRecord
-from drivegate.runs.duty.run import DUTY_RATIOS, DutyClosedLoopRun
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.machine import ledger
 from drivegate_models.units import RPM

@@ -10,12 +10,12 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.current.scenarios.windows import observed_windows
+from drivegate.contracts.duty.run import DutyClosedLoopRun
 from drivegate.drives.running import recorded, run_scenario
 from drivegate.gate.recording import duty_columns
 from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.output.pace import tell_slow
-from drivegate.runs.duty.run import DutyClosedLoopRun
-from drivegate.scenarios.windows import observed_windows
 from drivegate.studies.simulate.clamping import clamped_in_words
 from drivegate.studies.simulate.duty_summary import clipped_in_words, duty_summary, duty_window_rows
 from drivegate_cases.scenario.scenario import Scenario

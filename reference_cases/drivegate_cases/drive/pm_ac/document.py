@@ -104,8 +104,8 @@ class PmAcDocument(DriveDocument):
 
     def duty_nameplate(self, control_period: float, *, torque_reference: bool) -> DutyNameplate:
         """Make what a controller is given before a run, in SI units."""
+        from drivegate_models.contract.current.signals import PM_AC
         from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
-        from drivegate_models.contract.outer_loop.signals import PM_AC
 
         machine, inverter, rating = self.machine, self.inverter, self.rating
         return DutyNameplate(

@@ -13,8 +13,8 @@ from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
+from drivegate_models.controllers.current.builtin import SEARCH_PERIOD, SEARCHES
 from drivegate_models.loop.observation import TRACE_COLUMNS
-from drivegate_models.outer_loop.controllers.builtin import SEARCH_PERIOD, SEARCHES
 from drivegate_models.steady.oracle import current_sum_curve, least_current_sum
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label, new_figure, signed

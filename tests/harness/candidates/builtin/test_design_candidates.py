@@ -7,14 +7,14 @@ from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.catalogue import CHECKS
-from drivegate.checks.convergence import window_convergence
 from drivegate.checks.margin import Margin
+from drivegate.contracts.current.checks.catalogue import CHECKS
+from drivegate.contracts.current.checks.convergence import window_convergence
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.scenarios.building import steady_scenario
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import run_scenario
-from drivegate.runs.record import RunRecord
-from drivegate.scenarios.building import steady_scenario
 from drivegate.scenarios.changes import with_beginning, with_load_factor, with_load_shares, with_real_sensors
-from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest.correct_designs import correct_designs
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario, load_scenario

@@ -13,21 +13,21 @@ from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.catalogue import CHECKS
 from drivegate.checks.margin import Margin
+from drivegate.contracts.current.checks.catalogue import CHECKS
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.scenarios.building import base_speed_scenario
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios, steady_scenario
 from drivegate.drives.running import run_scenario
-from drivegate.runs.record import RunRecord
-from drivegate.scenarios.building import base_speed_scenario
 from drivegate.scenarios.changes import stepped, with_dropout, with_supply
-from drivegate.scenarios.fixed import fixed_scenarios, steady_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.contract.current.signals import Nameplate
+from drivegate_models.controllers.current.builtin import SEARCHES
+from drivegate_models.controllers.current.state import CONTROLLER_STATE
 from drivegate_models.errors import InputError
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES
-from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE
-from drivegate_models.outer_loop.faults.clocks import alter_search_by_counters
-from drivegate_models.outer_loop.faults.state import FAULTY_STATE
+from drivegate_models.faults.current.clocks import alter_search_by_counters
+from drivegate_models.faults.current.state import FAULTY_STATE
 
 KNOWN = {check.id: check for check in CHECKS}
 DRIVE = load_drive("paper-5-phase")

@@ -3,11 +3,11 @@
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.catalogue import CHECKS_OF
 from drivegate.containment.judge import own_candidate
+from drivegate.contracts.current.checks.catalogue import CHECKS_OF
+from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.pm_ac_drawn_drives import drawn_pm_ac_drive
 from drivegate.drives.running import recorded
-from drivegate.scenarios.duty.fixed import fixed_scenarios
 
 CHECKS = {check.id: check for check in CHECKS_OF["duty"]}
 

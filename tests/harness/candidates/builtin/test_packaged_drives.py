@@ -5,8 +5,8 @@ import pytest
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
+from drivegate.contracts.current.record import RunRecord
 from drivegate.drives.running import run_scenario
-from drivegate.runs.record import RunRecord
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate_cases.drive.drive_document import PM_AC, drive_names, load_drive
 from drivegate_cases.scenario.load import ConstantPowerLoad

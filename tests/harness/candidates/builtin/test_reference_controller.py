@@ -7,13 +7,13 @@ import pytest
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.convergence import converges, converges_again, reaches_optimum
+from drivegate.contracts.current.checks.convergence import converges, converges_again, reaches_optimum
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.scenarios.fixed import steady_scenario
 from drivegate.drives.running import run_scenario
-from drivegate.runs.record import RunRecord
-from drivegate.scenarios.fixed import steady_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES
+from drivegate_models.controllers.current.builtin import SEARCHES
 
 DRIVE = load_drive("paper-5-phase")
 CHANGE = 12.2

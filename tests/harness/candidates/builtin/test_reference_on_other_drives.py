@@ -5,12 +5,17 @@ import pytest
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import Check
-from drivegate.checks.convergence import CNV_1, converges, reaches_optimum, window_convergence
-from drivegate.checks.robustness import ROB_2, ROB_3
+from drivegate.contracts.current.checks.convergence import (
+    CNV_1,
+    converges,
+    reaches_optimum,
+    window_convergence,
+)
+from drivegate.contracts.current.checks.robustness import ROB_2, ROB_3
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.scenarios.building import coming_on, steady_scenario, vehicle_scenario
 from drivegate.drives.drawn_drives import drawn_drive
 from drivegate.drives.running import run_scenario
-from drivegate.runs.record import RunRecord
-from drivegate.scenarios.building import coming_on, steady_scenario, vehicle_scenario
 from drivegate.scenarios.changes import with_load_factor, with_scales
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.disturbance import CurrentError, Dropout

@@ -11,9 +11,9 @@ from drivegate.drives.running import run_scenario
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.load import ConstantPowerLoad
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.contract.outer_loop.records import nameplate_record
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES, reset_function
-from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE
+from drivegate_models.contract.current.records import nameplate_record
+from drivegate_models.controllers.current.builtin import SEARCHES, reset_function
+from drivegate_models.controllers.current.state import CONTROLLER_STATE
 from drivegate_models.units import RADIANS_PER_RPM
 
 PAPER = load_drive("paper-5-phase")

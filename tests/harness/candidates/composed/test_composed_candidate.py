@@ -10,8 +10,8 @@ from drivegate.candidates.fault import CandidateFault
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.scenario import load_scenario
+from drivegate_models.controllers.current.builtin import SEARCHES
 from drivegate_models.errors import InputError
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES
 
 EXAMPLES = Path(__file__).parents[4] / "examples" / "compose"
 # The first has the search step over the edge and recover; in the others angle and supply move.

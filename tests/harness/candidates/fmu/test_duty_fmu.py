@@ -15,9 +15,9 @@ from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.candidates.fmu.loading import FmuController
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.choice import drive_for
 from drivegate.drives.pm_ac import PM_AC
-from drivegate.scenarios.duty.building import torque_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.duty.signals import DutyNameplate, DutySense

@@ -23,7 +23,7 @@ from drivegate.containment.messages import Job
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.scenario import load_scenario
-from drivegate_models.contract.outer_loop.records import Nameplate, Sense
+from drivegate_models.contract.current.records import Nameplate, Sense
 from drivegate_models.errors import InputError
 
 HERE = Path(__file__).parents[2]

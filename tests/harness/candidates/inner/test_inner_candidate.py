@@ -11,10 +11,10 @@ from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.duty.record import DutyRecord
+from drivegate.contracts.duty.scenarios.building import load_step_scenario, torque_scenario
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import Origin, planned_work
-from drivegate.runs.duty.record import DutyRecord
-from drivegate.scenarios.duty.building import load_step_scenario, torque_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError

@@ -18,14 +18,14 @@ from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge, own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.duty.record import DutyRecord
+from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.choice import drive_for
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate.gate.step_timing import TimedSteps, time_steps
-from drivegate.runs.duty.record import DutyRecord
-from drivegate.runs.record import RunRecord
-from drivegate.scenarios.duty.building import torque_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError

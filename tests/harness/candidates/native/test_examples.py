@@ -9,9 +9,9 @@ import pytest
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import run_scenario
-from drivegate.runs.record import RunRecord
-from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 
 EXAMPLES = Path(__file__).parents[4] / "examples"

@@ -14,11 +14,11 @@ from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.contracts.current.record import RunRecord
 from drivegate.drives.running import run_scenario
-from drivegate.runs.record import RunRecord
 from drivegate.studies.simulate.simulate import run_once
 from drivegate_cases.scenario.scenario import load_scenario
-from drivegate_models.contract.outer_loop.signals import Nameplate
+from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.errors import InputError
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 

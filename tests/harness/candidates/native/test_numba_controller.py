@@ -16,7 +16,7 @@ from drivegate.candidates.native.numba_loading import load_numba_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.scenario import load_scenario
-from drivegate_models.contract.outer_loop.records import COMMAND, NAMEPLATE, SENSE
+from drivegate_models.contract.current.records import COMMAND, NAMEPLATE, SENSE
 from drivegate_models.errors import InputError
 
 STATE = np.dtype([("limit", np.float64), ("steps", np.int64)])

@@ -22,12 +22,12 @@ from drivegate.candidates.program.protocol import (
     sense_message,
 )
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import run_scenario
-from drivegate.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.contract.outer_loop.records import command_record, sense_record
-from drivegate_models.contract.outer_loop.signals import Command, Nameplate, Sense
+from drivegate_models.contract.current.records import command_record, sense_record
+from drivegate_models.contract.current.signals import Command, Nameplate, Sense
 from drivegate_models.errors import InputError
 
 ROOT = Path(__file__).parents[4]

@@ -14,8 +14,8 @@ import pytest
 from drivegate import LEG_HIGH, LEG_LOW, LEG_OFF, Command, DutyCommand, DutyNameplate, DutySense, Nameplate
 from drivegate.candidates.fault import FaultKind
 from drivegate.candidates.python.bridge import PythonController
+from drivegate_models.contract.current.records import STOP
 from drivegate_models.contract.duty.records import duty_command_record, duty_sense_record
-from drivegate_models.contract.outer_loop.records import STOP
 
 NAMEPLATE = DutyNameplate(3, 1, 2, 1, 1, *(float(number) for number in range(13)))
 CURRENTS = np.array([1.0, -2.5, 1.5])
@@ -115,8 +115,8 @@ def test_an_answer_of_the_other_contract_is_refused_either_way() -> None:
     )
     plate = Nameplate(3, 1, *(1.0,) * 10, 1, *(1.0,) * 5)
     other.reset(plate)
-    from drivegate_models.contract.outer_loop.records import command_record, sense_record
-    from drivegate_models.contract.outer_loop.signals import Sense
+    from drivegate_models.contract.current.records import command_record, sense_record
+    from drivegate_models.contract.current.signals import Sense
 
     sense = sense_record(Sense(0.0, 1.0, 1.0, (0.0,) * 3, 0.0, 48.0), np.zeros(3))
     command = command_record()

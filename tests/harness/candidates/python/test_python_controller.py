@@ -13,7 +13,7 @@ from drivegate.candidates.fault import LONGEST_MESSAGE, LONGEST_TRACEBACK, Candi
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.python.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate_models.contract.outer_loop.records import COMMAND, STOP, command_record, sense_record
+from drivegate_models.contract.current.records import COMMAND, STOP, command_record, sense_record
 from drivegate_models.errors import InputError
 
 NAMEPLATE = Nameplate(

@@ -8,10 +8,17 @@ import pytest
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.catalogue import CHECKS_OF
 from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge, own_candidate
 from drivegate.containment.messages import Job
+from drivegate.contracts.current.checks.catalogue import CHECKS_OF
+from drivegate.contracts.duty.scenarios.building import (
+    failing,
+    speed_scenario,
+    torque_of,
+    torque_scenario,
+    with_edges,
+)
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.drives.running import recorded
@@ -24,13 +31,6 @@ from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.verdict import check_outcomes
 from drivegate.scenarios.changes import with_scales
-from drivegate.scenarios.duty.building import (
-    failing,
-    speed_scenario,
-    torque_of,
-    torque_scenario,
-    with_edges,
-)
 from drivegate.scenarios.facts import facts_of
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegate.scenarios.feasibility import is_fair
+from drivegate.contracts.current.scenarios.feasibility import is_fair
 from drivegate.studies.compare.plan import EFFORTS, planned_runs
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle

@@ -15,8 +15,8 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.drive_cycle import DriveCycle, load_drive_cycle
 from drivegate_cases.scenario.load import GRAVITY
 from drivegate_cases.scenario.sensors import MCS96
+from drivegate_models.controllers.current.builtin import SEARCHES
 from drivegate_models.errors import InputError
-from drivegate_models.outer_loop.controllers.builtin import SEARCHES
 from drivegate_models.units import RADIANS_PER_RPM
 
 DRIVE = load_drive("paper-5-phase")

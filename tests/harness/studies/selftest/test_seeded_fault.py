@@ -4,7 +4,7 @@ import pytest
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
-from drivegate.checks.catalogue import CHECKS_OF
+from drivegate.contracts.current.checks.catalogue import CHECKS_OF
 from drivegate.studies.selftest.correct_designs import correct_designs
 from drivegate.studies.selftest.run import SelftestEffort, planned_trial
 from drivegate.studies.selftest.seeded_fault import chosen_faults

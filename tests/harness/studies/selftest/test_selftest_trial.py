@@ -11,7 +11,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.scenarios.fixed import fixed_scenarios
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest import trial as trial_module
 from drivegate.studies.selftest.run import SelftestEffort, planned_trial
 from drivegate.studies.selftest.seeded_fault import seeded

@@ -8,7 +8,7 @@ from typing import Final
 from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_cases.documents.rounding import significant
-from drivegate_models.outer_loop.faults import state as faults
+from drivegate_models.faults.current import state as faults
 
 KIND: Final = "Clocks and whole numbers"
 

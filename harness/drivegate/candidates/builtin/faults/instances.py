@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.candidates.builtin.faults.mutation import Mutation
-from drivegate_models.outer_loop.faults import state as faults
+from drivegate_models.faults.current import state as faults
 
 KIND: Final = "Instances and resets"
 

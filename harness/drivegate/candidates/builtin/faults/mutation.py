@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, Literal
 
 from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.sizes import Size
-from drivegate_models.outer_loop.faults import state as faults
+from drivegate_models.faults.current import state as faults
 
 if TYPE_CHECKING:
     from drivegate_cases.drive.drive_document import DriveDocument
@@ -48,7 +48,7 @@ class Mutation:
     constants : tuple of (str, Size)
         Constants of `CONTROLLER_STATE` that are others after every reset.
     fault : int
-        What its steps do wrong, from `drivegate_models.outer_loop.faults.state`.
+        What its steps do wrong, from `drivegate_models.faults.current.state`.
     size, extent : float or Size
         How large the fault is, in the units that the fault has; many faults have no second size.
     region : tuple of Size

@@ -6,7 +6,7 @@ from typing import Final
 
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_models.outer_loop.faults import state as faults
+from drivegate_models.faults.current import state as faults
 
 KIND: Final = "Power estimate"
 

@@ -9,7 +9,7 @@ from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_cases.drive.advance import advance_line
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_models.outer_loop.faults import state as faults
+from drivegate_models.faults.current import state as faults
 
 KIND: Final = "Rare regions"
 

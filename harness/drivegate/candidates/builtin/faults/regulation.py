@@ -10,7 +10,7 @@ from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
-from drivegate_models.outer_loop.faults import state as faults
+from drivegate_models.faults.current import state as faults
 
 KIND: Final = "Speed regulation"
 

@@ -87,9 +87,9 @@ def regulator(drive: DriveDocument) -> Any:
     # It brings the compiler, which the names and kinds of faults do not need.
     import numpy as np
 
-    from drivegate_models.contract.outer_loop.records import nameplate_record
-    from drivegate_models.outer_loop.controllers.builtin import reset_function
-    from drivegate_models.outer_loop.controllers.state import CONTROLLER_STATE, GUARDED
+    from drivegate_models.contract.current.records import nameplate_record
+    from drivegate_models.controllers.current.builtin import reset_function
+    from drivegate_models.controllers.current.state import CONTROLLER_STATE, GUARDED
 
     state = np.zeros(1, CONTROLLER_STATE)
     reset_function()(state, nameplate_record(drive.nameplate(CONTROL_PERIOD)), GUARDED)

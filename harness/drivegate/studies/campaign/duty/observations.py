@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from drivegate.checks.duty.judged import duty_record
-from drivegate.runs.duty.record import DutyWindow
-from drivegate.runs.record import RunRecord
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.duty.checks.judged import duty_record
+from drivegate.contracts.duty.record import DutyWindow
 from drivegate_models.machine import ledger
 from drivegate_models.units import RPM
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
-from drivegate.scenarios.duty.building import speed_scenario, torque_of, torque_scenario
-from drivegate.scenarios.duty.fixed import speed_of
+from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_of, torque_scenario
+from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.reference import Reference

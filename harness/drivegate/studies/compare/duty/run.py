@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from drivegate.checks.duty.judged import duty_record
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.drives.pm_ac_points import steady_points, step_rows
+from drivegate.contracts.duty.checks.judged import duty_record
+from drivegate.contracts.duty.points import steady_points, step_rows
 from drivegate.drives.running import recorded
 from drivegate.studies.compare.duty.plan import DutyPlannedRun
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drivegate.runs.duty.run import DUTY_RATIOS
+from drivegate.contracts.duty.run import DUTY_RATIOS
 from drivegate.studies.diff.duty.comparison import DutyDifference
 from drivegate.studies.diff.figure import DrawnSteps
 from drivegate_models.units import RPM

@@ -16,8 +16,8 @@ from drivegate.containment.candidate_process import Answered
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.containment.orders import GiveDutySenses
-from drivegate.drives.pm_ac_run import duty_run
-from drivegate.runs.duty.run import DUTY_RATIOS, LEGS, DutyClosedLoopRun, duty_nameplate, refusal_of
+from drivegate.contracts.duty.plant_run import duty_run
+from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS, DutyClosedLoopRun, duty_nameplate, refusal_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.contract.duty.signals import DutyCommand, DutySense

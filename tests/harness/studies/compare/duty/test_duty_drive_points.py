@@ -5,8 +5,8 @@ from math import pi
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.scenarios.duty.building import torque_of
-from drivegate.scenarios.duty.fixed import speed_of
+from drivegate.contracts.duty.scenarios.building import torque_of
+from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.drive_tables import drive_rows, operating_rows, summary_rows
 from drivegate.studies.compare.duty.plan import EFFORTS, planned_duty_runs

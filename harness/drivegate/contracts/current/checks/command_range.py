@@ -1,0 +1,87 @@
+"""Checks of the commands' ranges: advance angle and current reference."""
+
+from __future__ import annotations
+
+import math
+
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, normalised
+from drivegate.contracts.current.checks.declared_speeds import below_base, unless_speeds
+from drivegate.contracts.current.record import RunRecord
+
+LARGEST_ANGLE = math.pi / 2.0
+"""Greatest advance angle of the contract (rad electrical)."""
+
+
+def angle_below_base(record: RunRecord) -> Margin | None:
+    """Judge the advance angle in steps whose own Sense shows less than base speed (paper, Fig. 3)."""
+    run = record.run.observed
+    if run.steps_below_base == 0.0:
+        return None
+    angle = run.angle_below_base
+    if angle == 0.0:
+        return Margin("ADV-1", 1.0, "0° throughout")
+    measured = f"{_in_words(angle, 3)} at {run.first_below_base:.4g} s"
+    return Margin("ADV-1", normalised(-math.degrees(angle), 1.0), measured)
+
+
+def angle_range(record: RunRecord) -> Margin:
+    """Judge the range of the advance angle."""
+    lowest = record.run.observed.angle_lowest
+    highest = record.run.observed.angle_highest
+    value = normalised(min(lowest, LARGEST_ANGLE - highest), LARGEST_ANGLE)
+    return Margin("ADV-2", value, f"{_in_words(lowest, 4)} to {_in_words(highest, 4)}")
+
+
+def _in_words(angle: float, digits: int) -> str:
+    """Write an angle in degrees, or in radians where degrees are too large for a number."""
+    degrees = math.degrees(angle)
+    return f"{degrees:.{digits}g}°" if math.isfinite(degrees) else f"{angle:.{digits}g} rad"
+
+
+def reference_range(record: RunRecord) -> Margin:
+    """Judge the range of the current reference."""
+    limit = record.scenario.drive.rating.current_limit_a
+    lowest = record.run.observed.reference_lowest
+    highest = record.run.observed.reference_highest
+    value = normalised(min(lowest, limit - highest), limit)
+    return Margin("CMD-1", value, f"{lowest:.4g} A to {highest:.4g} A")
+
+
+ADV_1 = Check(
+    id="ADV-1",
+    requirement="The advance angle is 0 whenever the speed in that step's own Sense is below base speed.",
+    source="P5",
+    subject="candidate",
+    level="required",
+    limit="exactly 0° below {base}",
+    scenarios="runs that come below base speed",
+    formula="1 when every such angle is exactly 0, else minus the largest of them in degrees",
+    why="Below base speed the supply exceeds the EMF, and an advanced current only costs torque.",
+    evaluate=angle_below_base,
+    reason_not_applicable=unless_speeds(below_base),
+)
+ADV_2 = Check(
+    id="ADV-2",
+    requirement="The advance angle stays within 0° to 90°.",
+    source="P10",
+    subject="candidate",
+    level="required",
+    limit="0° to 90°",
+    scenarios="every run",
+    formula="distance from the nearer end / 90°, before the plant clamps the angle",
+    why="At 90° the greatest speed is reached; beyond it the torque falls again.",
+    evaluate=angle_range,
+)
+CMD_1 = Check(
+    id="CMD-1",
+    requirement="The current reference stays within 0 to the limit.",
+    source="P3",
+    subject="candidate",
+    level="required",
+    limit="0 to {current}",
+    scenarios="every run",
+    formula="distance from the nearer end / {current}, before the plant clamps the reference",
+    why="The phase current is limited by its reference alone, and there is no braking with a negative one.",
+    evaluate=reference_range,
+)

@@ -1,0 +1,82 @@
+"""Checks of the input power: the plant's own law, and a candidate's estimate."""
+
+from __future__ import annotations
+
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, at_most
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.run import plant_sensors
+from drivegate_models.machine import ledger
+
+TOLERANCE = 1e-9
+"""Greatest relative difference of powers that counts as equal (1)."""
+
+
+def _relative(error: float) -> str:
+    return f"{error:.1e} relative" if error > 0.0 else "exact"
+
+
+def exchanged_power(record: RunRecord) -> Margin:
+    """Judge the plant's power balance (paper, "Optimal Efficiency Control").
+
+    In every control period the energy exchanged with the half-sources, V_half(j) |i_j| summed over the
+    phases, less twice what flows back, is what the windings take: copper, shaft, devices, and storage.
+    """
+    error = record.run.observed.exchange_error
+    exchanged = float(record.run.totals[ledger.EXCHANGED])
+    returned = float(record.run.totals[ledger.RETURNED])
+    share = 2.0 * returned / exchanged if exchanged > 0.0 else 0.0
+    measured = f"{_relative(error)}; net power {100.0 * share:.3g} % below the exchanged one"
+    return Margin("PWR-1", at_most(error, TOLERANCE), measured)
+
+
+def estimated_power(record: RunRecord) -> Margin | None:
+    """Judge a candidate's estimate of its input power."""
+    if record.run.observed.power_estimates == 0.0:
+        if record.declaration.estimates_power:
+            return Margin("PWR-2", -1.0, "declared, but every estimate is NaN")
+        return None
+    error = record.run.observed.power_error_relative
+    margin = Margin("PWR-2", at_most(error, TOLERANCE), _relative(error))
+    step = plant_sensors(record.scenario).converters.current_step
+    if step == 0.0:
+        return margin
+    lowest = min(voltage for _, voltage in record.scenario.supply_profile)
+    deviation = record.run.observed.power_error
+    by_step = Margin("PWR-2", at_most(deviation, step * lowest), f"{deviation:.3g} W at most")
+    return max(margin, by_step, key=lambda judged: judged.value)
+
+
+PWR_1 = Check(
+    id="PWR-1",
+    requirement=(
+        "The power exchanged with the half-sources equals their voltage times the magnitudes of the phase currents, "
+        "and the net input power is that less twice what flows back."
+    ),
+    source="P4",
+    subject="plant",
+    level="required",
+    limit="1e-9 relative in every control period",
+    scenarios="every run",
+    formula="1 - greatest |exchanged - 2 returned - spent| / throughput / 1e-9",
+    why="Every comparison of currents and powers rests on it. It is drivegate's own obligation, not the candidate's.",
+    evaluate=exchanged_power,
+)
+PWR_2 = Check(
+    id="PWR-2",
+    requirement=(
+        "An estimate of the input power equals half supply voltage times current magnitude sum of the Sense given, "
+        "of that step alone or their mean over the time that the candidate declares."
+    ),
+    source="P4",
+    subject="candidate",
+    level="required",
+    limit="1e-9 relative, or one step of the converter",
+    scenarios="every run of a candidate that estimates its input power",
+    formula=(
+        "1 - greatest |estimate - V Σ|i|| / (V Σ|i|) / 1e-9; through a converter also 1 - greatest difference / "
+        "(supply voltage × step of current)"
+    ),
+    why="The search of the paper takes this product for the input power; a wrong one leads it to a wrong angle.",
+    evaluate=estimated_power,
+)

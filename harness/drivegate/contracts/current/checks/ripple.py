@@ -1,0 +1,152 @@
+"""Checks of the torque ripple: at the published worst point, over constant power, and with the band."""
+
+from __future__ import annotations
+
+import math
+
+from drivegate.candidates.declaration import Declaration
+from drivegate.checks.check import Check, ReasonNotApplicable
+from drivegate.checks.margin import Margin, below, worst_required
+from drivegate.contracts.current.checks.constant_power import is_in
+from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, described
+from drivegate.contracts.current.checks.declared_speeds import constant_power, required_points, unless_speeds
+from drivegate.contracts.current.record import RunRecord, SteadyWindow, rated_torque
+from drivegate_cases.documents.wording import figure
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.scenario.circumstance import Circumstance
+from drivegate_models.steady.oracle import point_at_torque
+
+_ROUNDING = 1e-6
+
+
+def _is_required_point(window: SteadyWindow) -> bool:
+    return window.has_nominal_supply and any(
+        window.dwell.speed_rpm == point.speed_rpm
+        and math.isclose(window.torque_required, point.torque_n_m, rel_tol=1e-9)
+        for point in limits_of(window.scenario.drive).points
+    )
+
+
+def _is_constant_power(window: SteadyWindow) -> bool:
+    return is_in(constant_power, window) and window.requires_rated_power
+
+
+def _ideal_ripple(check: str, record: RunRecord, windows: list[SteadyWindow]) -> Margin | None:
+    """Return the worst margin of the steady states with the ideal regulator at the angles converged to."""
+    limit = limits_of(record.scenario.drive).ripple
+    if math.isinf(limit):
+        return None
+    ideal = record.drive._replace(hysteresis_band=0.0)
+    margins = []
+    for window in windows:
+        angle = window.values.angle
+        torque = window.values.torque
+        where = f"at {math.degrees(angle):.2f}°, {figure(window.dwell.speed_rpm)} rpm and {torque:.3g} N·m"
+        point = point_at_torque(ideal, window.speed, min(max(angle, 0.0), math.pi / 2.0), torque)
+        if not point.static or torque <= 0.0:
+            margins.append(Margin(check, -1.0, f"the torque is out of reach {where}"))
+            continue
+        ripple = (point.torque_highest - point.torque_lowest) / point.torque
+        margins.append(Margin(check, below(ripple, limit), f"{100.0 * ripple:.2f} % {where}"))
+    return min(margins, key=lambda margin: margin.value, default=None)
+
+
+def ripple_at_converged_angle(record: RunRecord) -> Margin | None:
+    """Judge the torque ripple at the angle that the candidate converged to at the required points (Fig. 6).
+
+    The ripple is that of the periodic steady state with the ideal regulator (no band) at the candidate's mean
+    angle and mean torque; its extremes are exact.
+    """
+    if record.circumstance is not Circumstance.NOMINAL:
+        return None
+    return _ideal_ripple("RIP-1", record, [w for w in record.windows() if _is_required_point(w)])
+
+
+def ripple_at_constant_power(record: RunRecord) -> Margin | None:
+    """Judge the torque ripple at the angle that the candidate converged to under rated power (Fig. 6)."""
+    if record.circumstance is not Circumstance.NOMINAL:
+        return None
+    return _ideal_ripple("RIP-2", record, [w for w in record.windows() if _is_constant_power(w)])
+
+
+def closed_loop_ripple(record: RunRecord) -> Margin | None:
+    """Judge the torque ripple of the closed loop, with hysteresis band and speed regulator."""
+    unlimited = math.isinf(limits_of(record.scenario.drive).closed_loop_ripple)
+    if unlimited or record.circumstance is not Circumstance.NOMINAL:
+        return None
+    margins = [_closed_loop_margin(window) for window in record.windows() if window.torque_required > 0.0]
+    return worst_required(margins)
+
+
+def _closed_loop_margin(window: SteadyWindow) -> Margin:
+    rated = rated_torque(window.scenario, window.speed)
+    ripple = window.values.ripple
+    one_sided = window.values.ripple_one_sided
+    measured = f"{100.0 * ripple:.3g} %, one-sided {100.0 * one_sided:.3g} %{described(window)}"
+    light = window.torque_required < rated * (1.0 - _ROUNDING)
+    limit = limits_of(window.scenario.drive).closed_loop_ripple
+    return Margin("RIP-3", below(ripple, limit), measured, advisory=light)
+
+
+def _where_limited(name: str, otherwise: ReasonNotApplicable) -> ReasonNotApplicable:
+    """Let a check apply unless its drive states no such limit, or for another reason."""
+
+    def reason(declaration: Declaration, drive: DriveDocument) -> str | None:
+        if math.isinf(getattr(limits_of(drive), name)):
+            return f"this drive states no requirements.{name}_percent; what can be met is told by drivegate drive"
+        return otherwise(declaration, drive)
+
+    return reason
+
+
+RIP_1 = Check(
+    id="RIP-1",
+    requirement="Torque ripple at {points}, ideal regulator, at the angle that the candidate converged to.",
+    source="P8",
+    subject="candidate",
+    level="required",
+    limit="{ripple} peak to peak over mean",
+    scenarios="steady stretches of {stretch} or more at {points}, on the nominal drive",
+    formula="1 - ripple / {ripple}, ripple = (max - min) / mean torque of one electrical period",
+    why="The paper gives less than 13 % there, and calls it the worst case of the whole speed range.",
+    evaluate=ripple_at_converged_angle,
+    reason_not_applicable=_where_limited("ripple", unless_speeds(required_points)),
+)
+RIP_2 = Check(
+    id="RIP-2",
+    requirement=(
+        "Torque ripple at every speed from {lowest} to {highest} at {power}, ideal regulator, at the angle that the "
+        "candidate converged to."
+    ),
+    source="P8",
+    subject="candidate",
+    level="advisory",
+    limit="{ripple} peak to peak over mean",
+    scenarios=(
+        "every steady stretch of {stretch} or more that requires {power} from {lowest} to {highest}, on the nominal "
+        "drive"
+    ),
+    formula="as RIP-1",
+    why="The paper's bound holds for the whole speed range; the calibrated motor itself comes close to it.",
+    evaluate=ripple_at_constant_power,
+    reason_not_applicable=_where_limited("ripple", unless_speeds(constant_power)),
+)
+RIP_3 = Check(
+    id="RIP-3",
+    requirement=(
+        "Torque ripple of the closed loop, with band and speed regulator, in the worst electrical period of 1 s."
+    ),
+    source="P8, P9",
+    subject="candidate",
+    level="advisory",
+    limit="{closed_loop_ripple} peak to peak over mean",
+    scenarios=(
+        "every loaded steady stretch of {stretch} or more above base speed, on the nominal drive; those with less than "
+        "the torque of {power} decide nothing"
+    ),
+    formula="1 - ripple / {closed_loop_ripple}, ripple = (max - min) / mean torque of the worst electrical period",
+    why="A band and a regulator that dithers across the feasible edge add to the ripple of the angle.",
+    evaluate=closed_loop_ripple,
+    reason_not_applicable=_where_limited("closed_loop_ripple", ABOVE_BASE_SPEED),
+)

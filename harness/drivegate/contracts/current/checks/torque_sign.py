@@ -1,0 +1,52 @@
+"""Check of the torque's sign in the steady state."""
+
+from __future__ import annotations
+
+import math
+
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, worst_required
+from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, described
+from drivegate.contracts.current.record import RunRecord, SteadyWindow, rated_torque
+from drivegate_cases.scenario.circumstance import Circumstance
+
+HALF_LOAD = 0.5
+"""Least share of the torque of rated power at which the sign is judged (1)."""
+_ROUNDING = 1e-6
+
+
+def torque_sign(record: RunRecord) -> Margin | None:
+    """Judge the least torque of the closed loop's steady stretches under half load and more."""
+    if record.circumstance is not Circumstance.NOMINAL:
+        return None
+    return worst_required([_margin(window) for window in record.windows() if _is_judged(window)])
+
+
+def _is_judged(window: SteadyWindow) -> bool:
+    least = HALF_LOAD * rated_torque(window.scenario, window.speed) * (1.0 - _ROUNDING)
+    return window.torque_required >= least and math.isfinite(window.values.torque_lowest)
+
+
+def _margin(window: SteadyWindow) -> Margin:
+    lowest, mean = window.values.torque_lowest, window.values.torque
+    # A mean of no torque at all has no share to measure by.
+    value = lowest / mean if mean > 0.0 else -1.0
+    return Margin("TRQ-1", value, f"at least {lowest:.3g} N·m, {mean:.3g} N·m on average{described(window)}")
+
+
+TRQ_1 = Check(
+    id="TRQ-1",
+    requirement="The torque is never negative in the steady state under half of {power} and more.",
+    source="P9",
+    subject="candidate",
+    level="advisory",
+    limit="above 0 N·m",
+    scenarios=(
+        "every steady stretch of {stretch} or more above base speed that requires half the torque of {power} or more, "
+        "on the nominal drive, in its last second"
+    ),
+    formula="least torque / mean torque",
+    why="The paper holds a torque that changes its sign against conventional drives with phase advance.",
+    evaluate=torque_sign,
+    reason_not_applicable=ABOVE_BASE_SPEED,
+)

@@ -1,0 +1,154 @@
+"""The job that runs scripts with a candidate of the profile `flowchart`, and makes a failing one shorter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis.strategies import SearchStrategy
+
+from drivegate.candidates.declaration import FlowchartProfile
+from drivegate.checks.judging import JudgedRun, ShardOutcome
+from drivegate.checks.margin import Margin
+from drivegate.containment.messages import AnyController, JudgedCandidate
+from drivegate.contracts.current.flowchart.drawn import drawn_scripts
+from drivegate.contracts.current.flowchart.judging import judge_script
+from drivegate.contracts.current.flowchart.scripts import fixed_scripts, usual_speed
+from drivegate.contracts.current.scenarios.drawn.isolation import from_the_seed_alone
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.script import Script, ScriptRow
+
+
+@dataclass(frozen=True)
+class ScriptRuns:
+    """Scripts to be run with a candidate of the profile `flowchart`.
+
+    Attributes
+    ----------
+    drive : DriveDocument
+        The drive.
+    seed : int
+        Seed of the drawn scripts.
+    examples : int
+        Number of scripts to draw, besides the fixed ones.
+    """
+
+    drive: DriveDocument
+    seed: int
+    examples: int
+
+
+SHORTENING_RUNS: Final = 60
+"""Runs that may be spent on making one failing script shorter."""
+
+
+def run_scripts(loaded: JudgedCandidate, plan: ScriptRuns) -> ShardOutcome:
+    """Run the fixed scripts, then drawn ones."""
+    declaration = loaded.candidate.declaration
+    profile = declaration.flowchart
+    speed = usual_speed(plan.drive, declaration.speed_range_rpm)
+    if profile is None or speed is None:
+        return ShardOutcome(())
+    controller = loaded.controller()
+    runs: dict[str, JudgedRun] = {}
+    failures: list[Script] = []
+
+    def judge(script: Script) -> None:
+        if script.name not in runs:
+            margin = judge_script(controller, profile, script).margin
+            runs[script.name] = JudgedRun(script.to_mapping(), (margin,))
+            if not margin.met:
+                failures.append(script)
+
+    for fixed in fixed_scripts(plan.drive, profile, speed):
+        judge(fixed)
+
+    for drawn in _drawn(drawn_scripts(plan.drive, profile, declaration.speed_range_rpm), plan):
+        judge(drawn)
+    if failures:
+        shortest = min(failures, key=lambda script: len(script.rows))
+        judge(shortened(controller, profile, shortest))
+    return ShardOutcome(tuple(runs.values()))
+
+
+def _drawn(scripts: SearchStrategy[Script], plan: ScriptRuns) -> list[Script]:
+    """Draw as many scripts as planned; Hypothesis cannot draw none."""
+    drawn: list[Script] = []
+    if plan.examples == 0:
+        return drawn
+
+    @seed(plan.seed)
+    @settings(
+        max_examples=plan.examples,
+        database=None,
+        deadline=None,
+        derandomize=False,
+        phases=(Phase.generate,),
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(scripts)
+    def draw(script: Script) -> None:
+        drawn.append(script)
+
+    with from_the_seed_alone():
+        draw()
+    return drawn
+
+
+def script_margin(loaded: JudgedCandidate, script: Script) -> Margin | None:
+    """Judge a candidate on one script."""
+    profile = loaded.candidate.declaration.flowchart
+    if profile is None:
+        return None
+    return judge_script(loaded.controller(), profile, script).margin
+
+
+def shortened(
+    controller: AnyController,
+    profile: FlowchartProfile,
+    script: Script,
+    *,
+    budget: int = SHORTENING_RUNS,
+) -> Script:
+    """Make a failing script shorter and rounder for as long as it fails."""
+    verdict = judge_script(controller, profile, script)
+    # What comes after the first departure has no part in it.
+    simplest = script.replaced(rows=script.rows[: verdict.rows])
+    waiting = _simpler(simplest)
+    for _ in range(budget):
+        simpler = next(waiting, None)
+        if simpler is None:
+            break
+        if not judge_script(controller, profile, simpler).margin.met:
+            simplest, waiting = simpler, _simpler(simpler)
+    if simplest == script:
+        return script
+    return simplest.replaced(
+        name=f"{script.name}-shortened",
+        description=f"The script {script.name}, made simpler for as long as the candidate departs from Fig. 4.",
+    )
+
+
+def _simpler(script: Script) -> Iterator[Script]:
+    """Give scripts that are simpler in one thing each, what simplifies most first."""
+    rows = script.rows
+    if len(rows) > 1:
+        for index in range(len(rows)):
+            yield script.replaced(rows=rows[:index] + rows[index + 1 :])
+    for index, row in enumerate(rows):
+        for simpler in _simpler_rows(row, rows[0]):
+            yield script.replaced(rows=(*rows[:index], simpler, *rows[index + 1 :]))
+
+
+def _simpler_rows(row: ScriptRow, first: ScriptRow) -> Iterator[ScriptRow]:
+    changes = (
+        {"speed_reference_rpm": row.speed_rpm},
+        {"speed_rpm": first.speed_rpm, "speed_reference_rpm": first.speed_rpm},
+        *({"current_sum_a": round(row.current_sum_a, digits)} for digits in range(4)),
+    )
+    for change in changes:
+        simpler = row.model_copy(update=change)
+        if simpler != row:
+            yield simpler

@@ -1,0 +1,131 @@
+"""What the checks see of one finished run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from drivegate.candidates.declaration import Declaration
+from drivegate.contracts.current.scenarios.windows import observed_windows
+from drivegate_cases.drive.scales import Scales
+from drivegate_cases.scenario.circumstance import Circumstance, circumstance
+from drivegate_cases.scenario.load import LockedLoad
+from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells, is_after_change
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.loop.closed_loop import ClosedLoopRun
+from drivegate_models.loop.observation import WindowObservation
+from drivegate_models.steady.plant import AnyDrive
+from drivegate_models.units import RADIANS_PER_RPM
+
+_SAME = 1e-6
+
+
+@dataclass(frozen=True)
+class SteadyWindow:
+    """A stretch in which convergence is judged.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        The scenario that it belongs to.
+    dwell : Dwell
+        The constant conditions it belongs to.
+    values : WindowObservation
+        What was observed.
+    """
+
+    scenario: Scenario
+    dwell: Dwell
+    values: WindowObservation
+
+    @property
+    def speed(self) -> float:
+        """Speed reference (rad/s)."""
+        return self.dwell.speed_rpm * RADIANS_PER_RPM
+
+    @property
+    def torque_required(self) -> float:
+        """Torque that the load requires, without friction (N m)."""
+        return dwell_torque(self.scenario, self.dwell)
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether anything drives or holds the shaft besides friction."""
+        return isinstance(self.scenario.load, LockedLoad) or self.torque_required != 0.0
+
+    @property
+    def is_after_change(self) -> bool:
+        """Whether anything has changed before, or the controller has been restarted."""
+        return is_after_change(self.scenario, self.dwell)
+
+    @property
+    def scales(self) -> Scales:
+        """How the plant differs from the nominal drive meanwhile."""
+        return dwell_scales(self.scenario, self.dwell)
+
+    @property
+    def has_nominal_supply(self) -> bool:
+        """Whether the supply has its nominal voltage."""
+        return self.dwell.supply_v == self.scenario.drive.inverter.supply_voltage_v
+
+    @property
+    def requires_rated_power(self) -> bool:
+        """Whether the load requires the drive's rated power, from a supply of nominal voltage."""
+        power = self.torque_required * self.speed
+        return self.has_nominal_supply and math.isclose(
+            power, self.scenario.drive.rating.rated_power_w, rel_tol=_SAME
+        )
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """A finished run with what belongs to it.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        The scenario.
+    run : ClosedLoopRun
+        What was observed.
+    declaration : Declaration
+        What the candidate declares of itself.
+    repeated_digests : tuple of int
+        Digests of further runs of the same scenario; empty where it ran once.
+    parting : str
+        Where one of these runs parts from the first one, in words; empty where none does.
+    """
+
+    scenario: Scenario
+    run: ClosedLoopRun
+    declaration: Declaration
+    repeated_digests: tuple[int, ...] = ()
+    parting: str = ""
+
+    @cached_property
+    def drive(self) -> AnyDrive:
+        """The plant that the run was made on."""
+        return self.scenario.drive.plant(self.scenario.scales)
+
+    @cached_property
+    def circumstance(self) -> Circumstance:
+        """What is not nominal about the run."""
+        return circumstance(self.scenario)
+
+    def windows(self) -> Iterator[SteadyWindow]:
+        """Go through the stretches in which the search is judged."""
+        lowest, highest = self.declaration.speed_range_rpm or (0.0, math.inf)
+        by_end = {dwell.end: dwell for dwell in dwells(self.scenario)}
+        for (_, end), values in zip(observed_windows(self.scenario), self.run.windows, strict=True):
+            dwell = by_end[end]
+            if (
+                dwell.speed_rpm > self.scenario.drive.rating.base_speed_rpm
+                and lowest <= dwell.speed_rpm <= highest
+            ):
+                yield SteadyWindow(self.scenario, dwell, values)
+
+
+def rated_torque(scenario: Scenario, speed: float) -> float:
+    """Give the torque of the drive's rated power at a speed."""
+    return scenario.drive.rating.rated_power_w / speed

@@ -1,0 +1,248 @@
+"""One run of a controller through a scenario: from plain data to what the closed loop observed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.controller import Controller, show_drive
+from drivegate.candidates.fault import CandidateFault, placed, refused_command
+from drivegate.containment.messages import AnyController
+from drivegate.containment.orders import CloseLoop
+from drivegate.containment.playback import require_same_plant, stepped_here
+from drivegate.containment.restarting import Restarter
+from drivegate.contracts.current.scenarios.windows import observed_windows
+from drivegate_cases.drive.limits import mean_time
+from drivegate_cases.scenario.disturbance import Dropout
+from drivegate_cases.scenario.load import (
+    GRAVITY,
+    ConstantPowerLoad,
+    ConstantTorqueLoad,
+    FanLoad,
+    LockedLoad,
+    VehicleLoad,
+)
+from drivegate_cases.scenario.piecewise import Profile
+from drivegate_cases.scenario.profile import profile_arrays
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import HallSensors, IdealSensors, Mcs96Sensors, ShuntSensors
+from drivegate_models.contract.current.signals import Sense
+from drivegate_models.errors import HarnessFault
+from drivegate_models.loop.closed_loop import ClosedLoopRun, PreparedLoop
+from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
+from drivegate_models.loop.schedule import Course, Schedule
+from drivegate_models.loop.sensing import sensors
+from drivegate_models.loop.sensing.converters import Converters, real_converters
+from drivegate_models.loop.sensing.encoder import Encoder, turning_encoder
+from drivegate_models.loop.sensing.hall import EDGES, Hall, turning_hall
+from drivegate_models.machine import load
+from drivegate_models.units import RADIANS_PER_RPM
+
+PrepareLoop: TypeAlias = Callable[..., PreparedLoop]
+"""Makes a run of a controller, already reset, against the plant of one kind of drive ready to begin."""
+Wrap: TypeAlias = Callable[[Controller], Controller]
+"""Puts something between the closed loop and a controller, which passes every step on."""
+
+_PERCENT = 0.01
+_SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
+
+
+def plant_load(scenario: Scenario) -> load.Load:
+    """Give a scenario's load as the plant takes it."""
+    given = scenario.load
+    if isinstance(given, LockedLoad):
+        return load.Load(load.LOCKED)
+    if isinstance(given, ConstantTorqueLoad):
+        return load.Load(load.CONSTANT_TORQUE, given.torque_nm)
+    if isinstance(given, ConstantPowerLoad):
+        return load.Load(load.CONSTANT_POWER, given.power_w)
+    if isinstance(given, FanLoad):
+        return load.Load(load.FAN, given.torque_nm, given.speed_rpm * RADIANS_PER_RPM)
+    return load.Load(
+        load.VEHICLE,
+        size=given.mass_kg * GRAVITY * given.lever_m,
+        rolling=given.rolling_resistance,
+        drag=0.5
+        * given.air_density_kg_m3
+        * given.drag_area_m2
+        * (given.lever_m * given.lever_m * given.lever_m),
+        inertia=given.inertia_kg_m2,
+    )
+
+
+def plant_schedule(scenario: Scenario) -> Schedule:
+    """Give what happens in a scenario as the plant takes it."""
+    load_unit = _PERCENT if isinstance(scenario.load, VehicleLoad) else 1.0
+    return Schedule(
+        speed=_course(scenario.speed_rpm, RADIANS_PER_RPM),
+        load=_course(scenario.load_profile, load_unit),
+        supply=_course(scenario.supply_profile),
+        imbalance=_course(scenario.imbalance_profile),
+        resistance=_course(scenario.resistance_profile),
+        emf=_course(scenario.emf_profile),
+    )
+
+
+def _course(profile: Profile, unit: float = 1.0) -> Course:
+    times, values = profile_arrays(profile)
+    return Course(times, values * unit)
+
+
+def plant_sensors(scenario: Scenario) -> sensors.Sensors:
+    """Make the sensors of a scenario, as at its start."""
+    dropouts = np.array(
+        [(_signal(lost), lost.start_s, lost.end_s) for lost in scenario.dropouts], np.float64
+    ).reshape(-1, 3)
+    gains, offsets = np.ones(scenario.drive.machine.phases), np.zeros(scenario.drive.machine.phases)
+    for error in scenario.current_errors:
+        gains[error.phase - 1], offsets[error.phase - 1] = error.gain, error.offset_a
+    given = scenario.sensors
+    assert not isinstance(given, ShuntSensors), "such sensors are of drives that are given duty ratios"
+    if isinstance(given, IdealSensors):
+        return sensors.ideal_sensors(scenario.drive.machine.phases, dropouts, gains, offsets)
+    generator = np.random.default_rng(scenario.seed)
+    converters = plant_converters(given, generator, gains, offsets)
+    if isinstance(given, HallSensors):
+        return sensors.real_sensors(converters, dropouts, hall=plant_hall(scenario, given, generator))
+    return sensors.real_sensors(converters, dropouts, encoder=plant_encoder(scenario, given))
+
+
+def plant_converters(
+    given: Mcs96Sensors | HallSensors | ShuntSensors,
+    generator: np.random.Generator,
+    gains: NDArray[np.float64],
+    offsets: NDArray[np.float64],
+    sources: int = 1,
+) -> Converters:
+    """Make the converters; a link of several sources is measured as a whole."""
+    return real_converters(
+        generator,
+        gains,
+        offsets,
+        current_range=_stated(given.current_range_a),
+        current_gain_spread=given.current_gain_spread,
+        current_offset=_stated(given.current_offset_a),
+        current_noise=_stated(given.current_noise_a),
+        voltage_range=sources * _stated(given.voltage_range_v),
+        voltage_noise=sources * _stated(given.voltage_noise_v),
+        converter_bits=given.converter_bits,
+    )
+
+
+def plant_encoder(scenario: Scenario, given: Mcs96Sensors | ShuntSensors) -> Encoder:
+    """Make the encoder of a scenario, as at its start."""
+    glitches = np.array([(glitch.time_s, glitch.counts) for glitch in scenario.glitches], np.float64)
+    return turning_encoder(
+        lines=given.encoder_lines,
+        speed_window=given.speed_window_s,
+        clock=given.clock_s,
+        control_period=scenario.control_period_s,
+        initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
+        glitches=glitches.reshape(-1, 2),
+    )
+
+
+def plant_hall(scenario: Scenario, given: HallSensors | ShuntSensors, generator: np.random.Generator) -> Hall:
+    """Make the Hall switches of a scenario, as at its start."""
+    greatest = math.radians(given.placement_error_deg)
+    return turning_hall(
+        pole_pairs=scenario.drive.machine.pole_pairs,
+        placement_errors=greatest * generator.uniform(-1.0, 1.0, EDGES),
+        greatest_error=greatest,
+        hysteresis=math.radians(given.hysteresis_deg),
+        clock=given.clock_s,
+        initial_angle=math.radians(scenario.initial_angle_deg),
+        initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
+    )
+
+
+def _stated(value: float | None) -> float:
+    assert value is not None, "a scenario's sensors are fitted to its drive"
+    return value
+
+
+def _signal(lost: Dropout) -> int:
+    """Number the signal that is lost."""
+    return _SIGNALS[lost.signal] if lost.phase is None else sensors.FIRST_PHASE + lost.phase - 1
+
+
+def run_in_closed_loop(
+    prepare: PrepareLoop,
+    scenario: Scenario,
+    controller: AnyController,
+    *,
+    power_window: float = 0.0,
+    trace_every: int = 0,
+    wrap: Wrap | None = None,
+    kept: NDArray[Any] | None = None,
+    sees_plant: bool = False,
+) -> ClosedLoopRun:
+    """Reset a controller and run it through a scenario, against the plant of a closed loop.
+
+    A candidate's instance runs in its own process, beside a plant that is there to close the loop; what is observed is
+    what the plant here comes to by the same commands. `kept` receives the command of each step. With `sees_plant` the
+    controller is shown the plant as it is, whatever the sensors that commutate it.
+    """
+    nameplate = scenario.nameplate()
+    plant = (scenario.drive.plant(scenario.scales), plant_load(scenario), plant_schedule(scenario))
+    given = plant_sensors(scenario)
+    options = {
+        "initial_speed": scenario.initial_speed_rpm * RADIANS_PER_RPM,
+        "base_speed": nameplate.base_speed,
+        "control_period": scenario.control_period_s,
+        "duration": scenario.duration_s,
+        "initial_angle": math.radians(scenario.initial_angle_deg),
+        "clock_start": scenario.clock_start_s,
+        "sensors": sensors.showing_the_plant(given) if sees_plant else given,
+    }
+    restarts = [round(time / scenario.control_period_s) for time in scenario.restarts_s]
+    show_drive(controller, scenario.drive)
+    controller.reset(nameplate)
+    by_address = stepped_here(
+        controller, CloseLoop(prepare, plant, options, restarts), scenario.control_periods
+    )
+    stepped = by_address if wrap is None else wrap(by_address)
+    restarter = Restarter(stepped, nameplate)
+    prepared = prepare(
+        *plant,
+        **options,
+        step_address=stepped.step_address,
+        state_address=stepped.state_address,
+        restarts=restarter.restarts(restarts),
+        windows=observed_windows(scenario),
+        power_window=power_window,
+        mean_time=mean_time(scenario.drive),
+        trace_every=trace_every,
+        kept=kept,
+    )
+    run = prepared.run()
+    if restarter.failures:
+        # Taken out, since what is raised keeps this frame, and with it the restarter.
+        raise restarter.failures.pop()
+    if run.status != COMPLETED:
+        _raise_ending(run, by_address)
+    require_same_plant(by_address, prepared.records)
+    return run
+
+
+def _raise_ending(run: ClosedLoopRun, controller: Controller) -> None:
+    sense = last_sense(run)
+    step = int(run.steps)
+    fault = controller.fault
+    if run.status == STOPPED and fault is not None:
+        raise CandidateFault(placed(fault, step, sense))
+    if run.status in (STOPPED, NOT_FINITE):
+        finite = run.status != NOT_FINITE
+        raise CandidateFault(refused_command(run.last_command[0], finite=finite, step=step, sense=sense))
+    raise HarnessFault(f"the plant ended with status {run.status} at step {step}, {sense.time:g} s")
+
+
+def last_sense(run: ClosedLoopRun) -> Sense:
+    """Give the last Sense of a run."""
+    record = run.last_sense[0]
+    scalars = {name: float(record[name]) for name in Sense._fields if name != "phase_currents"}
+    return Sense(phase_currents=tuple(run.last_currents.tolist()), **scalars)

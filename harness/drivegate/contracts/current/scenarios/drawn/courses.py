@@ -1,0 +1,125 @@
+"""Drawn courses of load and speed: loads that come slowly, vanish or change again and again, and standstill."""
+
+from __future__ import annotations
+
+import math
+
+from hypothesis import strategies as st
+
+from drivegate.contracts.current.scenarios.building import TORQUE_DIGITS, coming_on, steady_scenario
+from drivegate.contracts.current.scenarios.drawn.steps import LOAD_STEP, change_times, loaded_speeds, shares
+from drivegate.contracts.current.scenarios.feasibility import COASTING_SHARE
+from drivegate.scenarios.changes import pulsed, repeated, stepped, with_load_factor, with_speed
+from drivegate.scenarios.drive_scale import DriveScale, scale_of, tidy
+from drivegate.scenarios.speed_range import SpeedRange
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import rounded
+from drivegate_cases.scenario.load import ConstantTorqueLoad
+from drivegate_cases.scenario.piecewise import Profile
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.units import RADIANS_PER_RPM
+
+STANDSTILL_UNITS = 2.0
+"""Units of time for which a reference stays at zero (1)."""
+_HEAVIEST_AT_STANDSTILL = 0.5
+
+
+def load_course_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
+    """Draw loads that come or go as a ramp, vanish for a while or for good, or change twenty times in a row."""
+    scale = scale_of(drive)
+
+    def build(
+        course: str, constant_power: bool, at: float, before: float, tenths: int, after: float, speed: float
+    ) -> Scenario:
+        whole = steady_scenario(drive, speed, power_share=1.0, constant_power=constant_power)
+        lasts = tidy(scale.tenth_s * tenths)
+        return with_load_factor(whole, load_course(course, before, after, at, lasts, scale))
+
+    def drawn(
+        course: str, lasting: st.SearchStrategy[int], other: st.SearchStrategy[float]
+    ) -> st.SearchStrategy[Scenario]:
+        speeds = loaded_speeds(drive, speed_range)
+        return st.builds(
+            build, st.just(course), st.booleans(), change_times(drive), shares(), lasting, other, speeds
+        )
+
+    lasting, nothing = st.integers(1, 30), st.just(0)
+    return st.one_of(
+        drawn("ramp", lasting, shares()),
+        drawn("vanishing", lasting, st.just(0.0)),
+        drawn("gone", nothing, st.just(0.0)),
+        drawn("repeated", nothing, shares()),
+    )
+
+
+def load_course(
+    course: str, before: float, after: float, at_s: float, lasts_s: float, scale: DriveScale
+) -> Profile:
+    """Make a course of shares of the load, from nothing at first."""
+    match course:
+        case "ramp":
+            profile = stepped(before, after, at_s, over_s=lasts_s)
+        case "vanishing":
+            profile = pulsed(before, 0.0, at_s, lasts_s)
+        case "gone":
+            profile = stepped(before, 0.0, at_s)
+        case "repeated":
+            profile = repeated(before, after, at_s, every_s=scale.repeated_every_s)
+        case _:
+            raise AssertionError(f"there is no course '{course}'")
+    return ((0.0, 0.0), (scale.load_ramp_s, before), *profile[1:])
+
+
+def standstill_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
+    """Draw references that begin at zero, or go down to it and up again, under loads that no advance is needed for."""
+    if speed_range is not None and speed_range[0] > 0.0:
+        return st.nothing()
+
+    tenth = scale_of(drive).tenth_s
+
+    def build(begins: bool, slower: int, steps: int, at: float, speed: float) -> Scenario:
+        power, base_speed = drive.rating.rated_power_w, drive.rating.base_speed_rpm * RADIANS_PER_RPM
+        heaviest = _HEAVIEST_AT_STANDSTILL * power / base_speed
+        rated = power / (speed * RADIANS_PER_RPM)
+        torque = LOAD_STEP * steps * min(heaviest, rated)
+        return standstill_scenario(
+            drive, speed, torque_nm=torque, at_s=at, over_s=tenth * slower, begins=begins
+        )
+
+    return st.builds(
+        build,
+        st.booleans(),
+        st.one_of(st.just(0), st.integers(10, 30)),
+        st.integers(2, 18),
+        change_times(drive),
+        loaded_speeds(drive, speed_range),
+    )
+
+
+def standstill_scenario(
+    drive: DriveDocument,
+    speed_rpm: float,
+    *,
+    torque_nm: float,
+    at_s: float,
+    over_s: float,
+    begins: bool = False,
+) -> Scenario:
+    """Make a run that begins at standstill, or comes to it and leaves it again, under a constant torque."""
+    scale = scale_of(drive)
+    torque = rounded(torque_nm, TORQUE_DIGITS)
+    load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque, factor=coming_on(drive))
+    run = steady_scenario(drive, speed_rpm, power_share=0.5, constant_power=False).replaced(load=load)
+    if begins:
+        return with_speed(run, stepped(0.0, speed_rpm, at_s, over_s=over_s))
+    fall = COASTING_SHARE * load.torque_nm / drive.machine.inertia_kg_m2 / RADIANS_PER_RPM
+    down = tidy(at_s + scale.tenth_s * math.ceil(speed_rpm / fall / scale.tenth_s))
+    up = tidy(down + scale.units(STANDSTILL_UNITS))
+    return with_speed(
+        run,
+        ((0.0, speed_rpm), (at_s, speed_rpm), (down, 0.0), (up, 0.0), (tidy(up + over_s), speed_rpm)),
+    )

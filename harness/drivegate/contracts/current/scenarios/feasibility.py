@@ -1,0 +1,259 @@
+"""What a drive can do at all: the rules for scenarios that a candidate may fairly be judged on.
+
+There is no braking, since a current reference is never negative: a reference may fall no faster than the
+shaft coasts. Below base speed there is no advance, so that a load there must be within what an angle of zero gives,
+also where the reference rises through base speed; nor may a step of a load that needs an angle, or a restart under it,
+throw the shaft there before any controller can answer. And at every operating point some advance angle must give the
+torque; of a load of constant power, whose torque grows as the speed sags, also a little below it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import lru_cache
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from drivegate.contracts.current.scenarios.hall_beat import beats_with_edges
+from drivegate.scenarios.drive_scale import scale_of
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.scales import NOMINAL, Scales
+from drivegate_cases.scenario.load import ConstantPowerLoad, LockedLoad
+from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
+from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.steady.oracle import feasible_edge
+from drivegate_models.steady.plant import AnyDrive
+from drivegate_models.units import RADIANS_PER_RPM
+
+REACTION_S = 0.02
+"""Time after a step of the load in which no controller can be required to have the torque (s)."""
+COASTING_SHARE = 0.5
+"""Greatest rate at which a loaded speed reference falls, over the rate at which the load alone slows the shaft (1)."""
+UNLOADED_COASTING_SHARE = 0.9
+"""The same without a load, over the rate at which the drive's own drag slows the shaft (1)."""
+SLOWEST_SHARE = 0.1
+"""Least rate at which an unloaded reference falls, over the wanted one (1)."""
+SPEED_RESERVE = 0.1
+"""Sag of the speed from which a plant that is not nominal must be able to recover under constant power (1)."""
+_ROUNDING = 1e-6
+_KEPT_DRIVES = 1_000
+_KEPT_POINTS = 20_000
+
+
+class _Stretch(NamedTuple):
+    """A straight piece of all profiles, with the conditions at its two ends; a step is one of no length."""
+
+    duration: float
+    first: Dwell
+    last: Dwell
+
+
+def is_feasible(scenario: Scenario) -> bool:
+    """Tell whether the plant can give what a scenario requires wherever it goes, at some angle.
+
+    Every corner of the profiles counts, however short the time spent there; a rising speed reference requires
+    the torque that accelerates too. Unequal halves of the supply count as both the weaker one.
+    """
+    if isinstance(scenario.load, LockedLoad):
+        return True
+    return all(_reaches(scenario, corner, accelerating) for corner, accelerating in _demands(scenario))
+
+
+def coasts(scenario: Scenario) -> bool:
+    """Tell whether the speed reference never falls faster than the shaft does by itself."""
+    if isinstance(scenario.load, LockedLoad):
+        return True
+    inertia = scenario.nameplate().inertia
+    for stretch in _stretches(scenario):
+        fall = (stretch.first.speed_rpm - stretch.last.speed_rpm) * RADIANS_PER_RPM
+        if fall <= 0.0:
+            continue
+        if stretch.duration == 0.0:
+            return False
+        drag = min(_drag(scenario, end) for end in (stretch.first, stretch.last))
+        if fall * inertia > drag * stretch.duration * (1.0 + _ROUNDING):
+            return False
+    return True
+
+
+def is_driven_without_advance(scenario: Scenario) -> bool:
+    """Tell whether an angle of zero gives the torque wherever the reference is, or rises from, below base speed."""
+    if isinstance(scenario.load, LockedLoad):
+        return True
+    base = scenario.drive.rating.base_speed_rpm
+    return all(
+        _reaches(scenario, conditions, accelerating, without_advance=True)
+        for conditions, accelerating in _demands(scenario)
+        if conditions.speed_rpm < base
+    )
+
+
+def withstands_steps(scenario: Scenario) -> bool:
+    """Tell whether no load that comes at once takes the shaft below base speed before a controller can answer.
+
+    To a controller that is restarted the whole load comes at once.
+    """
+    if isinstance(scenario.load, LockedLoad):
+        return True
+    steps = [(stretch.first, stretch.last) for stretch in _stretches(scenario) if stretch.duration == 0.0]
+    added = [(first, _torque_added(scenario, first, last)) for first, last in steps]
+    for time in scenario.restarts_s:
+        running = _conditions(scenario, time, value_from)
+        added.append((running, dwell_torque(scenario, running)))
+    return all(_stays_fast(scenario, conditions, torque) for conditions, torque in added)
+
+
+def _torque_added(scenario: Scenario, first: Dwell, last: Dwell) -> float:
+    return dwell_torque(scenario, last) - dwell_torque(scenario, first)
+
+
+def _stays_fast(scenario: Scenario, conditions: Dwell, torque: float) -> bool:
+    """Tell whether a torque that nothing answers for a moment leaves the shaft above base speed."""
+    base = scenario.drive.rating.base_speed_rpm * RADIANS_PER_RPM
+    speed = conditions.speed_rpm * RADIANS_PER_RPM
+    return speed <= base or speed - torque * REACTION_S / scenario.nameplate().inertia > base
+
+
+def is_fair(scenario: Scenario) -> bool:
+    """Tell whether a candidate may be judged on a scenario."""
+    return unfair_because(scenario) is None
+
+
+def unfair_because(scenario: Scenario) -> str | None:
+    """Tell why a candidate may not be judged on a scenario."""
+    if scenario.initial_speed_rpm != scenario.speed_rpm[0][1]:
+        return "it does not start at its speed reference"
+    if not is_driven_without_advance(scenario):
+        return "it requires a load below base speed that no controller can drive without advance"
+    if not withstands_steps(scenario):
+        return "a step of the load, or a restart, throws the shaft below base speed before a controller can answer"
+    if not coasts(scenario):
+        return "its speed reference falls faster than the shaft coasts, and there is no braking"
+    if not is_feasible(scenario):
+        return "at one of its operating points no advance angle gives the torque"
+    if beats_with_edges(scenario):
+        return "at one of its speeds Hall edges and control periods run almost in step, which moves the current sum"
+    return None
+
+
+def _stretches(scenario: Scenario) -> Iterator[_Stretch]:
+    """Cut a run at every corner of its profiles; steps come as pieces of no length."""
+    times = breakpoints(_profiles(scenario), scenario.duration_s)
+    before = _conditions(scenario, times[0], value_from)
+    for start, end in pairwise(times):
+        first = _conditions(scenario, start, value_from)
+        if first != before:
+            yield _Stretch(0.0, before, first)
+        before = _conditions(scenario, end, value_until)
+        yield _Stretch(end - start, first, before)
+
+
+def _profiles(scenario: Scenario) -> tuple[Profile, ...]:
+    return (
+        scenario.speed_rpm,
+        scenario.load_profile,
+        scenario.supply_profile,
+        scenario.imbalance_profile,
+        scenario.resistance_profile,
+        scenario.emf_profile,
+    )
+
+
+def _conditions(scenario: Scenario, time: float, value_at: Callable[[Profile, float], float]) -> Dwell:
+    # The time itself is no condition.
+    return Dwell(0.0, 0.0, *(value_at(profile, time) for profile in _profiles(scenario)))
+
+
+def _demands(scenario: Scenario) -> Iterator[tuple[Dwell, float]]:
+    """Give each corner's conditions with the torque that accelerates the shaft there (N m)."""
+    inertia = scenario.nameplate().inertia
+    step_acceleration = scale_of(scenario.drive).step_acceleration_s
+    for stretch in _stretches(scenario):
+        rise = (stretch.last.speed_rpm - stretch.first.speed_rpm) * RADIANS_PER_RPM
+        accelerating = inertia * max(rise, 0.0) / (stretch.duration or step_acceleration)
+        yield stretch.first, accelerating
+        yield stretch.last, accelerating
+        base = scenario.drive.rating.base_speed_rpm
+        if stretch.first.speed_rpm < base <= stretch.last.speed_rpm:
+            # The heaviest on the way up is where the advance is about to begin.
+            below = math.nextafter(base, 0.0)
+            yield replace(stretch.first, speed_rpm=below), accelerating
+            yield replace(stretch.last, speed_rpm=below), accelerating
+
+
+def _reaches(
+    scenario: Scenario, conditions: Dwell, accelerating: float, *, without_advance: bool = False
+) -> bool:
+    load = dwell_torque(scenario, conditions)
+    speed = conditions.speed_rpm * RADIANS_PER_RPM
+    if load == 0.0 or speed == 0.0:
+        return True
+    scales = dwell_scales(scenario, conditions)
+    drive = _drive(scenario.drive, scales)
+    held = load + _own_drag(drive, speed)
+    if held < 0.0:
+        # A vehicle that runs downhill by itself would have to be braked.
+        return False
+    voltage = conditions.supply_v * (1.0 - abs(conditions.imbalance))
+    edge = _edge(scenario.drive, scales, speed, held + accelerating, voltage)
+    if not math.isfinite(edge) or (without_advance and edge > 0.0):
+        return False
+    is_nominal = scales == NOMINAL and voltage >= scenario.drive.inverter.supply_voltage_v
+    if is_nominal or not isinstance(scenario.load, ConstantPowerLoad):
+        return True
+    sagged = 1.0 - SPEED_RESERVE
+    edge = _edge(scenario.drive, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
+    return math.isfinite(edge) and not (without_advance and edge > 0.0)
+
+
+def _drag(scenario: Scenario, conditions: Dwell) -> float:
+    """Torque that slows the shaft while no phase carries current: the load and the drive's own (N m)."""
+    drive = _drive(scenario.drive, dwell_scales(scenario, conditions))
+    return dwell_torque(scenario, conditions) + _own_drag(drive, conditions.speed_rpm * RADIANS_PER_RPM)
+
+
+def coasted_rate(drive: DriveDocument, wanted_rpm_per_s: float) -> float:
+    """Give a rate (rpm/s) at which an unloaded shaft slows down near base speed: the wanted one, or what it coasts at.
+
+    It is 0 where the drive has next to no drag of its own, so that an unloaded shaft does not slow down in good time.
+    """
+    speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
+    drag = _own_drag(_drive(drive, NOMINAL), speed)
+    coasting = UNLOADED_COASTING_SHARE * drag / drive.machine.inertia_kg_m2 / RADIANS_PER_RPM
+    rate = min(wanted_rpm_per_s, coasting)
+    return rate if rate > SLOWEST_SHARE * wanted_rpm_per_s else 0.0
+
+
+def _own_drag(drive: AnyDrive, speed: float) -> float:
+    """Friction, and the core loss of the whole EMF, more of which the shaft never has to bear (N m)."""
+    core = (
+        drive.phases
+        * drive.core_loss_conductance
+        * (drive.emf_constant * drive.emf_constant)
+        * _mean_square(drive)
+        * speed
+    )
+    return drive.friction + drive.viscous_friction * speed + core
+
+
+def _mean_square(drive: AnyDrive) -> float:
+    """Mean square of the back-EMF's shape, exact for its straight pieces (1)."""
+    first, last = drive.emf_values[:-1], drive.emf_values[1:]
+    pieces = (first * first + first * last + last * last) / 3.0
+    return float(np.sum(pieces * np.diff(drive.emf_angles)) / (drive.emf_angles[-1] - drive.emf_angles[0]))
+
+
+@lru_cache(maxsize=_KEPT_DRIVES)
+def _drive(drive: DriveDocument, scales: Scales) -> AnyDrive:
+    return drive.plant(scales)
+
+
+@lru_cache(maxsize=_KEPT_POINTS)
+def _edge(drive: DriveDocument, scales: Scales, speed: float, torque: float, voltage: float) -> float:
+    """Find the smallest angle that gives a torque; NaN where none does."""
+    return feasible_edge(_drive(drive, scales), speed, torque, voltage)

@@ -1,0 +1,43 @@
+"""All checks of controllers that answer with duty ratios, in the order in which they are reported."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from drivegate.checks.check import Check
+from drivegate.checks.determinism import DET_1
+from drivegate.checks.timing import TIM_1
+from drivegate.contracts.duty.checks.accuracy import ACC_1
+from drivegate.contracts.duty.checks.commands import DUT_1
+from drivegate.contracts.duty.checks.current import EFF_1, MTP_1, OVC_1
+from drivegate.contracts.duty.checks.decoupling import DEC_1
+from drivegate.contracts.duty.checks.failures import SAF_1
+from drivegate.contracts.duty.checks.power import DUTY_PWR_1
+from drivegate.contracts.duty.checks.ripple import DTM_1, RIP_4
+from drivegate.contracts.duty.checks.robustness import ROB_4, ROB_5
+from drivegate.contracts.duty.checks.starting import STA_1
+from drivegate.contracts.duty.checks.steps import STP_1
+from drivegate.contracts.duty.checks.weakening import FWK_1, FWK_2, FWK_3
+
+DUTY_CHECKS: Final[tuple[Check, ...]] = (
+    DUTY_PWR_1,
+    DUT_1,
+    ACC_1,
+    STP_1,
+    DEC_1,
+    FWK_1,
+    FWK_2,
+    FWK_3,
+    RIP_4,
+    DTM_1,
+    MTP_1,
+    EFF_1,
+    OVC_1,
+    STA_1,
+    ROB_4,
+    ROB_5,
+    SAF_1,
+    DET_1,
+    TIM_1,
+)
+"""Every check of this contract; those that are also of the other one have the same identifiers there."""

@@ -1,0 +1,151 @@
+"""Checks of the phase currents: their peaks, and least current for the torque."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, at_most
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.duty.checks.judged import at, duty_record, plant_of, worst
+from drivegate.contracts.duty.checks.optimum import least_free, least_within, undistorted
+from drivegate.contracts.duty.record import DutyRecord, DutyWindow
+from drivegate_models.machine import ledger
+
+if TYPE_CHECKING:
+    from drivegate_models.pm_ac.fundamental import SteadyState
+
+FREE_SHARE = 0.9
+"""Share of the undistorted voltage below which nothing has to be weakened (1)."""
+LEAST_TORQUE_SHARE = 0.1
+"""Torque over the rated one from which shares of a current mean something (1)."""
+EFFICIENCY_POINTS = (
+    (0.0, 0.25),
+    (0.0, 0.5),
+    (0.0, 1.0),
+    (0.5, 0.25),
+    (0.5, 0.5),
+    (0.5, 1.0),
+    (1.0, 0.5),
+    (1.0, 1.0),
+)
+"""Speed over base speed and torque over rated torque of the points of IEC 61800-9-2, from which the stimuli derive."""
+_SAME = 1e-3
+
+
+def peak_current(record: RunRecord) -> Margin:
+    """Judge the greatest phase current of a run."""
+    judged = duty_record(record)
+    peak, limit = float(judged.run.totals[ledger.PEAK]), judged.limits.peak_current_a
+    return Margin("OVC-1", at_most(peak, limit), f"{peak:.5g} A")
+
+
+def least_current(record: RunRecord) -> Margin | None:
+    """Judge the current of steady torque where the voltage is free."""
+    judged = duty_record(record)
+    return worst(_current_excess(judged, window) for window in _free_windows(judged))
+
+
+def _free_windows(record: DutyRecord) -> Iterator[DutyWindow]:
+    if not record.is_nominal:
+        return
+    for window in record.steady:
+        if window.torque < LEAST_TORQUE_SHARE * record.limits.rated_torque_nm:
+            continue
+        least = least_free(plant_of(record), window.speed, window.torque)
+        if isfinite(least.voltage) and least.voltage < FREE_SHARE * undistorted(window.link):
+            yield window
+
+
+def _current_excess(record: DutyRecord, window: DutyWindow) -> Margin:
+    least = least_free(plant_of(record), window.speed, window.torque).current
+    excess = window.current / least - 1.0
+    told = f"{100.0 * excess:.3g} % above {least:.4g} A for {window.torque:.4g} N·m {at(window)}"
+    by_current = Margin("MTP-1", at_most(excess, record.limits.current_excess), told)
+    # More current is no waste where it saves more in the iron.
+    by_loss = at_most(_loss_above_least(record, window), record.limits.current_excess)
+    return by_current if by_current.value >= by_loss else replace(by_current, value=by_loss)
+
+
+def _loss_above_least(record: DutyRecord, window: DutyWindow) -> float:
+    """Give the loss of the fundamental over the least one for its torque, less one; 0 where none is known (1)."""
+    own, least = losses(record, window)
+    return own.loss / least.loss - 1.0 if isfinite(least.loss) and least.loss > 0.0 else 0.0
+
+
+def losses(record: DutyRecord, window: DutyWindow) -> tuple[SteadyState, SteadyState]:
+    """Give the steady state of a window's currents, and that of least loss for its torque."""
+    from drivegate_models.pm_ac.fundamental import steady_state
+
+    own = steady_state(plant_of(record), window.speed, window.direct, window.quadrature)
+    return own, least_within(plant_of(record), window.speed, window.link, own.torque, "loss")
+
+
+def least_loss(record: RunRecord) -> Margin | None:
+    """Judge the loss of the fundamental at the efficiency points."""
+    judged = duty_record(record)
+    return worst(_loss_excess(judged, window) for window in efficiency_windows(judged))
+
+
+def efficiency_windows(record: DutyRecord) -> Iterator[DutyWindow]:
+    """Find the steady states at the efficiency points, on the nominal drive."""
+    if record.is_nominal:
+        yield from (window for window in record.steady if _is_efficiency_point(record, window))
+
+
+def _is_efficiency_point(record: DutyRecord, window: DutyWindow) -> bool:
+    if window.torque_reference is None or record.scenario.supply_v is not None:
+        return False
+    base, rated = record.document.rating.base_speed_rpm, record.limits.rated_torque_nm
+    place = window.dwell.speed_rpm / base, window.torque_reference / rated
+    return any(
+        abs(place[0] - speed) < _SAME and abs(place[1] - torque) < _SAME
+        for speed, torque in EFFICIENCY_POINTS
+    )
+
+
+def _loss_excess(record: DutyRecord, window: DutyWindow) -> Margin:
+    excess = _loss_above_least(record, window)
+    told = f"{100.0 * excess:.3g} % above the least loss for {window.torque:.4g} N·m {at(window)}"
+    return Margin("EFF-1", at_most(excess, record.limits.loss_excess), told)
+
+
+OVC_1 = Check(
+    id="OVC-1",
+    requirement="No phase current exceeds its peak limit, whatever load, reference or supply do.",
+    source="the contract",
+    subject="candidate",
+    level="required",
+    limit="{peak}",
+    scenarios="every run",
+    formula="1 - greatest phase current / {peak}",
+    why="Devices and magnets are chosen for that current.",
+    evaluate=peak_current,
+)
+MTP_1 = Check(
+    id="MTP-1",
+    requirement="Below weakening a torque takes hardly more than its least current, or than its least loss.",
+    source="the contract",
+    subject="candidate",
+    level="required",
+    limit="{current_excess} above the least",
+    scenarios="steady stretches of nominal drives from 10 % of rated torque on that take 90 % of the voltage at most",
+    formula="the greater of 1 - (current / the oracle's least - 1) / {current_excess} and the same of the loss",
+    why="More current than the least heats the winding for nothing, unless it saves loss in the iron.",
+    evaluate=least_current,
+)
+EFF_1 = Check(
+    id="EFF-1",
+    requirement="At eight operating points derived from those of IEC 61800-9-2 the loss is near the least possible.",
+    source="the contract",
+    subject="candidate",
+    level="advisory",
+    limit="{loss_excess} above the least loss",
+    scenarios="steady torque at 0, 50 and 100 % of base speed, 25, 50 and 100 % of rated torque, on the nominal drive",
+    formula="1 - (loss of the fundamental / the oracle's least loss - 1) / {loss_excess}",
+    why="Least current is not least loss where the iron loses too.",
+    evaluate=least_loss,
+)

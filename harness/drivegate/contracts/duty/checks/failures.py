@@ -1,0 +1,119 @@
+"""Check of what a controller does when a part of its drive fails."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.declaration import Declaration
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, at_most
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.duty.checks.judged import duty_record
+from drivegate.contracts.duty.record import DutyRecord
+from drivegate.contracts.duty.run import LEGS
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.failure_kind import SURVIVABLE
+from drivegate_cases.scenario.load import DynamometerLoad
+from drivegate_models.contract.duty.signals import LEG_OFF
+
+
+def safe_state(record: RunRecord) -> Margin | None:
+    """Judge how soon the drive is in a safe state for good, and its torque until then."""
+    judged = duty_record(record)
+    failure, period = judged.scenario.failure, judged.scenario.control_period_s
+    if failure is None or failure.kind not in judged.declaration.detects or not judged.has_nominal_plant:
+        return None
+    begin = failure.first_period(period)
+    if failure.kind in SURVIVABLE and not isinstance(judged.scenario.load, DynamometerLoad):
+        # What torque a speed regulator wants, nobody else knows, and the speed hardly shows it.
+        return None
+    claimed = _claimed(judged)
+    if len(claimed) - begin < judged.limits.safe_state_s / period:
+        return None
+    if claimed[:begin].any():
+        early = float(np.argmax(claimed)) * period
+        return Margin("SAF-1", -1.0, f"the safe state is taken at {early:.4g} s, before anything fails")
+    if failure.kind in SURVIVABLE and not claimed.any():
+        return _ridden_through(judged, begin)
+    return min(
+        _reached(judged, claimed, begin),
+        _torque_until_then(judged, claimed, begin),
+        key=lambda margin: margin.value,
+    )
+
+
+def _ridden_through(record: DutyRecord, begin: int) -> Margin:
+    """Judge the torque of a drive that goes on: it stays at its reference."""
+    torque, wanted = (record.run.column(name)[begin:] for name in ("torque", "torque_reference"))
+    greatest = float(np.max(np.abs(torque - wanted)))
+    told = f"torque {greatest:.4g} N·m off its reference behind {_words(record)}"
+    return Margin("SAF-1", at_most(greatest, record.limits.failure_torque_nm), told)
+
+
+def _claimed(record: DutyRecord) -> NDArray[np.bool_]:
+    """Tell in which control periods the controller says that it is in a safe state, shape (n,)."""
+    commands = record.run.commands
+    off = np.logical_and.reduce([commands[leg] == LEG_OFF for leg in LEGS])
+    claimed: NDArray[np.bool_] = off | (commands["fault"] != 0)
+    return claimed
+
+
+def _reached(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> Margin:
+    limits, period = record.limits, record.scenario.control_period_s
+    still = np.abs(record.run.column("torque")) <= limits.failure_torque_nm
+    unsafe = np.flatnonzero(~(claimed & still)[begin:])
+    time = float(unsafe[-1] + 1) * period if unsafe.size else 0.0
+    reached = begin + round(time / period) < len(claimed)
+    told = f"safe {1e3 * time:.4g} ms after" if reached else f"not safe {1e3 * time:.4g} ms after"
+    return Margin("SAF-1", at_most(time, limits.safe_state_s), f"{told} {_words(record)}")
+
+
+def _torque_until_then(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> Margin:
+    """Judge the torque beyond the reference or against it: less of it is what a safe state comes to."""
+    limits = record.limits
+    if not isinstance(record.scenario.load, DynamometerLoad):
+        # What torque a speed regulator wants, nobody else knows.
+        return Margin("SAF-1", 1.0, f"no torque is asked for {_words(record)}")
+    later = np.flatnonzero(claimed[begin:])
+    allowed = round(limits.safe_state_s / record.scenario.control_period_s)
+    rows = slice(begin, begin + 1 + (int(later[0]) if later.size else allowed))
+    torque, wanted = (record.run.column(name)[rows] for name in ("torque", "torque_reference"))
+    beyond = np.maximum(torque - np.maximum(wanted, 0.0), np.minimum(wanted, 0.0) - torque)
+    greatest = max(float(np.max(beyond)), 0.0)
+    told = f"torque {greatest:.4g} N·m beyond its reference behind {_words(record)}"
+    return Margin("SAF-1", at_most(greatest, limits.failure_torque_nm), told)
+
+
+def _words(record: DutyRecord) -> str:
+    failure = record.scenario.failure
+    assert failure is not None, "something fails in such a run"
+    return f"{failure.kind} at {failure.time_s:.4g} s"
+
+
+def _detects_nothing(declaration: Declaration, _drive: DriveDocument) -> str | None:
+    return None if declaration.detects else "the candidate does not declare any failure that it detects"
+
+
+SAF_1 = Check(
+    id="SAF-1",
+    requirement=(
+        "Behind each failure that the candidate declares to detect the drive is soon in a safe state for good, and its "
+        "torque goes hardly beyond the reference until then; behind an edge that is lost it may also go on."
+    ),
+    source="the contract",
+    subject="candidate",
+    level="required",
+    limit="{safe_time}, and torque {failure_torque} until then and from then on, or always where it goes on",
+    scenarios=(
+        "runs of the nominal drive in which a phase, a current sensor, the position or the shaft fails, or an edge of "
+        "the position is lost"
+    ),
+    formula=(
+        "the lesser of 1 - time / {safe_time} and 1 - torque beyond 0 to the reference / {failure_torque}; of a drive "
+        "that goes on 1 - torque off the reference / {failure_torque}"
+    ),
+    why="What fails, fails in the field, where the torque that nobody asked for moves something.",
+    evaluate=safe_state,
+    reason_not_applicable=_detects_nothing,
+)

@@ -1,0 +1,45 @@
+"""From a run's record to that of a run with duty ratios, and the worst of several margins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+from drivegate.checks.margin import Margin
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.duty.checks.optimum import greatest_at
+from drivegate.contracts.duty.record import DutyRecord, DutyWindow
+from drivegate_models.units import RADIANS_PER_RPM
+
+if TYPE_CHECKING:
+    from drivegate_models.pm_ac.plant.drive import PmAcDrive
+
+
+def duty_record(record: RunRecord) -> DutyRecord:
+    """Take a record for what it is here."""
+    assert isinstance(record, DutyRecord), "a check of duty ratios judges runs with duty ratios"
+    return record
+
+
+def plant_of(record: DutyRecord) -> PmAcDrive:
+    """Give the plant that the run was made on."""
+    drive: Any = record.drive
+    plant: PmAcDrive = drive
+    return plant
+
+
+def worst(margins: Iterable[Margin]) -> Margin | None:
+    """Give the least of the margins of one run; None where there are none."""
+    return min(margins, key=lambda margin: margin.value, default=None)
+
+
+def is_within_reach(record: DutyRecord, window: DutyWindow, torque: float) -> bool:
+    """Tell whether a torque lies as far below the greatest possible as weakening is allowed to stay."""
+    greatest = greatest_at(plant_of(record), window.speed, window.link).torque
+    return isfinite(greatest) and abs(torque) <= record.limits.weakening_share * greatest
+
+
+def at(window: DutyWindow) -> str:
+    """Tell where in a run a window is."""
+    return f"at {window.speed / RADIANS_PER_RPM:.5g} rpm, {window.start_s:.4g} to {window.end_s:.4g} s"

@@ -1,0 +1,160 @@
+"""Checks of the torque ripple: over that of ideal modulation, and with dead time over that without."""
+
+from __future__ import annotations
+
+from math import ceil, pi
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, at_most
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.duty.checks.judged import at, duty_record, plant_of, worst
+from drivegate.contracts.duty.checks.optimum import undistorted
+from drivegate.contracts.duty.record import DutyRecord, DutyWindow
+from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
+from drivegate_models.units import RADIANS_PER_RPM
+
+LEAST_TORQUE_SHARE: Final = 0.1
+"""Torque over the rated one from which on ripple is judged (1)."""
+LEAST_SPEED_SHARE: Final = 0.05
+"""Speed over base speed from which on it is judged (1)."""
+VOLTAGE_SHARE: Final = 0.95
+"""Share of the undistorted voltage up to which it is judged: at the limit there is no ideal modulation (1)."""
+_SIXTH: Final = pi / 3.0
+_FEWEST, _MOST = 20, 600
+_LEAD: Final = 4
+_TIME_CONSTANTS: Final = 2.0
+_LONGEST: Final = 2000
+
+
+def _watched(record: DutyRecord, window: DutyWindow) -> int:
+    """Give the control periods of a sixth of an electrical period, after which the torque repeats itself."""
+    length = record.scenario.control_period_s
+    turning = record.document.machine.pole_pairs * abs(window.speed) * length
+    room = round((window.end_s - window.start_s) / length) - _LEAD
+    return min(max(ceil(_SIXTH / turning), _FEWEST), _MOST, room)
+
+
+def _swing(record: DutyRecord, window: DutyWindow) -> float:
+    """Give the greatest less the least torque at any instant of the end of a window (N·m)."""
+    from drivegate_models.pm_ac.ripple import commanded_swing
+
+    run, length, count = record.run, record.scenario.control_period_s, _watched(record, window)
+    first = round(window.end_s / length) - count - _LEAD
+    # The plant begins with its lower switches on, which they are at the start of a carrier's period.
+    first -= first % 2
+    rows = slice(first, round(window.end_s / length))
+    drive = plant_of(record)
+    delay = 1 if drive.modulator.update_delay > 0 else 0
+    commands = run.commands[rows.start - delay : rows.stop - delay]
+    ratios: NDArray[np.float64] = np.stack([commands[name] for name in DUTY_RATIOS], axis=1)
+    legs: NDArray[np.int64] = np.stack([commands[name] for name in LEGS], axis=1)
+    direct, quadrature = (float(run.column(name)[first - 1]) for name in ("direct", "quadrature"))
+    return commanded_swing(
+        drive,
+        (direct, quadrature),
+        float(run.column("angle")[first]),
+        window.speed,
+        window.link,
+        np.ascontiguousarray(ratios),
+        np.ascontiguousarray(legs),
+        first=first,
+        ignored=len(ratios) - count,
+        period=length,
+    )
+
+
+def _ideal_swing(record: DutyRecord, window: DutyWindow) -> float:
+    from drivegate_models.pm_ac.ripple import ideal_swing
+
+    drive, length = plant_of(record), record.scenario.control_period_s
+    slowest = max(drive.direct_inductance, drive.quadrature_inductance)
+    settled = _TIME_CONSTANTS * slowest / (drive.resistance * length) if drive.resistance > 0.0 else _LONGEST
+    return ideal_swing(
+        drive,
+        window.speed,
+        window.link,
+        (window.direct, window.quadrature),
+        ignored=2 * ceil(min(settled, _LONGEST) / 2.0),
+        watched=_watched(record, window),
+        period=length,
+    )
+
+
+def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
+    """Tell whether a window has the speed, the torque and the spare voltage to judge ripple by."""
+    is_slow = window.speed < LEAST_SPEED_SHARE * record.document.rating.base_speed_rpm * RADIANS_PER_RPM
+    is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.limits.rated_torque_nm
+    return not (is_slow or is_weak or window.voltage > VOLTAGE_SHARE * undistorted(window.link))
+
+
+def modulation_ripple(record: RunRecord) -> Margin | None:
+    """Judge the torque ripple of steady states where the voltage is not limited."""
+    judged = duty_record(record)
+    return worst(
+        _over(
+            "RIP-4",
+            judged,
+            window,
+            _ideal_swing(judged, window),
+            judged.limits.modulation_ripple,
+            "of ideal modulation",
+        )
+        for window in judged.steady
+        if judged.is_nominal and _is_rippling(judged, window)
+    )
+
+
+def dead_time_ripple(record: RunRecord) -> Margin | None:
+    """Judge the torque ripple at low speed with dead time by that of the same run without it."""
+    judged = duty_record(record)
+    other = judged.other_dead_time
+    if other is None:
+        return None
+    blanked, free = (judged, other) if judged.document.inverter.dead_time_s > 0.0 else (other, judged)
+    return worst(
+        _over(
+            "DTM-1", blanked, window, _swing(free, plain), judged.limits.dead_time_ripple, "without dead time"
+        )
+        for window, plain in zip(blanked.steady, free.steady, strict=True)
+        if free.is_nominal and _is_rippling(free, plain)
+    )
+
+
+def _over(
+    check: str, record: DutyRecord, window: DutyWindow, other: float, limit: float, words: str
+) -> Margin:
+    swing = _swing(record, window)
+    ratio = swing / other
+    told = f"torque swings by {swing:.4g} N·m, {ratio:.4g} times the {other:.4g} N·m {words}, {at(window)}"
+    return Margin(check, at_most(ratio, limit), told)
+
+
+RIP_4 = Check(
+    id="RIP-4",
+    requirement="In steady state the torque ripple is hardly more than that of ideal space-vector modulation.",
+    source="the contract",
+    subject="candidate",
+    level="required",
+    limit="{modulation_ripple} times the ripple of ideal space-vector modulation at the same currents and speed",
+    scenarios="steady stretches of the nominal drive from 10 % of rated torque and 5 % of base speed on, that take "
+    "95 % of the voltage at most",
+    formula="1 - torque's swing over a sixth of a cycle / that of ideal modulation / {modulation_ripple}",
+    why="What the torque swings by beyond what switching takes is noise and wear for nothing.",
+    evaluate=modulation_ripple,
+)
+DTM_1 = Check(
+    id="DTM-1",
+    requirement="At low speed dead time adds hardly anything to the torque ripple.",
+    source="the contract",
+    subject="candidate",
+    level="advisory",
+    limit="{dead_time_ripple} times the ripple without dead time",
+    scenarios="steady torques at 5 to 10 % of base speed, run with dead time and without",
+    formula="1 - torque's swing with dead time / that without / {dead_time_ripple}",
+    why="Dead time takes voltage by the sign of each current, and most of it where there is little.",
+    evaluate=dead_time_ripple,
+)

@@ -1,0 +1,174 @@
+"""Steps of the torque reference, and the check of what follows them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from math import hypot, isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, at_most
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.duty.checks.judged import duty_record, plant_of
+from drivegate.contracts.duty.checks.optimum import greatest_at, least_free, undistorted
+from drivegate.contracts.duty.record import DutyRecord
+from drivegate_models.units import RADIANS_PER_RPM
+
+if TYPE_CHECKING:
+    from drivegate_models.pm_ac.fundamental import SteadyState
+
+SMALLEST_SHARE = 0.1
+"""Least step that is judged, over rated torque (1)."""
+VOLTAGE_SHARE = 0.8
+"""Greatest share of the undistorted voltage that the torques at both ends may take (1)."""
+REACHED = 0.9
+"""Share of a step by which its time is measured (1)."""
+
+
+@dataclass(frozen=True)
+class TorqueStep:
+    """A step of the torque reference at a held speed, and the control periods up to the next change.
+
+    Attributes
+    ----------
+    time_s : float
+        When it happens (s).
+    speed_rpm : float
+        Speed that the shaft is held at (rpm).
+    before, after : float
+        The reference (N m).
+    rows : slice
+        The control periods.
+    """
+
+    time_s: float
+    speed_rpm: float
+    before: float
+    after: float
+    rows: slice
+
+
+def torque_steps(record: DutyRecord) -> Iterator[TorqueStep]:
+    """Find the steps at which nothing but the torque reference changes."""
+    period = record.scenario.control_period_s
+    for first, second in pairwise([window.dwell for window in record.steady]):
+        before, after = first.torque_reference_nm, second.torque_reference_nm
+        if before is None or after is None or first.end != second.start:
+            continue
+        rows = slice(round(second.start / period), round(second.end / period))
+        yield TorqueStep(second.start, second.speed_rpm, before, after, rows)
+
+
+@dataclass(frozen=True)
+class StepResponse:
+    """What follows a step of the torque reference.
+
+    Attributes
+    ----------
+    step : TorqueStep
+        The step.
+    overshoot : float
+        Greatest torque beyond the reference, over the step (1).
+    rise_s : float
+        Time to 90 % of the step (s); infinite where that is not reached.
+    allowed_s : float
+        Longest time that is allowed (s).
+    margin : Margin
+        That of the check.
+    """
+
+    step: TorqueStep
+    overshoot: float
+    rise_s: float
+    allowed_s: float
+    margin: Margin
+
+
+def step_response(record: RunRecord) -> Margin | None:
+    """Judge overshoot and rise time of the torque where the voltage leaves room for both."""
+    decisive = decisive_step(duty_record(record))
+    return None if decisive is None else decisive.margin
+
+
+def decisive_step(record: DutyRecord) -> StepResponse | None:
+    """Find the step with the least margin; None where none is judged."""
+    return min(step_responses(record), key=lambda response: response.margin.value, default=None)
+
+
+def step_responses(record: DutyRecord) -> Iterator[StepResponse]:
+    """Measure the steps that are judged."""
+    if record.is_nominal:
+        yield from (_response(record, step) for step in torque_steps(record) if is_free(record, step))
+
+
+def is_free(record: DutyRecord, step: TorqueStep) -> bool:
+    """Tell whether a step is great enough to be judged, and leaves voltage for its own response."""
+    smallest = SMALLEST_SHARE * record.limits.rated_torque_nm
+    speed, link = step.speed_rpm * RADIANS_PER_RPM, record.document.inverter.link_voltage_v
+    reach = record.limits.weakening_share * greatest_at(plant_of(record), speed, link).torque
+    if record.scenario.supply_v is not None or not max(abs(step.before), abs(step.after)) <= reach:
+        return False
+    used = max(least_state(record, step, torque).voltage for torque in (step.before, step.after))
+    return abs(step.after - step.before) >= smallest and used <= VOLTAGE_SHARE * undistorted(link)
+
+
+def least_state(record: DutyRecord, step: TorqueStep, torque: float) -> SteadyState:
+    """Find the steady state of least current for a torque at the speed of a step, whatever voltage it takes."""
+    return least_free(plant_of(record), step.speed_rpm * RADIANS_PER_RPM, torque)
+
+
+def _response(record: DutyRecord, step: TorqueStep) -> StepResponse:
+    size = step.after - step.before
+    risen = (record.run.column("torque")[step.rows] - step.before) / size
+    overshoot = max(float(np.max(risen)) - 1.0, 0.0)
+    reached = np.flatnonzero(risen >= REACHED)
+    period = record.scenario.control_period_s
+    time = float(reached[0] + 1) * period if reached.size else float("inf")
+    allowed = allowed_rise_s(record, step)
+    place = f"from {step.before:.4g} to {step.after:.4g} N·m at {step.speed_rpm:.5g} rpm"
+    rise = f"{1e3 * time:.4g} ms to 90 %" if isfinite(time) else "90 % is not reached"
+    margin = min(
+        Margin(
+            "STP-1",
+            at_most(overshoot, record.limits.overshoot),
+            f"overshoot {100.0 * overshoot:.3g} % {place}",
+        ),
+        Margin("STP-1", at_most(time, allowed), f"{rise}, {1e3 * allowed:.4g} ms are allowed, {place}"),
+        key=lambda margin: margin.value,
+    )
+    return StepResponse(step, overshoot, time, allowed, margin)
+
+
+def allowed_rise_s(record: DutyRecord, step: TorqueStep) -> float:
+    """Give the longest time of a step: what is stated, and what the voltage takes to move the current."""
+    return float(record.limits.rise_time_s + voltage_time_s(record, step))
+
+
+def voltage_time_s(record: DutyRecord, step: TorqueStep) -> float:
+    """Give the time in which the voltage that both ends leave moves the currents from one to the other."""
+    drive = plant_of(record)
+    first, last = (least_state(record, step, torque) for torque in (step.before, step.after))
+    flux = hypot(
+        drive.direct_inductance * (last.direct - first.direct),
+        drive.quadrature_inductance * (last.quadrature - first.quadrature),
+    )
+    room = undistorted(drive.link_voltage) - max(first.voltage, last.voltage)
+    return flux / room
+
+
+STP_1 = Check(
+    id="STP-1",
+    requirement="A step of the torque reference is followed without much overshoot, and in time.",
+    source="the contract",
+    subject="candidate",
+    level="required",
+    limit="overshoot {overshoot}, {rise}",
+    scenarios="steps of 10 % of rated torque and more on the nominal drive, that take 80 % of the voltage at most",
+    formula="the lesser of 1 - overshoot / {overshoot} and 1 - time to 90 % / the longest one",
+    why="Loops above the torque are laid out for its response.",
+    evaluate=step_response,
+)

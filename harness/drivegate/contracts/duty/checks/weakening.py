@@ -1,0 +1,140 @@
+"""Checks of flux weakening: enough of it, none where it is not needed, and a safe way out of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isfinite
+from typing import Final
+
+import numpy as np
+
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, at_most, normalised
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.duty.checks.current import FREE_SHARE
+from drivegate.contracts.duty.checks.judged import at, duty_record, is_within_reach, plant_of, worst
+from drivegate.contracts.duty.checks.optimum import Purpose, greatest_at, least_free, undistorted
+from drivegate.contracts.duty.checks.steps import TorqueStep, torque_steps
+from drivegate.contracts.duty.record import DutyRecord, DutyWindow
+from drivegate_models.units import RADIANS_PER_RPM
+
+_PURPOSES: Final[tuple[Purpose, ...]] = ("current", "loss")
+
+
+def weakened_torque(record: RunRecord) -> Margin | None:
+    """Judge the torque above base speed where all of it is asked for."""
+    judged = duty_record(record)
+    return worst(_share_of_greatest(judged, window) for window in _weakened(judged))
+
+
+def _weakened(record: DutyRecord) -> Iterator[DutyWindow]:
+    base = record.document.rating.base_speed_rpm * RADIANS_PER_RPM
+    if not record.is_nominal:
+        return
+    for window in record.steady:
+        wanted = window.torque_reference
+        if (
+            wanted is not None
+            and wanted > 0.0
+            and window.speed > base
+            and not is_within_reach(record, window, wanted)
+        ):
+            yield window
+
+
+def _share_of_greatest(record: DutyRecord, window: DutyWindow) -> Margin:
+    greatest = greatest_at(plant_of(record), window.speed, window.link).torque
+    if not isfinite(greatest) or greatest <= 0.0:
+        # Nothing can be asked of a speed at which the limits leave no torque.
+        return Margin("FWK-1", 1.0, f"no torque is possible {at(window)}")
+    wanted = min(window.torque_reference or 0.0, greatest)
+    least = record.limits.weakening_share * wanted
+    told = f"{window.torque:.4g} of {wanted:.4g} N·m possible {at(window)}"
+    return Margin("FWK-1", normalised(window.torque - least, least), told)
+
+
+def needless_direct_current(record: RunRecord) -> Margin | None:
+    """Judge the d current where the voltage is free."""
+    judged = duty_record(record)
+    if not judged.is_nominal:
+        return None
+    windows = (window for window in judged.steady if window.voltage < FREE_SHARE * undistorted(window.link))
+    margins = [_direct_error(judged, window) for window in windows]
+    return worst(margin for margin in margins if margin is not None)
+
+
+def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
+    # Weakening may keep this much voltage in hand, and only what goes further is needless.
+    voltage = FREE_SHARE * undistorted(window.link)
+    best, cool = (
+        least_free(plant_of(record), window.speed, window.torque, voltage, purpose).direct
+        for purpose in _PURPOSES
+    )
+    if not (isfinite(best) and isfinite(cool)):
+        return None
+    error = max(min(best, cool) - window.direct, window.direct - max(best, cool), 0.0)
+    told = f"d current {window.direct:.4g} A, {best:.4g} A is best for {window.torque:.4g} N·m {at(window)}"
+    return Margin("FWK-2", at_most(error, record.limits.direct_error_a), told)
+
+
+def way_out_of_weakening(record: RunRecord) -> Margin | None:
+    """Judge what happens when the torque reference goes to zero above base speed."""
+    judged = duty_record(record)
+    return worst(_release(judged, step) for step in torque_steps(judged) if _is_release(judged, step))
+
+
+def _is_release(record: DutyRecord, step: TorqueStep) -> bool:
+    return step.before > 0.0 == step.after and step.speed_rpm > record.document.rating.base_speed_rpm
+
+
+def _release(record: DutyRecord, step: TorqueStep) -> Margin:
+    torque = record.run.column("torque")[step.rows]
+    peak = float(np.max(record.run.column("peak_current")[step.rows]))
+    braking = max(-float(np.min(torque)), 0.0)
+    limits = record.limits
+    place = f"behind {step.time_s:.4g} s at {step.speed_rpm:.5g} rpm"
+    return min(
+        Margin(
+            "FWK-3", at_most(braking, limits.braking_torque_nm), f"braking with {braking:.4g} N·m {place}"
+        ),
+        Margin("FWK-3", at_most(peak, limits.peak_current_a), f"{peak:.4g} A {place}"),
+        key=lambda margin: margin.value,
+    )
+
+
+FWK_1 = Check(
+    id="FWK-1",
+    requirement="Above base speed the torque reaches nearly the greatest that current and voltage allow.",
+    source="the contract",
+    subject="candidate",
+    level="required",
+    limit="at least {weakening} of the greatest torque",
+    scenarios="steady stretches above {base} on the nominal drive that ask for more than {weakening} of the possible",
+    formula="mean torque / ({weakening} of the oracle's greatest torque, or of the reference where that is less) - 1",
+    why="Without weakening there is no torque where the back-EMF uses up the link.",
+    evaluate=weakened_torque,
+)
+FWK_2 = Check(
+    id="FWK-2",
+    requirement="Where 10 % of the voltage is free the d current is that of least current, of least loss, or between.",
+    source="the contract",
+    subject="candidate",
+    level="required",
+    limit="± {direct_error}",
+    scenarios="steady stretches of the nominal drive that use less than 90 % of the undistorted voltage",
+    formula="1 - distance of the d current from the oracle's / {direct_error}",
+    why="Weakening that stays on heats the winding, also at standstill.",
+    evaluate=needless_direct_current,
+)
+FWK_3 = Check(
+    id="FWK-3",
+    requirement="A torque reference that goes to zero above base speed neither brakes nor drives the current too high.",
+    source="the contract",
+    subject="candidate",
+    level="required",
+    limit="braking {braking}, current {peak}",
+    scenarios="steps of the torque reference to zero above {base}",
+    formula="the lesser of 1 - braking torque / {braking} and 1 - greatest phase current / {peak}",
+    why="Weakening that is dropped at once lets the back-EMF drive the current into the link.",
+    evaluate=way_out_of_weakening,
+)

@@ -1,0 +1,136 @@
+"""What the checks see of one finished run of a controller of duty ratios."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.duty.run import DutyClosedLoopRun
+from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_windows
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
+from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.scenario.sensors import IdealSensors
+from drivegate_models.units import RADIANS_PER_RPM
+
+
+@dataclass(frozen=True)
+class DutyWindow:
+    """Means over a stretch in which a steady state is judged.
+
+    Attributes
+    ----------
+    dwell : DutyDwell
+        The constant conditions that it belongs to.
+    start_s, end_s : float
+        The stretch (s).
+    speed : float
+        Speed of the shaft (rad/s).
+    torque : float
+        Electromagnetic torque (N m).
+    direct, quadrature : float
+        Currents of the rotor frame (A).
+    voltage : float
+        Peak voltage of a phase that the duty ratios ask for (V).
+    link : float
+        Voltage of the dc link (V).
+    """
+
+    dwell: DutyDwell
+    start_s: float
+    end_s: float
+    speed: float
+    torque: float
+    direct: float
+    quadrature: float
+    voltage: float
+    link: float
+
+    @property
+    def current(self) -> float:
+        """Peak current of a phase, of its fundamental (A)."""
+        return math.hypot(self.direct, self.quadrature)
+
+    @property
+    def torque_reference(self) -> float | None:
+        """What the controller was asked for (N m); None where that was a speed."""
+        return self.dwell.torque_reference_nm
+
+    @property
+    def speed_reference(self) -> float:
+        """Speed that the shaft was asked for, or held at (rad/s)."""
+        return self.dwell.speed_rpm * RADIANS_PER_RPM
+
+
+@dataclass(frozen=True)
+class DutyRecord(RunRecord):
+    """A finished run with what belongs to it; attributes as of any record, but for the run.
+
+    Attributes
+    ----------
+    run : DutyClosedLoopRun
+        What was observed.
+    other_dead_time : DutyRecord or None
+        The same run on the drive with another dead time, where there is one to compare with.
+    """
+
+    # A run of duty ratios has columns of its own; the checks that take this record know no other.
+    run: DutyClosedLoopRun  # type: ignore[assignment]
+    other_dead_time: DutyRecord | None = None
+
+    @property
+    def document(self) -> PmAcDocument:
+        """The drive's document."""
+        drive = self.scenario.drive
+        assert isinstance(drive, PmAcDocument), "a controller of duty ratios runs on a drive that takes them"
+        return drive
+
+    @property
+    def limits(self) -> DutyLimits:
+        """What the drive's controllers are judged by."""
+        return duty_limits_of(self.document)
+
+    @property
+    def is_nominal(self) -> bool:
+        """Whether the plant is the one that the controller knows, and is seen as it is."""
+        return self.has_nominal_plant and not self.is_sensed and not self.fails
+
+    @property
+    def fails(self) -> bool:
+        """Whether something fails in the run."""
+        return self.scenario.failure is not None
+
+    @property
+    def has_nominal_plant(self) -> bool:
+        """Whether the plant is the one that the controller knows."""
+        return self.scenario.scales == NOMINAL and self.scenario.drift is None
+
+    @property
+    def is_sensed(self) -> bool:
+        """Whether the controller sees the plant through sensors with errors."""
+        return not isinstance(self.scenario.sensors, IdealSensors)
+
+    @cached_property
+    def steady(self) -> tuple[DutyWindow, ...]:
+        """The stretches in which a steady state is judged."""
+        period = self.scenario.control_period_s
+        found = []
+        for dwell, start, end in duty_windows(self.scenario):
+            rows = slice(round(start / period), round(end / period))
+            mean = {name: exact_mean(self.run.column(name)[rows]) for name in _MEANS}
+            voltage = exact_mean(self.run.voltages[rows])
+            found.append(DutyWindow(dwell, start, end, voltage=voltage, **mean))
+        return tuple(found)
+
+
+_MEANS = ("speed", "torque", "direct", "quadrature", "link")
+
+
+def exact_mean(values: NDArray[np.float64]) -> float:
+    """Give a mean whose sum is exact, so that no processor's way of adding shows in it."""
+    return math.fsum(values.tolist()) / len(values)

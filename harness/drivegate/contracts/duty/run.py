@@ -1,0 +1,182 @@
+"""A run of a controller of duty ratios through a scenario: from plain data to its trace and its commands."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.controller import Controller
+from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, FaultKind, placed
+from drivegate.containment.messages import AnyController
+from drivegate.containment.orders import CloseLoop
+from drivegate.containment.playback import require_same_plant, stepped_here
+from drivegate.contracts.current.run import plant_load, plant_schedule
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
+from drivegate_cases.scenario.profile import profile_arrays
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.contract.duty.records import DUTY_COMMAND
+from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF, DutyNameplate, DutySense
+from drivegate_models.errors import HarnessFault
+from drivegate_models.loop.duty_command import BAD_LEG
+from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
+from drivegate_models.loop.schedule import Course
+from drivegate_models.units import RADIANS_PER_RPM
+
+PrepareDutyLoop: TypeAlias = Callable[..., Any]
+"""Makes a run against the plant ready to begin, `drivegate_models.pm_ac.closed_loop.prepared_duty_loop`."""
+
+DUTY_RATIOS: Final = ("first_duty", "second_duty", "third_duty")
+"""Fields of a command that are duty ratios."""
+LEGS: Final = ("first_leg", "second_leg", "third_leg")
+"""Fields of a command that are states of legs."""
+_DIGEST_BITS: Final = 63
+
+
+@dataclass(frozen=True)
+class DutyClosedLoopRun:
+    """What is kept of one run.
+
+    Attributes
+    ----------
+    columns : tuple of str
+        Names of the trace's columns.
+    trace : ndarray, shape (n, len(columns))
+        A row for each control period, in SI units.
+    commands : ndarray of DUTY_COMMAND, shape (n,)
+        What the controller answered in each.
+    totals : ndarray, shape (ledger.ENTRIES,)
+        Exact integrals over the run.
+    worst_balance : float
+        Greatest energy that a control period misses, over its throughput (1).
+    digest : int
+        Digest of all commands, bit for bit.
+    """
+
+    columns: tuple[str, ...]
+    trace: NDArray[np.float64]
+    commands: NDArray[Any]
+    totals: NDArray[np.float64]
+    worst_balance: float
+    digest: int
+
+    def column(self, name: str) -> NDArray[np.float64]:
+        """Give one column of the trace, shape (n,)."""
+        values: NDArray[np.float64] = self.trace[:, self.columns.index(name)]
+        return values
+
+    @cached_property
+    def voltages(self) -> NDArray[np.float64]:
+        """Peak voltage of a phase that each period's duty ratios ask for, shape (n,) (V)."""
+        ratios = [np.clip(self.commands[name], 0.0, 1.0) for name in DUTY_RATIOS]
+        middle = (ratios[0] + ratios[1] + ratios[2]) / 3.0
+        squares = sum((ratio - middle) * (ratio - middle) for ratio in ratios)
+        voltages: NDArray[np.float64] = np.sqrt(2.0 / 3.0 * squares) * self.column("link")
+        return voltages
+
+
+def duty_nameplate(scenario: Scenario) -> DutyNameplate:
+    """Give what the controller of a scenario knows of its drive and of its reference."""
+    drive = scenario.drive
+    assert isinstance(drive, PmAcDocument), "a controller of duty ratios runs on a drive that takes them"
+    torque = isinstance(scenario.load, DynamometerLoad)
+    nameplate = drive.duty_nameplate(scenario.control_period_s, torque_reference=torque)
+    if isinstance(scenario.load, VehicleLoad):
+        return nameplate._replace(inertia=nameplate.inertia + scenario.load.inertia_kg_m2)
+    return nameplate
+
+
+def run_duty(
+    prepare: PrepareDutyLoop,
+    columns: tuple[str, ...],
+    scenario: Scenario,
+    controller: AnyController,
+    sensors: Any = None,
+    failure: Any = None,
+) -> DutyClosedLoopRun:
+    """Reset a controller and run it through a scenario; a fault of its own is raised.
+
+    A candidate's instance runs in its own process, beside a plant that is there to close the loop; what is observed is
+    what the plant here comes to by the same commands. Without sensors it sees the plant as it is, and without a failure
+    nothing fails.
+    """
+    plant = (scenario.drive.plant(scenario.scales), plant_load(scenario), plant_schedule(scenario))
+    options = {**_options(scenario, sensors), "failure": failure}
+    nameplate: Any = duty_nameplate(scenario)
+    controller.reset(nameplate)
+    order = CloseLoop(prepare, plant, options, commands=DUTY_COMMAND)
+    by_address = stepped_here(controller, order, scenario.control_periods)
+    prepared = prepare(
+        *plant, **options, step_address=by_address.step_address, state_address=by_address.state_address
+    )
+    run = prepared.run()
+    if run.status != COMPLETED:
+        _raise_ending(run, prepared.exchange, by_address)
+    require_same_plant(by_address, prepared.records)
+    return DutyClosedLoopRun(
+        columns=columns,
+        trace=run.trace,
+        commands=run.commands,
+        totals=run.totals,
+        worst_balance=run.worst_balance,
+        digest=_digest(run.commands),
+    )
+
+
+def _options(scenario: Scenario, sensors: Any) -> dict[str, Any]:
+    """Give what a run is made of besides drive, load and schedule."""
+    torque = None
+    if isinstance(scenario.load, DynamometerLoad):
+        torque = Course(*profile_arrays(scenario.load.torque_reference_nm))
+    return {
+        "control_period": scenario.control_period_s,
+        "duration": scenario.duration_s,
+        "initial_speed": scenario.initial_speed_rpm * RADIANS_PER_RPM,
+        "initial_angle": math.radians(scenario.initial_angle_deg),
+        "torque_reference": torque,
+        "sensors": sensors,
+    }
+
+
+def _digest(commands: NDArray[Any]) -> int:
+    whole = hashlib.blake2b(commands.tobytes(), digest_size=8).digest()
+    return int.from_bytes(whole, "little") >> (64 - _DIGEST_BITS)
+
+
+def _raise_ending(run: Any, exchange: Any, controller: Controller) -> None:
+    sense = _last_sense(exchange)
+    step = int(run.steps)
+    fault = controller.fault
+    if run.status == STOPPED and fault is not None:
+        raise CandidateFault(placed(fault, step, sense))
+    if run.status not in (STOPPED, NOT_FINITE, BAD_LEG):
+        raise HarnessFault(f"the plant ended with status {run.status} at step {step}, {sense.time:g} s")
+    message = refusal_of(run.commands[step], run.status)
+    raise CandidateFault(
+        Fault(FaultKind.INVALID_OUTPUT, message, "step", step=step, time=sense.time, sense=sense._asdict())
+    )
+
+
+def refusal_of(command: Any, status: int) -> str:
+    """Tell why a command ended a run without the controller having a fault to tell."""
+    if status == NOT_FINITE:
+        ratios = ", ".join(f"{float(command[name]):g}" for name in DUTY_RATIOS)
+        return f"the duty ratios are not all finite: {ratios}"
+    if status == STOPPED:
+        return OVERWRITTEN_SIZE
+    legs = ", ".join(str(int(command[name])) for name in LEGS)
+    return f"the legs are {legs}, but each must be from {LEG_OFF} to {LEG_LOW}"
+
+
+def _last_sense(exchange: Any) -> DutySense:
+    record = exchange.sense[0]
+    scalars = {name: record[name].item() for name in DutySense._fields if name != "phase_currents"}
+    first, second, third = exchange.sensed_currents.tolist()
+    return DutySense(phase_currents=(first, second, third), **scalars)

@@ -1,0 +1,350 @@
+"""Scenarios of a PM AC drive drawn by Hypothesis, as whole steps from plain ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from functools import partial
+from typing import Final, TypeAlias
+
+from hypothesis import strategies as st
+
+from drivegate.contracts.duty.scenarios.building import (
+    failing,
+    load_step_scenario,
+    speed_scenario,
+    supply_step_scenario,
+    torque_of,
+    torque_scenario,
+    with_edges,
+)
+from drivegate.contracts.duty.scenarios.fixed import FAILURE_SPEED_SHARE, START_ANGLES_DEG
+from drivegate.scenarios.changes import with_real_sensors, with_scales
+from drivegate.scenarios.drive_scale import tidy
+from drivegate.scenarios.title import titled
+from drivegate_cases.drive.limits import nearest_step
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.failure_kind import FAILURE_KINDS, PHASED, FailureKind
+from drivegate_cases.scenario.reference import Reference
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import SHUNTS
+
+Family: TypeAlias = Callable[[PmAcDocument], st.SearchStrategy[Scenario]]
+"""From a drive to scenarios of one kind."""
+
+_SEEDS: Final = 10_000
+_PART: Final = 0.005
+SHARE_STEP: Final = 0.05
+"""Step of drawn torques and loads over rated torque (1)."""
+
+
+def _speeds(drive: PmAcDocument, lowest: float, highest: float) -> st.SearchStrategy[float]:
+    """Draw a speed in steps of about 2 % of base speed (rpm)."""
+    step = nearest_step(0.02 * drive.rating.base_speed_rpm)
+    return st.integers(int(-(-lowest // step)), int(highest // step)).map(lambda count: tidy(count * step))
+
+
+def _any_speed(drive: PmAcDocument) -> st.SearchStrategy[float]:
+    return _speeds(drive, 0.0, drive.rating.highest_speed_rpm)
+
+
+def _turning(drive: PmAcDocument) -> st.SearchStrategy[float]:
+    return _speeds(drive, 0.1 * drive.rating.base_speed_rpm, drive.rating.highest_speed_rpm)
+
+
+def _shares(lowest: int, highest: int) -> st.SearchStrategy[float]:
+    return st.integers(lowest, highest).map(lambda count: round(SHARE_STEP * count, 2))
+
+
+def torque_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw steps of the torque reference at one speed.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios from standstill to the highest speed, between torques of up to the rated one, also braking.
+    """
+    return st.builds(
+        lambda shares, speed: torque_scenario(
+            drive, speed, [torque_of(drive, speed, share) for share in shares]
+        ),
+        st.tuples(_shares(0, 20), _shares(-10, 20), _shares(0, 20)),
+        _any_speed(drive),
+    )
+
+
+def weakening_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw torque references out of reach above base speed.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios up to the highest speed, which ask for more than rated power and then for nothing.
+    """
+    rating = drive.rating
+    return st.builds(
+        lambda share, speed: torque_scenario(drive, speed, (0.0, torque_of(drive, speed, share), 0.0)),
+        _shares(30, 60),
+        _speeds(drive, 1.02 * rating.base_speed_rpm, rating.highest_speed_rpm),
+    )
+
+
+def _from_below(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw runs that begin below base speed, where no controller must know the plant to hold the current."""
+    base = drive.rating.base_speed_rpm
+    speeds = st.builds(
+        lambda share, first, second: speed_scenario(
+            drive,
+            (first, second),
+            torque_nm=torque_of(drive, max(first, second), share),
+            initial_speed_rpm=min(first, base),
+        ),
+        _shares(0, 14),
+        _turning(drive),
+        _turning(drive),
+    )
+    loads = st.builds(
+        lambda shares, speed: load_step_scenario(
+            drive, speed, torque_of(drive, speed, 1.0), shares, initial_speed_rpm=min(speed, base)
+        ),
+        st.tuples(_shares(0, 17), _shares(0, 17)),
+        _turning(drive),
+    )
+    return st.one_of(speeds, loads)
+
+
+def speed_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw steps of the speed reference.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios between any two speeds, under a constant torque of up to 70 % of the rated one.
+    """
+    return st.builds(
+        lambda share, first, second: speed_scenario(
+            drive, (first, second), torque_nm=torque_of(drive, max(first, second), share)
+        ),
+        _shares(0, 14),
+        _turning(drive),
+        _turning(drive),
+    )
+
+
+def load_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw steps of the load.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios at one speed reference, between shares of up to 85 % of rated torque.
+    """
+    return st.builds(
+        lambda shares, speed: load_step_scenario(drive, speed, torque_of(drive, speed, 1.0), shares),
+        st.tuples(_shares(0, 17), _shares(0, 17)),
+        _turning(drive),
+    )
+
+
+def start_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw starts from standstill.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios from 24 angles of the rotor to speeds up to base speed, under up to 80 % of rated torque.
+    """
+    return st.builds(
+        lambda angle, share, speed: speed_scenario(
+            drive,
+            (speed,),
+            torque_nm=torque_of(drive, speed, share),
+            initial_speed_rpm=0.0,
+            initial_angle_deg=angle,
+        ),
+        st.sampled_from(START_ANGLES_DEG),
+        _shares(0, 16),
+        _speeds(drive, 0.1 * drive.rating.base_speed_rpm, drive.rating.base_speed_rpm),
+    )
+
+
+def parameter_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw plants that differ from the nameplate.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios with steps of the speed or of the load, R × 0.5 to 2, L × 0.7 to 1.3 and ψ × 0.8 to 1.05.
+    """
+    return st.builds(
+        lambda run, resistance, inductance, flux: with_scales(
+            run,
+            resistance=round(1.0 + 0.1 * resistance, 2),
+            inductance=round(1.0 + 0.05 * inductance, 2),
+            emf_constant=round(1.0 + 0.05 * flux, 2),
+        ),
+        _from_below(drive),
+        st.integers(-5, 10).filter(bool),
+        st.integers(-6, 6),
+        st.integers(-4, 1),
+    )
+
+
+def supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw steps of the link's voltage.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios at one operating point, with links of 85 to 115 % of the nominal one.
+    """
+    return st.builds(
+        lambda share, levels, speed: supply_step_scenario(
+            load_step_scenario(drive, speed, torque_of(drive, speed, share), (1.0,)),
+            drive,
+            (1.0, *(round(1.0 + SHARE_STEP * level, 2) for level in levels)),
+        ),
+        _shares(0, 16),
+        st.tuples(st.integers(-3, 3), st.integers(-3, 3)),
+        _turning(drive),
+    )
+
+
+def sensor_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw sensors.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios with steps of the speed or of the load at 10 % of base speed and more, seen through shunts in line
+        or below the lower switches, the latter up to base speed, and an encoder of 256 to 4096 lines.
+    """
+    return st.builds(
+        lambda run, shunts, lines, seed: titled(
+            run.replaced(
+                sensors=SHUNTS.model_copy(
+                    update={"shunts": _possible(drive, run, shunts), "encoder_lines": lines}
+                ),
+                seed=seed,
+            )
+        ),
+        _from_below(drive),
+        st.sampled_from(("in-line", "low-side")),
+        st.sampled_from((256, 512, 1024, 4096)),
+        st.integers(1, _SEEDS),
+    )
+
+
+def failure_scenarios(
+    drive: PmAcDocument,
+    detected: Collection[FailureKind] = FAILURE_KINDS,
+    references: Collection[Reference] = ("speed", "torque"),
+) -> st.SearchStrategy[Scenario]:
+    """Draw failures.
+
+    Parameters
+    ----------
+    drive : PmAcDocument
+        The drive.
+    detected : collection of str
+        What may fail.
+    references : collection of str
+        What is followed; a rotor that locks up is one that is to follow a speed, and an edge is lost under a torque.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios from 20 % of base speed to all of it, under 30 to 60 % of rated torque, ideal sensors or others,
+        in whose second half something fails.
+    """
+    base = drive.rating.base_speed_rpm
+
+    def made(
+        which: tuple[FailureKind, Reference], share: float, speed: float, part: int, phase: int, seed: int
+    ) -> Scenario:
+        kind, reference = which
+        torque = torque_of(drive, speed, share)
+        held = torque_scenario(drive, speed, (torque,))
+        run = held if reference == "torque" else speed_scenario(drive, (speed,), torque_nm=torque)
+        if kind == "lost-edge":
+            # The number of a phase, which an edge has none of, tells whose edge it is.
+            seen = with_edges(run, "encoder" if phase == 1 else "hall", seed)
+        else:
+            seen = with_real_sensors(run, seed) if seed else run
+        time = (0.5 + _PART * part) * run.duration_s
+        return failing(seen, kind, time, phase if kind in PHASED else 1)
+
+    return st.builds(
+        made,
+        st.sampled_from(_that_can_fail(detected, references)),
+        _shares(6, 12),
+        _speeds(drive, FAILURE_SPEED_SHARE * base, base),
+        st.integers(0, 20),
+        st.integers(1, 3),
+        st.sampled_from((0, 1, 2)),
+    )
+
+
+_UNSEEN: Final = frozenset({("locked-rotor", "torque"), ("lost-edge", "speed")})
+
+
+def _that_can_fail(
+    detected: Collection[FailureKind], references: Collection[Reference]
+) -> list[tuple[FailureKind, Reference]]:
+    """List what may fail under which reference.
+
+    A rotor that locks up is to follow a speed; what a lost edge does to the torque shows where one is asked for.
+    """
+    return [
+        (kind, reference)
+        for kind in FAILURE_KINDS
+        for reference in ("speed", "torque")
+        if kind in detected and reference in references and (kind, reference) not in _UNSEEN
+    ]
+
+
+def _possible(drive: PmAcDocument, run: Scenario, shunts: str) -> str:
+    """Choose shunts that see two phases at all times: below the lower switches none do at full voltage."""
+    fast = max(speed for _, speed in run.speed_rpm) > drive.rating.base_speed_rpm
+    return "in-line" if fast else shunts
+
+
+FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
+    (torque_step_scenarios,),
+    (weakening_scenarios,),
+    (speed_step_scenarios,),
+    (load_step_scenarios,),
+    (start_scenarios, torque_step_scenarios, failure_scenarios),
+    (parameter_scenarios,),
+    (supply_step_scenarios, sensor_scenarios),
+    (weakening_scenarios, parameter_scenarios),
+)
+"""Families of scenarios that a shard of the search draws from; shards take turns at them."""
+
+
+_OF_TORQUE: Final = frozenset({torque_step_scenarios, weakening_scenarios})
+
+
+def drawn_scenarios(
+    drive: PmAcDocument,
+    group: int | None = None,
+    references: Collection[Reference] = ("speed", "torque"),
+    detected: Collection[FailureKind] = (),
+) -> st.SearchStrategy[Scenario]:
+    """Draw a scenario of any family, or of one group of them, as far as a candidate follows or detects it."""
+    failures = partial(failure_scenarios, detected=detected, references=references)
+    can_fail = bool(_that_can_fail(detected, references))
+    followed = [
+        [
+            failures if family is failure_scenarios else family
+            for family in families
+            if (can_fail if family is failure_scenarios else _reference(family) in references)
+        ]
+        for families in FAMILY_GROUPS
+    ]
+    groups = [families for families in followed if families]
+    chosen = groups if group is None else [groups[group % len(groups)]]
+    return st.one_of([family(drive) for families in chosen for family in families])
+
+
+def _reference(family: Family) -> Reference:
+    return "torque" if family in _OF_TORQUE else "speed"

@@ -1,0 +1,169 @@
+"""The scenarios of a PM AC drive that every check runs first, whatever the seed."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Final, Literal
+
+from drivegate.contracts.duty.scenarios.building import (
+    failing,
+    load_step_scenario,
+    rated_torque_at,
+    speed_scenario,
+    supply_step_scenario,
+    torque_of,
+    torque_scenario,
+    with_edges,
+)
+from drivegate.scenarios.changes import with_real_sensors, with_scales
+from drivegate.scenarios.drive_scale import tidy
+from drivegate_cases.drive.limits import nearest_step
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.failure_kind import FailureKind
+from drivegate_cases.scenario.reference import Reference, reference_of
+from drivegate_cases.scenario.scenario import Scenario
+
+START_ANGLES_DEG: Final = tuple(15.0 * number for number in range(24))
+"""Angles of the rotor that a start is tried from (electrical degrees)."""
+START_SPEED_SHARE: Final = 0.2
+"""Speed of a start over base speed (1)."""
+START_TORQUE_SHARE: Final = 0.5
+"""Load of a start over rated torque (1)."""
+FAILURE_SPEED_SHARE: Final = 0.2
+"""Least speed at which something fails, over base speed: below, a phase takes too long to be missed (1)."""
+POSITIONS: Final[tuple[Literal["encoder", "hall"], ...]] = ("encoder", "hall")
+"""What gives edges that can be lost."""
+FAILURE_TIME_SHARE: Final = 0.6
+"""When something fails, over the run's length (1)."""
+DEAD_TIME_SPEED_SHARE: Final = 0.08
+"""Speed at which dead time is looked at, over base speed (1)."""
+BEYOND_SHARE: Final = 3.0
+"""Torque reference that no drive of this kind can follow in weakening, over the one of rated power there (1)."""
+
+
+def fixed_scenarios(
+    drive: PmAcDocument,
+    references: Collection[Reference] = ("speed", "torque"),
+    detected: Collection[FailureKind] = (),
+) -> tuple[Scenario, ...]:
+    """List those of the references, and of the failures that a candidate detects.
+
+    Speeds are shares of the drive's range, torques shares of the rated one.
+    """
+    every = (
+        *_torques(drive),
+        *_speeds(drive),
+        *efficiency_scenarios(drive),
+        *_starts(drive),
+        *_other_plants(drive),
+        *_sensed(drive),
+        *(run for run in _failures(drive) if run.failure is not None and run.failure.kind in detected),
+    )
+    followed = [scenario for scenario in reversed(every) if reference_of(scenario) in references]
+    return tuple(dict.fromkeys(followed))[::-1]
+
+
+def _sensed(drive: PmAcDocument) -> list[Scenario]:
+    slow, fast = speed_of(drive, -0.5), speed_of(drive, 0.4)
+    runs = [
+        speed_scenario(drive, (slow, fast), torque_nm=torque_of(drive, fast, 0.5)),
+        torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.2, 0.8))),
+    ]
+    return [with_real_sensors(run, seed) for seed, run in enumerate(runs, start=1)]
+
+
+def _failures(drive: PmAcDocument) -> list[Scenario]:
+    slow, base = speed_of(drive, FAILURE_SPEED_SHARE - 1.0), speed_of(drive, 0.0)
+    torques = [torque_scenario(drive, speed, (torque_of(drive, speed, 0.5),)) for speed in (slow, base)]
+    sensed = [*torques, *(with_real_sensors(run, 1) for run in torques)]
+    kinds: tuple[FailureKind, ...] = ("open-phase", "stuck-current", "lost-position")
+    by_edges = [with_edges(run, position, 1) for run in torques for position in POSITIONS]
+    turning = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5))
+    start = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5), initial_speed_rpm=0.0)
+    return [
+        *(failing(run, kind, FAILURE_TIME_SHARE * run.duration_s) for kind in kinds for run in sensed),
+        failing(turning, "locked-rotor", FAILURE_TIME_SHARE * turning.duration_s),
+        failing(start, "locked-rotor", 0.0),
+        *(failing(run, "lost-edge", FAILURE_TIME_SHARE * run.duration_s) for run in by_edges),
+    ]
+
+
+def speed_of(drive: PmAcDocument, share: float) -> float:
+    """Give a speed between base speed (0) and the highest (1), or below (negative: -1 is standstill) (rpm)."""
+    rating = drive.rating
+    base, highest = rating.base_speed_rpm, rating.highest_speed_rpm
+    speed = base + share * (highest - base if share >= 0.0 else base)
+    grain = nearest_step(0.01 * base)
+    return tidy(round(speed / grain) * grain)
+
+
+def _torques(drive: PmAcDocument) -> list[Scenario]:
+    found = []
+    for share in (-0.5, 0.5):
+        speed = speed_of(drive, share)
+        whole, half, small = (torque_of(drive, speed, part) for part in (0.9, 0.5, 0.1))
+        found.append(torque_scenario(drive, speed, (0.0, whole, half, small, 0.0)))
+    found += [release_scenario(drive, share) for share in (0.05, 0.25, 0.5, 1.0)]
+    below = speed_of(drive, -0.7)
+    slow = speed_of(drive, DEAD_TIME_SPEED_SHARE - 1.0)
+    found.append(
+        torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.2, 0.5, 0.9)))
+    )
+    steps = tuple(torque_of(drive, below, part) for part in (0.0, 0.2, 0.0, 0.5, 0.3, -0.3))
+    return [*found, torque_scenario(drive, below, steps), torque_scenario(drive, 0.0, steps)]
+
+
+def release_scenario(drive: PmAcDocument, share: float = 1.0) -> Scenario:
+    """Make the run that asks for more than weakening can give at a speed above base speed, and then for nothing."""
+    speed = speed_of(drive, share)
+    return torque_scenario(drive, speed, (0.0, torque_of(drive, speed, BEYOND_SHARE), 0.0))
+
+
+def range_scenario(drive: PmAcDocument) -> Scenario:
+    """Make the run from half of base speed to the highest speed and back, without a load."""
+    slow = speed_of(drive, -0.5)
+    return speed_scenario(drive, (slow, speed_of(drive, 1.0), slow))
+
+
+def _speeds(drive: PmAcDocument) -> list[Scenario]:
+    slow, fast, top = speed_of(drive, -0.5), speed_of(drive, 0.5), speed_of(drive, 1.0)
+    at_fast = torque_of(drive, fast, 0.8)
+    return [
+        range_scenario(drive),
+        speed_scenario(drive, (slow, fast), torque_nm=torque_of(drive, fast, 0.6)),
+        load_step_scenario(drive, slow, torque_of(drive, slow, 0.8), (0.0, 1.0, 0.5)),
+        load_step_scenario(drive, fast, at_fast, (0.0, 1.0, 0.25)),
+        load_step_scenario(drive, top, torque_of(drive, top, 0.8), (0.0, 1.0, 0.0)),
+        supply_step_scenario(load_step_scenario(drive, fast, at_fast, (1.0,)), drive, (1.0, 0.9, 1.1)),
+    ]
+
+
+def efficiency_scenarios(drive: PmAcDocument) -> list[Scenario]:
+    """Make the runs through the eight efficiency points; rated torque at base speed comes last."""
+    rated = rated_torque_at(drive, 0.0)
+    return [
+        torque_scenario(
+            drive, tidy(speed * drive.rating.base_speed_rpm), tuple(tidy(part * rated) for part in parts)
+        )
+        for speed, parts in ((0.0, (0.25, 0.5, 1.0)), (0.5, (0.25, 0.5, 1.0)), (1.0, (0.5, 1.0)))
+    ]
+
+
+def _starts(drive: PmAcDocument) -> list[Scenario]:
+    speed = speed_of(drive, START_SPEED_SHARE - 1.0)
+    torque = torque_of(drive, speed, START_TORQUE_SHARE)
+    return [
+        speed_scenario(drive, (speed,), torque_nm=torque, initial_speed_rpm=0.0, initial_angle_deg=angle)
+        for angle in START_ANGLES_DEG
+    ]
+
+
+def _other_plants(drive: PmAcDocument) -> list[Scenario]:
+    slow, fast = speed_of(drive, -0.5), speed_of(drive, 0.4)
+    runs = [
+        speed_scenario(drive, (slow, fast), torque_nm=torque_of(drive, fast, 0.5)),
+        load_step_scenario(drive, slow, torque_of(drive, slow, 0.6), (0.0, 1.0)),
+    ]
+    changes = ({"resistance": 0.5}, {"resistance": 2.0}, {"inductance": 0.7}, {"inductance": 1.3})
+    fluxes = ({"emf_constant": 0.8}, {"emf_constant": 1.05})
+    return [with_scales(run, **change) for change in (*changes, *fluxes) for run in runs]

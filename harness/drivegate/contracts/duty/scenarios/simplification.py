@@ -1,0 +1,143 @@
+"""How a scenario of a PM AC drive can be made simpler."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any, Final
+
+from drivegate.contracts.current.scenarios.simplification import Fields, Simplification
+from drivegate.contracts.duty.scenarios.building import TORQUE_DIGITS, speed_scenario, torque_scenario
+from drivegate.contracts.duty.scenarios.fixed import speed_of
+from drivegate_cases.drive.limits import nearest_step, rounded
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
+from drivegate_cases.scenario.piecewise import Profile
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import IDEAL, SHUNTS, ShuntSensors
+from drivegate_models.units import RADIANS_PER_RPM
+
+_KEPT: Final = (
+    "duration_s",
+    "initial_speed_rpm",
+    "speed_rpm",
+    "load",
+    "supply_v",
+    "scales",
+    "initial_angle_deg",
+)
+_SPEED_SHARES: Final = (0.5, 0.2, 0.1, 0.05)
+_TORQUE_SHARES: Final = (0.5, 0.2, 0.1, 0.05)
+
+
+def _levels(profile: Profile) -> list[float]:
+    values = [value for _, value in profile]
+    return [value for place, value in enumerate(values) if place == 0 or value != values[place - 1]]
+
+
+def _drive_of(scenario: Scenario) -> PmAcDocument:
+    assert isinstance(scenario.drive, PmAcDocument), "such scenarios are of PM AC drives"
+    return scenario.drive
+
+
+def _fields_of(made: Scenario) -> Fields:
+    """Give all that a plain scenario says, so that whatever else there was goes."""
+    return {key: getattr(made, key) for key in _KEPT}
+
+
+def _nominal(scenario: Scenario) -> Iterator[Fields]:
+    """Take other parameters, another supply and another begin away."""
+    yield {"scales": NOMINAL, "supply_v": None, "initial_angle_deg": 0.0}
+    yield {"scales": NOMINAL}
+    for key in type(NOMINAL).model_fields:
+        yield {"scales": scenario.scales.model_copy(update={key: getattr(NOMINAL, key)})}
+    yield {"supply_v": None}
+    yield {"initial_angle_deg": 0.0}
+
+
+def _plainer_sensors(scenario: Scenario) -> Iterator[Fields]:
+    """See the plant as it is, through sensors with their defaults, or through those of the first seed."""
+    yield {"sensors": IDEAL, "seed": 0}
+    if isinstance(scenario.sensors, ShuntSensors):
+        # What gives the position stays: edges of another kind are lost in another way.
+        plain = SHUNTS.model_copy(update={"position": scenario.sensors.position})
+        yield {"sensors": plain, "seed": 1}
+        yield {"sensors": plain}
+
+
+def _fewer_torques(scenario: Scenario) -> Iterator[Fields]:
+    """Ask for one torque, or for two one after the other."""
+    if not isinstance(scenario.load, DynamometerLoad):
+        return
+    drive, speed = _drive_of(scenario), scenario.speed_rpm[0][1]
+    torques = _levels(scenario.load.torque_reference_nm)
+    shorter: list[tuple[float, ...]] = [(torque,) for torque in dict.fromkeys(torques)]
+    shorter += [pair for pair in pairwise(torques) if len(torques) > 2]
+    for levels in shorter:
+        if len(levels) < len(torques):
+            yield _with_own(scenario, torque_scenario(drive, speed, levels))
+
+
+def _fewer_speeds(scenario: Scenario) -> Iterator[Fields]:
+    """Run at one speed under the last load, or through two speeds."""
+    load = scenario.load
+    if not isinstance(load, ConstantTorqueLoad):
+        return
+    drive, speeds = _drive_of(scenario), _levels(scenario.speed_rpm)
+    torque = rounded(load.torque_nm * load.factor[-1][1], TORQUE_DIGITS)
+    shorter: list[tuple[float, ...]] = [(speed,) for speed in dict.fromkeys(speeds)]
+    shorter += [pair for pair in pairwise(speeds) if len(speeds) > 2]
+    for levels in shorter:
+        for size in (torque, 0.0):
+            yield _with_own(scenario, speed_scenario(drive, levels, torque_nm=size))
+
+
+def _with_own(scenario: Scenario, made: Scenario) -> Fields:
+    """Keep what is not nominal about a run in a shorter one."""
+    own: dict[str, Any] = {
+        key: getattr(scenario, key) for key in ("scales", "initial_angle_deg", "sensors", "seed")
+    }
+    return _fields_of(made) | own
+
+
+def _rounder_speed(scenario: Scenario) -> Iterator[Fields]:
+    drive = _drive_of(scenario)
+    base = drive.rating.base_speed_rpm
+    if len(scenario.speed_rpm) == 1:
+        for share in (-1.0, 0.5, 1.0):
+            plain = speed_of(drive, share)
+            yield {"speed_rpm": ((0.0, plain),), "initial_speed_rpm": plain}
+    for share in _SPEED_SHARES:
+        grain = nearest_step(share * base)
+        rounder = tuple((time, round(round(speed / grain) * grain, 9)) for time, speed in scenario.speed_rpm)
+        begin = scenario.initial_speed_rpm
+        starts = begin == scenario.speed_rpm[0][1]
+        yield {"speed_rpm": rounder, "initial_speed_rpm": rounder[0][1] if starts else begin}
+
+
+def _rounder_torque(scenario: Scenario) -> Iterator[Fields]:
+    load, drive = scenario.load, _drive_of(scenario)
+    rated = drive.rating.rated_power_w / (drive.rating.base_speed_rpm * RADIANS_PER_RPM)
+    for share in _TORQUE_SHARES:
+        grain = nearest_step(share * rated)
+        if isinstance(load, DynamometerLoad):
+            rounder = tuple(
+                (time, round(round(torque / grain) * grain, 9)) for time, torque in load.torque_reference_nm
+            )
+            yield {"load": load.model_copy(update={"torque_reference_nm": rounder})}
+        elif isinstance(load, ConstantTorqueLoad):
+            yield {
+                "load": load.model_copy(update={"torque_nm": round(round(load.torque_nm / grain) * grain, 9)})
+            }
+
+
+DUTY_SIMPLIFICATIONS: Final[tuple[Simplification, ...]] = (
+    _nominal,
+    _plainer_sensors,
+    _fewer_torques,
+    _fewer_speeds,
+    _rounder_speed,
+    _rounder_torque,
+)
+"""All of them, in the order in which they are tried."""

@@ -1,0 +1,61 @@
+"""The sensors of a scenario whose controller answers with duty ratios, as at its start, and what fails in it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drivegate.contracts.current.run import plant_converters, plant_encoder, plant_hall
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import ShuntSensors
+from drivegate_models.pm_ac import failure
+from drivegate_models.pm_ac.sensing import (
+    DC_LINK,
+    IN_LINE,
+    LOW_SIDE,
+    DutySensors,
+    ideal_duty_sensors,
+    real_duty_sensors,
+)
+
+_FAILURES = {
+    "open-phase": failure.OPEN_PHASE,
+    "stuck-current": failure.STUCK_CURRENT,
+    "lost-position": failure.LOST_POSITION,
+    "locked-rotor": failure.LOCKED_ROTOR,
+    "lost-edge": failure.LOST_EDGE,
+}
+_SHUNTS = {"in-line": IN_LINE, "low-side": LOW_SIDE, "link": DC_LINK}
+
+
+def duty_sensors(scenario: Scenario) -> DutySensors:
+    """Make them; what is drawn follows from the scenario's seed."""
+    given = scenario.sensors
+    if not isinstance(given, ShuntSensors):
+        return ideal_duty_sensors()
+    generator = np.random.default_rng(scenario.seed)
+    phases = scenario.drive.machine.phases
+    # The converter sees the whole link, whose halves the ranges of all kinds of drives are stated for.
+    converters = plant_converters(given, generator, np.ones(phases), np.zeros(phases), sources=2)
+    encoder = plant_encoder(scenario, given) if given.position == "encoder" else None
+    return real_duty_sensors(
+        converters,
+        shunt=_SHUNTS[given.shunts],
+        window=given.settling_s,
+        encoder=encoder,
+        hall=plant_hall(scenario, given, generator) if given.position == "hall" else None,
+        # The count begins at zero.
+        zero_angle=math.radians(scenario.initial_angle_deg + given.encoder_error_deg)
+        / scenario.drive.machine.pole_pairs,
+    )
+
+
+def duty_failure(scenario: Scenario) -> failure.Failure:
+    """Make what fails."""
+    given = scenario.failure
+    if given is None:
+        return failure.make_failure()
+    return failure.make_failure(
+        _FAILURES[given.kind], given.first_period(scenario.control_period_s), given.phase - 1
+    )

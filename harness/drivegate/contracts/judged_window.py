@@ -1,0 +1,52 @@
+"""Where in a run the verdict of a check comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin
+from drivegate.contracts.current.record import RunRecord, SteadyWindow
+from drivegate.contracts.current.scenarios.windows import observed_windows
+from drivegate.contracts.duty.record import DutyRecord
+
+
+@dataclass(frozen=True)
+class _PartialRecord(RunRecord):
+    """A run of which only some of the steady stretches are shown.
+
+    Attributes
+    ----------
+    shown : tuple of int
+        Their places among all of them.
+    """
+
+    shown: tuple[int, ...] = ()
+
+    def windows(self) -> Iterator[SteadyWindow]:
+        for place, window in enumerate(super().windows()):
+            if place in self.shown:
+                yield window
+
+
+def judged_window(check: Check, record: RunRecord, margin: Margin | None) -> tuple[float, float]:
+    """Find the steady stretch that alone gives the same margin; the whole run where none decides."""
+    whole = (0.0, record.scenario.duration_s)
+    if isinstance(record, DutyRecord):
+        # Its checks judge steps and whole runs as well as steady stretches, and tell the place in words.
+        return whole
+    if margin is None or check.evaluate(_part(record, ())) is not None:
+        return whole
+    begin = {end: start for start, end in observed_windows(record.scenario)}
+    for place, window in enumerate(record.windows()):
+        alone = check.evaluate(_part(record, (place,)))
+        if alone is not None and alone.value == margin.value:
+            return begin[window.dwell.end], window.dwell.end
+    return whole
+
+
+def _part(record: RunRecord, shown: tuple[int, ...]) -> RunRecord:
+    return _PartialRecord(
+        record.scenario, record.run, record.declaration, record.repeated_digests, shown=shown
+    )

@@ -1,0 +1,94 @@
+"""Where two runs of one scenario part: the first step at which their commands are not the same."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.contract.current.records import COMMAND
+from drivegate_models.contract.duty.records import DUTY_COMMAND
+from drivegate_models.loop.exchange import OUTPUTS
+
+SEED_IN_RESET: Final = "if the controller draws random numbers, seed them in reset"
+"""What to do about the most common reason why two runs of one scenario differ."""
+_WORDS: Final = {
+    "current_reference": ("current reference", "A"),
+    "advance_angle": ("advance angle", "rad"),
+    "input_power": ("input power", "W"),
+    "first_duty": ("first duty ratio", ""),
+    "second_duty": ("second duty ratio", ""),
+    "third_duty": ("third duty ratio", ""),
+    "first_leg": ("first leg", ""),
+    "second_leg": ("second leg", ""),
+    "third_leg": ("third leg", ""),
+    "next_period": ("next control period", "s"),
+    "torque": ("torque", "N·m"),
+    "angle": ("angle", "rad"),
+    "speed": ("speed", "rad/s"),
+    "fault": ("fault", ""),
+}
+_LAYOUTS: Final = {"current": COMMAND, "duty": DUTY_COMMAND}
+_FEWEST_DIGITS: Final = 3
+_MOST_DIGITS: Final = 17
+
+
+@dataclass(frozen=True)
+class Parting:
+    """The first step at which two runs of a scenario differ.
+
+    Attributes
+    ----------
+    step : int
+        Number of the step, from 0.
+    time : float
+        Its simulated time (s).
+    output : str
+        The first number of the command that differs.
+    again, first : float
+        That number in the repetition and in the first run, in SI units.
+    """
+
+    step: int
+    time: float
+    output: str
+    again: float
+    first: float
+
+    def __str__(self) -> str:
+        """Tell the step, its time and both numbers, with as many digits as it takes to tell them apart."""
+        name, unit = _WORDS[self.output]
+        return (
+            f"differs from step {self.step} on, at {self.time:g} s: "
+            f"{name} {' against '.join(_told_apart(self.again, self.first))} {unit}"
+        ).rstrip()
+
+
+def room_for_commands(scenario: Scenario) -> NDArray[Any]:
+    """Make room for the command of every step of a run."""
+    return np.zeros(scenario.control_periods, _LAYOUTS[scenario.drive.contract])
+
+
+def parting_of(scenario: Scenario, again: NDArray[Any], first: NDArray[Any]) -> Parting | None:
+    """Find where the commands of a repetition part from those of the first run, bit for bit."""
+    outputs = OUTPUTS if scenario.drive.contract == "current" else (again.dtype.names or ())[1:]
+    differs = np.stack([again[name].view(np.int64) != first[name].view(np.int64) for name in outputs])
+    steps = np.flatnonzero(differs.any(axis=0))
+    if steps.size == 0:
+        return None
+    step = int(steps[0])
+    output = outputs[int(np.argmax(differs[:, step]))]
+    return Parting(
+        step, step * scenario.control_period_s, output, float(again[output][step]), float(first[output][step])
+    )
+
+
+def _told_apart(one: float, other: float) -> tuple[str, str]:
+    for digits in range(_FEWEST_DIGITS, _MOST_DIGITS + 1):
+        texts = f"{one:.{digits}g}", f"{other:.{digits}g}"
+        if texts[0] != texts[1]:
+            break
+    return texts

@@ -1,1 +1,0 @@
-"""One run of a controller that answers with duty ratios, and its record."""

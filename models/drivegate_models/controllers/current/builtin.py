@@ -1,0 +1,358 @@
+"""The built-in controllers `initial`, `published` and `reference` behind the native interface (Fig. 2).
+
+One step function serves all three; they differ in the constants that their resets write into the state.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import inf, pi, radians
+from types import MappingProxyType
+from typing import Any, Final
+
+import numba
+from numba.np.numpy_support import carray
+
+from drivegate_models.compilation.calling import step_signature
+from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
+from drivegate_models.contract.current.records import COMMAND, SENSE
+from drivegate_models.controllers.current.angle_line import initial_angle
+from drivegate_models.controllers.current.flowchart_search import decide_by_flowchart, decide_guarded
+from drivegate_models.controllers.current.protection import guard_regulation, rearm
+from drivegate_models.controllers.current.speed_regulator import regulate_speed
+from drivegate_models.controllers.current.state import CONTROLLER_STATE, FLOWCHART, GUARDED, NO_SEARCH
+from drivegate_models.units import RADIANS_PER_RPM
+
+SEARCH_PERIOD: Final = 0.1
+"""Time from one decision of the search to the next (s); of the guarded one on a drive of the frequency tuned for."""
+
+SEARCHES: Final = MappingProxyType({"initial": NO_SEARCH, "published": FLOWCHART, "reference": GUARDED})
+"""Kind of search by name of controller."""
+
+# Times and rates are tuned on a drive of this electrical frequency at base speed (rad/s); others' are in proportion.
+_TUNED_FREQUENCY = 575.9586531581288
+# But no faster than a control period can follow (s).
+_FASTEST = 1e-3
+# A shaft that rated power accelerates to base speed sooner (s) is regulated faster in proportion, up to these times the
+# electrical frequency's rate, and twice what the drive tuned on has.
+_TUNED_TIME = 0.0913
+_FASTEST_OF_FREQUENCY = 3.5
+_FASTEST_REGULATOR = 2.0
+# Both (1/s) no higher: an encoder's speed comes in steps, and the regulator turns each into current.
+_BANDWIDTH = 80.0
+_INTEGRAL_RATE = 15.0
+# k1 of Fig. 4: what the flowchart declares (rad/s), and of base speed for the guarded search.
+_FLOWCHART_TOLERANCE = 5.0 * RADIANS_PER_RPM
+_SPEED_TOLERANCE = 0.01
+# What the converter makes of the current sum, as a share of the current limit.
+_LEAST_CHANGE = 0.0008
+# Of base speed. Without it, regulation at base speed would switch the jump of the angle on and off.
+_ADVANCE_MARGIN = 0.02
+
+
+@inlined
+def reset_state(state: Any, nameplate: Any, search: int) -> None:
+    """Write the constants of a controller and forget everything else.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Overwritten.
+    nameplate : record of NAMEPLATE
+        The drive's nominal data.
+    search : int
+        `NO_SEARCH`, `FLOWCHART` or `GUARDED`.
+    """
+    published = search == FLOWCHART
+    rate = nameplate.pole_pairs * nameplate.base_speed / _TUNED_FREQUENCY
+    rate = min(rate, _FASTEST / nameplate.control_period)
+    state.search = search
+    state.angle_at_base = nameplate.advance_start
+    state.angle_slope = nameplate.advance_slope
+    if published:
+        # The line of Fig. 3 starts from nothing, and here ends where the nameplate's does; in between it leaves
+        # rated power out of reach.
+        state.angle_at_base = 0.0
+        state.angle_slope += nameplate.advance_start / (nameplate.highest_speed - nameplate.base_speed)
+    state.base_speed = nameplate.base_speed
+    margin = _ADVANCE_MARGIN * nameplate.base_speed if search == GUARDED else 0.0
+    state.advance_begins = nameplate.base_speed + margin
+    state.nominal_voltage = nameplate.half_supply_voltage
+    state.current_limit = nameplate.current_limit
+    state.rated_sum = nameplate.rated_power / nameplate.half_supply_voltage
+    state.control_period = nameplate.control_period
+    state.paced_period = nameplate.control_period * rate
+    state.window = nameplate.window
+    state.conducting_phases = nameplate.conducting_phases
+    torque_per_ampere = state.conducting_phases * nameplate.emf_constant
+    sooner = (
+        _TUNED_TIME
+        * nameplate.rated_power
+        / (nameplate.inertia * nameplate.base_speed * nameplate.base_speed)
+    )
+    regulation = max(rate, min(sooner, _FASTEST_OF_FREQUENCY * rate, _FASTEST_REGULATOR))
+    state.proportional = nameplate.inertia * (_BANDWIDTH * regulation) / torque_per_ampere
+    state.integral_step = state.proportional * (_INTEGRAL_RATE * regulation) * nameplate.control_period
+    # k1 and k2 of Fig. 4.
+    state.speed_tolerance = _FLOWCHART_TOLERANCE if published else _SPEED_TOLERANCE * nameplate.base_speed
+    state.power_tolerance = 0.001
+    state.least_change = _LEAST_CHANGE * nameplate.current_limit
+    state.first_step = radians(1.0)
+    state.tries_again = 1
+    period = state.control_period if published else state.paced_period
+    state.decision_steps = max(round(SEARCH_PERIOD / period), 1)
+    state.integral = 0.0
+    state.advancing = 0
+    state.held_power = 0.0
+    state.rest_power = 0.0
+    state.speed_reference = -inf
+    state.supply_voltage = nameplate.half_supply_voltage
+    state.speed_mark = 0.0
+    state.good_offset = 0.0
+    state.last_power = 0.0
+    state.last_integral = 0.0
+    state.winding = 0
+    state.error = 0.0
+    rearm(state)
+
+
+@inlined
+def line_speed(state: Any, speed: float) -> float:
+    """Return the speed at which the angle model is evaluated.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    speed : float
+        Measured speed (rad/s), above base speed.
+
+    Returns
+    -------
+    float
+        For the guarded search the speed of the same EMF over nominal supply; else `speed` (rad/s).
+    """
+    if state.search == GUARDED and state.supply_voltage > 0.0:
+        # The feasible edge depends on EMF over supply; the held voltage keeps its sensor's noise out of the angle.
+        scaled: float = max(speed * state.nominal_voltage / state.supply_voltage, state.base_speed)
+        return scaled
+    return speed
+
+
+@inlined
+def line_angle(state: Any, speed: float) -> float:
+    """Return the initial angle, which the search's offset is added to.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        The state.
+    speed : float
+        Measured speed (rad/s), above base speed.
+
+    Returns
+    -------
+    float
+        Angle (rad electrical).
+    """
+    return initial_angle(line_speed(state, speed), state.base_speed, state.angle_at_base, state.angle_slope)
+
+
+@inlined
+def advance_angle(state: Any, speed: float) -> float:
+    """Return the advance angle: the initial one plus the search's offset, zero below base speed.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    speed : float
+        Measured speed (rad/s).
+
+    Returns
+    -------
+    float
+        Angle (rad electrical).
+    """
+    if speed < state.base_speed:
+        state.advancing = 0
+        return 0.0
+    if state.advancing == 0:
+        if speed < state.advance_begins:
+            return 0.0
+        state.advancing = 1
+    applied: float = min(max(line_angle(state, speed) + state.offset, 0.0), 0.5 * pi)
+    return applied
+
+
+@inlined
+def current_reference(state: Any, sense: Any) -> float:
+    """Regulate the speed.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+
+    Returns
+    -------
+    float
+        Current reference (A).
+    """
+    reference, integral = regulate_speed(
+        sense.speed_reference - sense.speed,
+        state.integral,
+        state.proportional,
+        state.integral_step,
+        state.current_limit,
+    )
+    state.integral = integral
+    return reference
+
+
+@inlined
+def observe(state: Any, sense: Any, reference: float) -> bool:
+    """Add a step to the running decision interval.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    reference : float
+        Current reference (A).
+
+    Returns
+    -------
+    bool
+        Whether the interval is complete and a decision is due.
+    """
+    state.count += 1
+    state.power_sum += sense.current_magnitude_sum
+    state.error = sense.speed_reference - sense.speed
+    state.worst_error = max(state.worst_error, abs(state.error))
+    if reference >= state.current_limit:
+        state.saturated += 1
+    if state.search == GUARDED:
+        guard_regulation(
+            state,
+            sense.speed,
+            sense.speed_reference,
+            sense.half_supply_voltage,
+            sense.current_magnitude_sum,
+            reference,
+            state.paced_period,
+        )
+    due: bool = state.count >= state.decision_steps
+    return due
+
+
+@inlined
+def begin_interval(state: Any) -> None:
+    """Begin a new decision interval.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    """
+    state.count = 0
+    state.power_sum = 0.0
+    state.worst_error = 0.0
+    state.saturated = 0
+
+
+@inlined
+def search(state: Any, sense: Any, reference: float) -> None:
+    """Make one step of the search: observe, and decide where a decision is due.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    reference : float
+        Current reference (A).
+    """
+    if observe(state, sense, reference):
+        if state.search == FLOWCHART:
+            decide_by_flowchart(state, sense.speed_reference - sense.speed)
+        else:
+            decide_guarded(state)
+        begin_interval(state)
+
+
+@inlined
+def answer(state: Any, sense: Any, reference: float, command: Any) -> None:
+    """Write the command.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    reference : float
+        Current reference (A).
+    command : record of COMMAND
+        Receives the answer.
+    """
+    command.current_reference = reference
+    command.advance_angle = advance_angle(state, sense.speed)
+    command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum
+
+
+@inlined
+def step_state(state: Any, sense: Any, command: Any) -> None:
+    """Answer for one control period.
+
+    Parameters
+    ----------
+    state : record of CONTROLLER_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    command : record of COMMAND
+        Receives the answer.
+    """
+    reference = current_reference(state, sense)
+    if state.search != NO_SEARCH and state.advancing == 1:
+        search(state, sense, reference)
+    answer(state, sense, reference, command)
+
+
+@cache
+def step_function() -> Any:
+    """Return the built-in controllers' `drivegate_step`, compiled.
+
+    Returns
+    -------
+    CFunc
+        Its `address` is that of a C function; keep the object.
+    """
+    signature = step_signature(CONTROLLER_STATE, SENSE, COMMAND)
+
+    def drivegate_step(state: Any, sense: Any, command: Any) -> None:
+        step_state(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])
+
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(drivegate_step)
+
+
+@cache
+def reset_function() -> Any:
+    """Return the function that resets a built-in controller, compiled.
+
+    Returns
+    -------
+    Dispatcher
+        Takes the state, shape (1,) of CONTROLLER_STATE, the nameplate, shape (1,) of NAMEPLATE, and the search.
+    """
+
+    def reset(state: Any, nameplate: Any, search: int) -> None:
+        reset_state(state[0], nameplate[0], search)
+
+    return numba.njit(cache=KEEPS_CACHE)(reset)

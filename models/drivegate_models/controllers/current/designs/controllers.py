@@ -1,0 +1,126 @@
+"""Correct controllers of other designs than the reference, behind the native interface.
+
+All share the reference's regulator, angle model and protections; they differ in which angle comes next. The harness
+tests itself with them: it must accuse none.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from types import MappingProxyType
+from typing import Any, Final
+
+import numba
+from numba.np.numpy_support import carray
+
+from drivegate_models.compilation.calling import step_signature
+from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
+from drivegate_models.contract.current.records import COMMAND, SENSE
+from drivegate_models.controllers.current.builtin import (
+    answer,
+    begin_interval,
+    current_reference,
+    line_angle,
+    observe,
+    reset_state,
+)
+from drivegate_models.controllers.current.designs.search import decide_design
+from drivegate_models.controllers.current.designs.state import (
+    ANGLE_TABLE,
+    DESIGN_STATE,
+    GOLDEN_SECTION,
+    QUADRATIC_INTERPOLATION,
+    SWEEP,
+)
+from drivegate_models.controllers.current.state import GUARDED
+
+DESIGNS: Final = MappingProxyType(
+    {
+        "golden-section": GOLDEN_SECTION,
+        "quadratic-interpolation": QUADRATIC_INTERPOLATION,
+        "angle-table": ANGLE_TABLE,
+        "sweep": SWEEP,
+    }
+)
+"""Number of a design by its name."""
+
+
+@inlined
+def reset_design(state: Any, nameplate: Any, design: int) -> None:
+    """Write the constants of a design and forget everything else.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Overwritten.
+    nameplate : record of NAMEPLATE
+        The drive's nominal data.
+    design : int
+        One of `DESIGNS`.
+    """
+    # A search that begins writes all else.
+    reset_state(state.controller, nameplate, GUARDED)
+    state.controller.tries_again = 0
+    state.design = design
+    state.tabled = 0
+    state.target = 0.0
+    state.waited = 0
+    state.decisions = 0
+    state.finished = 0
+    state.confirming = 0
+
+
+@inlined
+def step_design(state: Any, sense: Any, command: Any) -> None:
+    """Answer for one control period.
+
+    Parameters
+    ----------
+    state : record of DESIGN_STATE
+        Updated.
+    sense : record of SENSE
+        What the sensors saw.
+    command : record of COMMAND
+        Receives the answer.
+    """
+    controller = state.controller
+    reference = current_reference(controller, sense)
+    if controller.advancing == 1 and observe(controller, sense, reference):
+        state.speed = max(sense.speed, controller.base_speed)
+        state.line = line_angle(controller, state.speed)
+        decide_design(state)
+        begin_interval(controller)
+    answer(controller, sense, reference, command)
+
+
+@cache
+def design_step_function() -> Any:
+    """Return the designs' `drivegate_step`, compiled.
+
+    Returns
+    -------
+    CFunc
+        Its `address` is that of a C function; keep the object.
+    """
+    signature = step_signature(DESIGN_STATE, SENSE, COMMAND)
+
+    def drivegate_step(state: Any, sense: Any, command: Any) -> None:
+        step_design(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])
+
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(drivegate_step)
+
+
+@cache
+def design_reset_function() -> Any:
+    """Return the function that resets a design, compiled.
+
+    Returns
+    -------
+    Dispatcher
+        Takes the state, shape (1,) of DESIGN_STATE, the nameplate, shape (1,) of NAMEPLATE, and the design.
+    """
+
+    def reset(state: Any, nameplate: Any, design: int) -> None:
+        reset_design(state[0], nameplate[0], design)
+
+    return numba.njit(cache=KEEPS_CACHE)(reset)

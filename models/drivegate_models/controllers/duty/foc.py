@@ -1,0 +1,267 @@
+"""Field-oriented control: from a reference of speed or torque by currents and weakening to duty ratios."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import nan, sqrt
+from typing import Any, Final
+
+import numba
+from numba.np.numpy_support import carray
+
+from drivegate_models.compilation.calling import step_signature
+from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
+from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
+from drivegate_models.contract.duty.signals import SPEED_REFERENCE
+from drivegate_models.controllers.duty.current_reference import (
+    least_current_direct,
+    most_torque_direct,
+    torque_per_quadrature,
+    with_torque,
+    within_voltage,
+)
+from drivegate_models.controllers.duty.current_regulator import (
+    BANDWIDTH,
+    regulate_currents,
+    reset_regulator,
+    rotor_currents,
+    voltage_limit,
+)
+from drivegate_models.controllers.duty.flux_prediction import lead_flux, reset_prediction
+from drivegate_models.controllers.duty.loss_model import least_loss_direct
+from drivegate_models.controllers.duty.loss_search import forget_search, reset_search, searched_offset
+from drivegate_models.controllers.duty.plausibility import (
+    hold_safe_state,
+    look_for_faults,
+    reset_plausibility,
+)
+from drivegate_models.controllers.duty.position import reset_position, see_shaft
+from drivegate_models.controllers.duty.state import (
+    BY_PREDICTION,
+    FOC_STATE,
+    MODELLED_LOSS,
+    OF_TORQUE,
+    SEARCHED_LOSS,
+    UNWEAKENED,
+)
+from drivegate_models.controllers.duty.torque_regulation import regulate_torque, reset_torque_regulation
+
+VOLTAGE_SHARE: Final = 0.98
+"""Share of the undistorted voltage that references are made for; the rest is for the current regulators."""
+
+# Bandwidth of the speed over that of the currents.
+_SPEED_SHARE = 0.02
+_SPEED_INTEGRAL = 0.25
+# Rate at which the voltage used asks for weakening, over that of the currents; the least share of the undistorted
+# voltage that references are then made for, and the most that counts as used, since a step's voltage is soon over.
+_WEAKENING_RATE = 0.02
+_LEAST_SHARE = 0.5
+_MOST_USED = 1.5
+# Voltage that a speed regulator leaves in hand braking, and the braking over the greatest from which on it does so.
+_BRAKING_ROOM = 0.1
+_WHOLE_ROOM_FROM = 0.2
+# Control periods in which a speed regulator may change its torque by the greatest.
+_FULL_TORQUE_PERIODS = 80.0
+# Share of the wanted torque below which it counts as limited.
+_GIVEN = 0.999999
+
+
+@inlined
+def reset_state(state: Any, nameplate: Any) -> None:
+    """Write the constants of a controller and forget everything else.
+
+    Parameters
+    ----------
+    state : record of FOC_STATE
+        Overwritten, but for its aim and its regulation.
+    nameplate : record of DUTY_NAMEPLATE
+        The drive's nominal data.
+    """
+    period = nameplate.control_period
+    state.control_period = period
+    speed_bandwidth = _SPEED_SHARE * BANDWIDTH / period
+    reset_regulator(state, nameplate)
+    reset_prediction(state, nameplate)
+    reset_torque_regulation(state)
+    state.regulates_speed = 1 if nameplate.reference_kind == SPEED_REFERENCE else 0
+    state.core_loss_conductance = nameplate.core_loss_conductance
+    state.deepest = -nameplate.current_limit
+    most = most_torque_direct(state, state.current_limit)
+    state.greatest_torque = torque_per_quadrature(state, most) * sqrt(
+        state.current_limit * state.current_limit - most * most
+    )
+    state.speed_gain = nameplate.inertia * speed_bandwidth
+    state.speed_integral_step = state.speed_gain * _SPEED_INTEGRAL * speed_bandwidth * period
+    state.weakening_step = _WEAKENING_RATE * BANDWIDTH
+    state.torque_step = state.greatest_torque / _FULL_TORQUE_PERIODS
+    state.speed_integral = 0.0
+    state.torque = 0.0
+    state.added_flux = 0.0
+    state.voltage_share = VOLTAGE_SHARE
+    reset_search(state, nameplate)
+    reset_position(state, nameplate)
+    reset_plausibility(state, nameplate)
+
+
+@inlined
+def _currents_for(
+    state: Any, torque: float, electrical: float, voltage: float, power: float
+) -> tuple[float, float]:
+    """Return the currents for a torque, or for as much of it as the limits allow, by the controller's aim."""
+    wanted = min(abs(torque), state.greatest_torque)
+    if state.regulates_speed == 1 and torque * electrical < 0.0:
+        # Currents that brake lead further away where they exceed the voltage limit.
+        braking = min(wanted / (_WHOLE_ROOM_FROM * state.greatest_torque), 1.0)
+        voltage *= 1.0 - _BRAKING_ROOM * braking
+    direct = least_current_direct(state, wanted)
+    if state.aim == MODELLED_LOSS:
+        direct = least_loss_direct(state, wanted, electrical, direct)
+    if state.aim != UNWEAKENED:
+        direct, wanted = within_voltage(state, wanted, electrical, voltage, direct)
+    if state.aim == SEARCHED_LOSS:
+        direct = _searched_direct(state, torque, wanted, electrical, power, direct)
+    return with_torque(state, direct, wanted, torque < 0.0)
+
+
+@inlined
+def _searched_direct(
+    state: Any, torque: float, possible: float, electrical: float, power: float, direct: float
+) -> float:
+    """Return the current along the magnet's axis with what the search for least power adds to it (A).
+
+    Where the limits give less torque than is wanted there is nothing to search for: less power is less torque.
+    """
+    speed = electrical / state.pole_pairs
+    if possible < _GIVEN * min(abs(torque), state.greatest_torque):
+        forget_search(state, torque, speed)
+        return direct
+    searched: float = direct + searched_offset(state, torque, speed, power)
+    found, quadrature = with_torque(state, searched, possible, False)
+    if torque_per_quadrature(state, found) * quadrature < _GIVEN * possible:
+        forget_search(state, torque, speed)
+        return direct
+    return searched
+
+
+@inlined
+def _wanted_torque(state: Any, reference: float, speed: float) -> float:
+    """Return the torque that the reference asks for (N m)."""
+    if state.regulates_speed == 0:
+        return reference
+    error = reference - speed
+    state.speed_integral += state.speed_integral_step * error
+    return float(state.speed_gain * error + state.speed_integral)
+
+
+@inlined
+def _ramped(state: Any, wanted: float) -> float:
+    """Return the torque that is gone for in this period: a speed regulator's changes at a limited rate (N m)."""
+    if state.regulates_speed == 0:
+        return wanted
+    within = min(max(wanted, -state.greatest_torque), state.greatest_torque)
+    state.torque = min(max(within, state.torque - state.torque_step), state.torque + state.torque_step)
+    return float(state.torque)
+
+
+@inlined
+def _unwind_speed(state: Any, reference: float, speed: float, wanted: float, given: float) -> None:
+    """Let the speed regulator's integral stand where the limits give less torque than it wants."""
+    error = reference - speed
+    if state.regulates_speed == 1 and abs(given) < _GIVEN * abs(wanted) and wanted * error > 0.0:
+        state.speed_integral -= state.speed_integral_step * error
+
+
+@inlined
+def _share_voltage(state: Any, used: float) -> None:
+    """Make the next references for less voltage while more is used than they were made for, and for more else.
+
+    After Kim and Sul, "Speed control of interior permanent magnet synchronous motor drive for the flux weakening
+    operation", IEEE Transactions on Industry Applications 33(1), 1997: what the regulators ask for tells how much the
+    field must be weakened on a machine that is not the nominal one.
+    """
+    spare = 0.5 * (1.0 + VOLTAGE_SHARE) - min(used, _MOST_USED)
+    share = state.voltage_share + state.weakening_step * spare
+    state.voltage_share = min(max(share, _LEAST_SHARE), VOLTAGE_SHARE)
+
+
+@inlined
+def step_state(state: Any, sense: Any, command: Any) -> None:
+    """Answer for one control period.
+
+    Parameters
+    ----------
+    state : record of FOC_STATE
+        Updated.
+    sense : record of DUTY_SENSE
+        What the sensors saw.
+    command : record of DUTY_COMMAND
+        Receives the answer.
+    """
+    # A speed regulator is to notice a shaft that slows down as soon as its sensor does.
+    speed = sense.speed
+    sense = see_shaft(state, sense)
+    command.angle = sense.angle
+    command.speed = sense.speed
+    if look_for_faults(state, sense):
+        hold_safe_state(state, command)
+        return
+    direct, quadrature = rotor_currents(state, sense)
+    electrical = state.pole_pairs * sense.speed
+    limit = voltage_limit(sense)
+    wanted = _wanted_torque(state, sense.reference, speed)
+    direct_reference, quadrature_reference = _currents_for(
+        state,
+        _ramped(state, wanted),
+        electrical,
+        state.voltage_share * limit,
+        sense.supply_voltage * sense.supply_current,
+    )
+    given = torque_per_quadrature(state, direct_reference) * quadrature_reference
+    _unwind_speed(state, sense.reference, speed, wanted, given)
+
+    if state.regulation == BY_PREDICTION:
+        used = lead_flux(state, sense, command, direct, quadrature, direct_reference, quadrature_reference)
+    elif state.regulation == OF_TORQUE:
+        used = regulate_torque(
+            state, sense, command, direct, quadrature, direct_reference, quadrature_reference
+        )
+    else:
+        used = regulate_currents(
+            state, sense, command, direct, quadrature, direct_reference, quadrature_reference
+        )
+    _share_voltage(state, used / max(limit, 1e-9))
+    command.torque = torque_per_quadrature(state, direct) * quadrature
+    command.input_power = nan
+
+
+@cache
+def step_function() -> Any:
+    """Return the controller's step, compiled.
+
+    Returns
+    -------
+    CFunc
+        Its `address` is that of a C function; keep the object.
+    """
+    signature = step_signature(FOC_STATE, DUTY_SENSE, DUTY_COMMAND)
+
+    def drivegate_duty_step(state: Any, sense: Any, command: Any) -> None:
+        step_state(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])
+
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(drivegate_duty_step)
+
+
+@cache
+def reset_function() -> Any:
+    """Return the function that resets the controller, compiled.
+
+    Returns
+    -------
+    Dispatcher
+        Takes the state, shape (1,) of FOC_STATE, and the nameplate, shape (1,) of DUTY_NAMEPLATE.
+    """
+
+    def reset(state: Any, nameplate: Any) -> None:
+        reset_state(state[0], nameplate[0])
+
+    return numba.njit(cache=KEEPS_CACHE)(reset)

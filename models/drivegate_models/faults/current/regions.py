@@ -1,0 +1,54 @@
+"""Faults that show in a small region of speeds and loads alone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.controllers.current.state import HOLDING
+from drivegate_models.faults.current import state as faults
+from drivegate_models.units import RPM
+
+
+@inlined
+def cap_speed_reference(state: Any, fault: int) -> None:
+    """Change the speed reference that the controller is shown.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Its copy of the Sense is changed.
+    fault : int
+        The fault.
+    """
+    if fault == faults.SPEED_CAPPED:
+        state.sense.speed_reference = min(state.sense.speed_reference, state.size)
+
+
+@inlined
+def alter_in_region(state: Any, fault: int, command: Any) -> None:
+    """Change the command in a region of speeds and loads.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        The state.
+    fault : int
+        The fault.
+    command : record of COMMAND
+        Changed.
+    """
+    controller, sense = state.controller, state.sense
+    if controller.advancing == 0:
+        return
+    rpm = sense.speed * RPM
+    inside = state.first_rpm < rpm < state.last_rpm
+    if fault == faults.CORNER_WITHOUT_LIMIT:
+        light = controller.mode == HOLDING and sense.current_magnitude_sum < state.extent
+        if light and inside:
+            command.advance_angle = state.size
+    elif fault == faults.WRONG_ROW:
+        if inside:
+            command.advance_angle = max(command.advance_angle, state.size)
+    elif fault == faults.REFERENCE_FLOOR and rpm > state.first_rpm:
+        command.current_reference = max(command.current_reference, state.size)

@@ -1,0 +1,177 @@
+"""Faults of what a controller sees, and of what its search and its regulator remember."""
+
+from __future__ import annotations
+
+from math import inf, isfinite
+from typing import Any, Final
+
+from drivegate_models.compilation.calling import double_at
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.controllers.current.angle_line import initial_angle
+from drivegate_models.controllers.current.state import HOLDING, SEARCHING
+from drivegate_models.faults.current import state as faults
+
+# What 16 bits of milliamperes span (A).
+_WORD: Final = 65.536
+
+
+@inlined
+def sum_of_samples(sense: Any, phases: int, signed: bool) -> float:
+    """Return the sum of the phase currents of this instant.
+
+    Parameters
+    ----------
+    sense : record of SENSE
+        What the sensors saw.
+    phases : int
+        Number of phases to add, from the first one.
+    signed : bool
+        Whether they are added with their signs.
+
+    Returns
+    -------
+    float
+        Sum (A).
+    """
+    total = 0.0
+    for phase in range(phases):
+        current = double_at(sense.phase_currents, phase)
+        total += current if signed else abs(current)
+    return total
+
+
+@inlined
+def alter_sense(fault: int, size: float, sense: Any) -> None:
+    """Change what the controller is shown.
+
+    Parameters
+    ----------
+    fault : int
+        The fault.
+    size : float
+        How large it is.
+    sense : record of SENSE
+        The controller's own copy; changed.
+    """
+    if fault == faults.SUM_MIRRORED:
+        sense.current_magnitude_sum = size - sense.current_magnitude_sum
+    elif fault == faults.SUM_WITHOUT_MAGNITUDES:
+        sense.current_magnitude_sum = sum_of_samples(sense, sense.phase_count, True)
+    elif fault == faults.SUM_WITHOUT_LAST_PHASE:
+        sense.current_magnitude_sum = sum_of_samples(sense, sense.phase_count - 1, False)
+    elif fault == faults.SUM_OVERFLOWS:
+        wrapped = sense.current_magnitude_sum + 0.5 * _WORD
+        sense.current_magnitude_sum = wrapped % _WORD - 0.5 * _WORD
+
+
+@inlined
+def alter_sense_by_history(state: Any, fault: int) -> None:
+    """Change what the controller is shown by what it was shown before, or by too little of what there is.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Its copy of the Sense is changed.
+    fault : int
+        The fault.
+    """
+    sense = state.sense
+    if fault == faults.LOWEST_SUPPLY_KEPT:
+        lowest = (
+            sense.half_supply_voltage if state.steps == 1 else min(state.memory, sense.half_supply_voltage)
+        )
+        state.memory = lowest
+        sense.half_supply_voltage = lowest
+    elif fault == faults.ONE_PHASE_FOR_ALL:
+        sense.current_magnitude_sum = sense.phase_count * abs(double_at(sense.phase_currents, 0))
+
+
+@inlined
+def mean_power(state: Any) -> float:
+    """Return the mean current sum of the running decision interval, this step included.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        The state.
+
+    Returns
+    -------
+    float
+        Mean current sum (A).
+    """
+    controller = state.controller
+    total = controller.power_sum + state.sense.current_magnitude_sum
+    mean: float = total / (controller.count + 1)
+    return mean
+
+
+@inlined
+def alter_search_before(state: Any, fault: int) -> None:
+    """Change what the search remembers, ahead of a step.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Updated.
+    fault : int
+        The fault.
+    """
+    controller = state.controller
+    if fault == faults.STALE_POWER:
+        if state.latched == 1:
+            controller.old_power = state.memory
+    elif fault == faults.SATURATION_IGNORED:
+        controller.saturated = 0
+        controller.saturated_run = 0
+    elif fault == faults.NO_WALK_BACK:
+        # The protections know an own step by it, and creeping by the integral of a good angle.
+        controller.moved = 0.0
+        controller.saturated_run = 0
+        controller.good_integral = inf
+    elif fault == faults.FALLING_LOAD_IGNORED:
+        # Just before the decision that would see the fall; a rise is still seen.
+        if controller.mode == HOLDING and controller.count + 1 >= controller.decision_steps:
+            controller.held_power = min(controller.held_power, mean_power(state))
+            controller.rest_power = min(controller.rest_power, mean_power(state))
+    elif fault == faults.ANGLE_CAPPED:
+        line = initial_angle(
+            state.sense.speed, controller.base_speed, controller.angle_at_base, controller.angle_slope
+        )
+        controller.offset = min(controller.offset, state.size - line)
+    elif fault == faults.LINE_IS_LIMIT:
+        controller.offset = min(controller.offset, 0.0)
+
+
+@inlined
+def alter_search_after(state: Any, fault: int) -> None:
+    """Change what the search has come to, behind a step.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Updated.
+    fault : int
+        The fault.
+    """
+    controller, before, sense = state.controller, state.before, state.sense
+    if fault == faults.NEVER_RESTS:
+        if controller.mode == HOLDING:
+            controller.mode = SEARCHING
+            controller.step = controller.first_step
+            controller.forbidden = -inf
+    elif fault == faults.STALE_POWER:
+        is_new_reference = (
+            isfinite(before.speed_reference) and sense.speed_reference != before.speed_reference
+        )
+        if is_new_reference and before.mode == HOLDING:
+            state.latched = 1
+            state.memory = before.held_power
+    elif fault == faults.LEARNS:
+        if not isfinite(before.speed_reference) and isfinite(controller.speed_reference):
+            controller.offset = state.memory
+        elif controller.mode == HOLDING:
+            state.memory = controller.offset
+    elif fault == faults.NO_ANTI_WINDUP and controller.offset == before.offset:
+        error = sense.speed_reference - sense.speed
+        controller.integral = before.integral + controller.integral_step * error

@@ -1,0 +1,72 @@
+"""What keeps a controller just beyond a tolerance, or just within it: cycles, biases, late settling."""
+
+from __future__ import annotations
+
+from math import floor, pi
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.controllers.current.state import HOLDING
+from drivegate_models.faults.current import state as faults
+
+_ANGLE_PERIOD: Final = 2.0
+_WELL_ABOVE: Final = 1.05
+# Of the regulator at the pace of 1: its gain is this times inertia over torque for each ampere (1/s).
+_BANDWIDTH: Final = 80.0
+
+
+@inlined
+def _cycle(turns: float) -> float:
+    """Return a wave of period 1 between -1 and 1 that is made of parabolas, which all processors round alike."""
+    half = 1.0 - 2.0 * (turns - floor(turns))
+    wave: float = 4.0 * half * (1.0 - abs(half))
+    return wave
+
+
+@inlined
+def alter_speed(state: Any, fault: int) -> None:
+    """Change the speed that the controller is shown.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Its copy of the Sense is changed.
+    fault : int
+        The fault.
+    """
+    sense, controller = state.sense, state.controller
+    if fault == faults.SPEED_BIASED:
+        sense.speed -= state.size
+    elif fault == faults.TORQUE_CYCLES and sense.speed > _WELL_ABOVE * controller.base_speed:
+        # The speed whose acceleration takes that share of the torque; the gain tells the inertia.
+        bandwidth = _BANDWIDTH * (controller.paced_period / controller.control_period)
+        greatest = state.size * controller.integral * bandwidth / controller.proportional / (2.0 * pi)
+        sense.speed += greatest * _cycle(sense.time)
+
+
+@inlined
+def cycle_angle(state: Any, fault: int, command: Any) -> None:
+    """Move the angle away from the one found.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Updated.
+    fault : int
+        The fault.
+    command : record of COMMAND
+        Changed.
+    """
+    controller, sense = state.controller, state.sense
+    added = 0.0
+    if fault == faults.ANGLE_CYCLES:
+        added = state.size * _cycle(sense.time / _ANGLE_PERIOD)
+    elif fault == faults.RESTS_BESIDE:
+        added = state.size if controller.mode == HOLDING else 0.0
+    elif fault == faults.SETTLES_LATE:
+        if sense.speed_reference != state.before.speed_reference:
+            state.memory = 0.0
+        state.memory += controller.control_period
+        added = state.extent if state.memory < state.size else 0.0
+    if controller.advancing == 1 and added != 0.0:
+        command.advance_angle = min(max(command.advance_angle + added, 0.0), 0.5 * pi)

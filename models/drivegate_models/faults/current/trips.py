@@ -1,0 +1,106 @@
+"""Faults that limit what the drive may do: for heat, for peaks, and for what a single sample shows."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.faults.current import state as faults
+
+# Of what takes rated power from the supply, so that rated power needs more at any speed.
+_UNDER_LOAD: Final = 0.8
+_DERATED_SHARE: Final = 0.2
+_HALF_CYCLE: Final = 0.25
+
+
+@inlined
+def is_derated(state: Any, fault: int) -> bool:
+    """Return whether the current is to be limited further, and remember what that follows from.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Updated.
+    fault : int
+        The fault.
+
+    Returns
+    -------
+    bool
+        False for other faults.
+    """
+    sense, controller = state.sense, state.controller
+    period = controller.control_period
+    loaded = sense.current_magnitude_sum > _UNDER_LOAD * controller.rated_sum
+    if fault == faults.HEAT_KEPT:
+        state.memory += period if loaded else 0.0
+        return bool(state.memory >= state.size)
+    if fault == faults.HEAT_IN_STEPS:
+        state.tally += 1 if loaded else 0
+        return bool(state.tally >= state.size)
+    if fault == faults.DERATES_IN_TURNS:
+        state.memory += period if loaded else 0.0
+        return bool(state.memory >= state.size and sense.time % (2.0 * _HALF_CYCLE) < _HALF_CYCLE)
+    if fault == faults.PEAK_TRIPS:
+        state.memory = state.memory + period if state.late_reference >= controller.current_limit else 0.0
+        if state.memory >= state.size:
+            state.latched = 1
+    elif fault == faults.SWELL_TRIPS:
+        if sense.half_supply_voltage > state.size * controller.nominal_voltage:
+            state.latched = 1
+    elif fault == faults.OVERSPEED_TRIPS:
+        if sense.speed > state.size * sense.speed_reference:
+            state.latched = 1
+    elif fault == faults.LOST_SPEEDS_COUNTED:
+        state.tally += 1 if sense.speed <= 0.0 else 0
+        return bool(state.tally >= state.size)
+    else:
+        return False
+    return bool(state.latched == 1)
+
+
+@inlined
+def derate(state: Any, fault: int, command: Any) -> None:
+    """Limit the current reference further where the fault takes the drive for too hot or broken.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Updated.
+    fault : int
+        The fault.
+    command : record of COMMAND
+        Changed.
+    """
+    derated = is_derated(state, fault)
+    if fault == faults.PEAK_TRIPS:
+        state.late_reference = command.current_reference
+    if derated:
+        limit = _DERATED_SHARE * state.controller.current_limit
+        command.current_reference = min(command.current_reference, limit)
+
+
+@inlined
+def end_advance(state: Any, fault: int, command: Any) -> None:
+    """Set the angle to zero for good where the fault has seen what it takes for a reason.
+
+    Parameters
+    ----------
+    state : record of FAULTY_STATE
+        Updated.
+    fault : int
+        The fault.
+    command : record of COMMAND
+        Changed.
+    """
+    if fault == faults.LOST_CURRENT_TRIPS:
+        if state.true_sum < state.extent and state.memory > state.size:
+            state.latched = 1
+        state.memory = state.true_sum
+    elif fault == faults.STOP_LATCHES:
+        if state.sense.speed_reference <= 0.0:
+            state.latched = 1
+    else:
+        return
+    if state.latched == 1:
+        command.advance_angle = 0.0

@@ -1,0 +1,328 @@
+"""Each check of duty ratios is met by field-oriented control, and notices a run in which what it judges was another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.harness.contracts.duty.checks.conftest import CHECKS, Run, judged, with_column, with_command
+
+from drivegate.candidates.declaration import Declaration
+from drivegate.checks.drive_numbers import on_drive
+from drivegate.contracts.duty.checks.optimum import greatest_at, least_free
+from drivegate.contracts.duty.record import DutyRecord
+from drivegate.contracts.duty.scenarios.building import (
+    failing,
+    speed_scenario,
+    torque_of,
+    torque_scenario,
+    with_edges,
+)
+from drivegate.scenarios.changes import with_scales
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.contract.duty.signals import LEG_PWM
+from drivegate_models.machine import ledger
+
+
+@pytest.fixture(scope="session")
+def steps(run: Run, interior: PmAcDocument) -> DutyRecord:
+    """Give steps of the torque below base speed, where the voltage is free."""
+    speed = 0.6 * interior.rating.base_speed_rpm
+    return run(
+        torque_scenario(interior, speed, [torque_of(interior, speed, part) for part in (0.0, 0.5, 0.35)])
+    )
+
+
+@pytest.fixture(scope="session")
+def weakened(run: Run, interior: PmAcDocument) -> DutyRecord:
+    """Give more torque than there is at twice base speed, and none after it."""
+    speed = 2.0 * interior.rating.base_speed_rpm
+    return run(torque_scenario(interior, speed, (0.0, torque_of(interior, speed, 3.0), 0.0)))
+
+
+@pytest.fixture(scope="session")
+def start(run: Run, interior: PmAcDocument) -> DutyRecord:
+    return run(
+        speed_scenario(interior, (420.0,), torque_nm=1.0, initial_speed_rpm=0.0, initial_angle_deg=120.0)
+    )
+
+
+@pytest.fixture(scope="session")
+def other_plant(run: Run, interior: PmAcDocument) -> DutyRecord:
+    return run(with_scales(speed_scenario(interior, (1000.0, 1500.0), torque_nm=0.8), emf_constant=0.8))
+
+
+@pytest.fixture(scope="session")
+def sensed(run: Run, interior: PmAcDocument) -> DutyRecord:
+    """Give torques below base speed, seen through shunts below the lower switches and an encoder."""
+    return run(through(interior, shunts="low-side"))
+
+
+def through(interior: PmAcDocument, **keys: Any) -> Scenario:
+    """Make steps of the torque below base speed, seen through sensors."""
+    speed = 0.4 * interior.rating.base_speed_rpm
+    torques = [torque_of(interior, speed, part) for part in (0.2, 0.8)]
+    return torque_scenario(interior, speed, torques).replaced(sensors={"kind": "shunts", **keys}, seed=7)
+
+
+@pytest.fixture(scope="session")
+def slow(run: Run, interior: PmAcDocument) -> DutyRecord:
+    """Give a torque at 8 % of base speed, which is also run with another dead time."""
+    speed = 0.08 * interior.rating.base_speed_rpm
+    return run(torque_scenario(interior, speed, (torque_of(interior, speed, 0.5),)))
+
+
+@pytest.fixture(scope="session")
+def stuck(run: Run, interior: PmAcDocument) -> DutyRecord:
+    """Give a torque at base speed, in whose course a current sensor gets stuck."""
+    speed = interior.rating.base_speed_rpm
+    held = torque_scenario(interior, speed, (torque_of(interior, speed, 0.5),))
+    return run(failing(held, "stuck-current", 0.3, 2))
+
+
+@pytest.fixture(scope="session")
+def locked(run: Run, interior: PmAcDocument) -> DutyRecord:
+    """Give a start with a shaft that is locked."""
+    start = speed_scenario(interior, (1500.0,), torque_nm=1.0, initial_speed_rpm=0.0)
+    return run(failing(start, "locked-rotor", 0.0))
+
+
+@pytest.fixture(scope="session")
+def edge(run: Run, interior: PmAcDocument) -> DutyRecord:
+    """Give a torque at base speed, in whose course an edge of the Hall switches is lost."""
+    speed = interior.rating.base_speed_rpm
+    held = torque_scenario(interior, speed, (torque_of(interior, speed, 0.5),))
+    return run(failing(with_edges(held, "hall", 1), "lost-edge", 0.3))
+
+
+RUNS = {
+    "edge": ("PWR-1", "DUT-1", "OVC-1", "SAF-1"),
+    "slow": ("PWR-1", "DUT-1", "ACC-1", "RIP-4", "DTM-1", "FWK-2", "MTP-1", "OVC-1"),
+    "stuck": ("PWR-1", "DUT-1", "OVC-1", "SAF-1"),
+    "locked": ("PWR-1", "DUT-1", "OVC-1", "SAF-1"),
+    "steps": ("PWR-1", "DUT-1", "ACC-1", "STP-1", "DEC-1", "RIP-4", "FWK-2", "MTP-1", "OVC-1"),
+    "weakened": ("PWR-1", "DUT-1", "ACC-1", "FWK-1", "FWK-3", "OVC-1"),
+    "start": ("PWR-1", "DUT-1", "ACC-1", "RIP-4", "FWK-2", "MTP-1", "OVC-1", "STA-1"),
+    "sensed": ("PWR-1", "DUT-1", "OVC-1", "ROB-5"),
+    "other_plant": ("PWR-1", "DUT-1", "OVC-1", "ROB-4"),
+}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_correct_controller_meets_what_a_run_is_judged_by(
+    name: str, request: pytest.FixtureRequest
+) -> None:
+    record = request.getfixturevalue(name)
+    margins = {check: margin for check in CHECKS if (margin := judged(check, record)) is not None}
+    assert set(margins) == set(RUNS[name])
+    failed = {check: margin for check, margin in margins.items() if not margin.met}
+    assert {check: margin for check, margin in failed.items() if CHECKS[check].level == "required"} == {}
+
+
+def _bumped(direct: Any) -> Any:
+    """Move a current for half a millisecond behind the last step, the smaller one."""
+    changed = direct.copy()
+    last = 2 * len(direct) // 3
+    changed[last + 10 : last + 15] -= 1.5
+    return changed
+
+
+FAULTS: list[tuple[str, str, str, Callable[[Any], Any]]] = [
+    ("ACC-1", "steps", "torque", lambda torque: 1.2 * torque),
+    ("STP-1", "steps", "torque", lambda torque: np.convolve(torque, np.ones(60) / 60.0)[: len(torque)]),
+    ("DEC-1", "steps", "direct", _bumped),
+    ("FWK-2", "steps", "direct", lambda direct: direct - 0.5),
+    ("MTP-1", "steps", "quadrature", lambda quadrature: 1.1 * quadrature),
+    ("FWK-1", "weakened", "torque", lambda torque: 0.9 * torque),
+    ("FWK-3", "weakened", "torque", lambda torque: torque - 0.5),
+    ("FWK-3", "weakened", "peak_current", lambda peak: 1.5 * peak),
+    ("STA-1", "start", "speed", lambda speed: 0.5 * speed),
+    ("STA-1", "start", "speed", lambda speed: np.where(np.arange(len(speed)) < 500, -20.0, speed)),
+    ("ROB-4", "other_plant", "speed", lambda speed: speed + 5.0),
+    (
+        "SAF-1",
+        "stuck",
+        "torque",
+        lambda torque: np.where(np.arange(len(torque)) >= 3001, torque + 0.6, torque),
+    ),
+    ("SAF-1", "locked", "torque", lambda torque: torque + 0.6),
+    ("SAF-1", "edge", "torque", lambda torque: np.where(np.arange(len(torque)) == 3050, 0.5, torque)),
+    (
+        "ROB-4",
+        "other_plant",
+        "speed",
+        lambda speed: speed + 4.0 * np.exp(np.arange(len(speed)) / 800.0 - 13.0),
+    ),
+]
+
+
+@pytest.mark.parametrize(("check", "name", "column", "change"), FAULTS)
+def test_a_run_that_breaks_a_check_is_noticed(
+    check: str, name: str, column: str, change: Callable[[Any], Any], request: pytest.FixtureRequest
+) -> None:
+    record = request.getfixturevalue(name)
+    margin = judged(check, with_column(record, column, change))
+    assert margin is not None
+    assert not margin.met, f"{check} is met with {margin.measured}"
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "words"),
+    [("second_duty", 1.2, "to 1.2"), ("first_duty", -0.1, "-0.1"), ("next_period", 2e-4, "changed by 100 %")],
+)
+def test_answers_outside_of_their_range_are_noticed(
+    field: str, value: float, words: str, steps: DutyRecord
+) -> None:
+    margin = judged("DUT-1", with_command(steps, field, lambda values: np.full_like(values, value)))
+    assert margin is not None
+    assert not margin.met
+    assert words in margin.measured
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (np.zeros_like, "not safe"),
+        (lambda fault: np.where(np.arange(len(fault)) < 4100, 0, fault), "safe 110 ms after"),
+        (np.ones_like, "before anything fails"),
+    ],
+    ids=["never", "late", "early"],
+)
+def test_a_safe_state_that_is_never_late_or_early_taken_is_noticed(
+    change: Callable[[Any], Any], words: str, stuck: DutyRecord
+) -> None:
+    on = with_command(stuck, "first_leg", lambda legs: np.full_like(legs, LEG_PWM))
+    margin = judged("SAF-1", with_command(on, "fault", change))
+    assert margin is not None
+    assert not margin.met
+    assert words in margin.measured
+
+
+def test_behind_a_lost_edge_a_drive_goes_on_or_is_safe(edge: DutyRecord) -> None:
+    went_on = judged("SAF-1", edge)
+    assert went_on is not None
+    assert went_on.met
+    assert "off its reference behind lost-edge" in went_on.measured
+    claimed = np.arange(len(edge.run.commands)) >= 3100
+    stopped = with_column(edge, "torque", lambda torque: np.where(claimed, 0.0, torque))
+    silent = judged("SAF-1", stopped)
+    told = judged("SAF-1", with_command(stopped, "fault", lambda _: claimed.astype(int)))
+    assert silent is not None
+    assert not silent.met, "without a word it is neither"
+    assert told is not None
+    assert told.met
+    assert "safe 10 ms after lost-edge" in told.measured
+
+
+def test_a_lost_edge_is_judged_where_a_torque_is_asked_for(run: Run, interior: PmAcDocument) -> None:
+    speed = interior.rating.base_speed_rpm
+    turning = with_edges(speed_scenario(interior, (speed,), torque_nm=1.0), "hall", 1)
+    assert judged("SAF-1", run(failing(turning, "lost-edge", 0.3))) is None
+
+
+def test_what_is_not_declared_is_not_judged(stuck: DutyRecord) -> None:
+    assert judged("SAF-1", replace(stuck, declaration=Declaration(detects=("open-phase",)))) is None
+    reason = CHECKS["SAF-1"].reason_not_applicable(Declaration(), stuck.document)
+    assert reason is not None
+    assert "does not declare" in reason
+
+
+def test_ripple_that_modulation_or_dead_time_adds_is_noticed(slow: DutyRecord) -> None:
+    unrest = 0.02 * np.where(np.arange(len(slow.run.commands)) % 4 < 2, 1.0, -1.0)
+    uneven = with_command(slow, "first_duty", lambda ratio: ratio + unrest)
+    alone = judged("RIP-4", uneven)
+    assert alone is not None
+    assert not alone.met, alone.measured
+    other = slow.other_dead_time
+    assert other is not None
+    assert other.document.inverter.dead_time_s > 0.0 == slow.document.inverter.dead_time_s
+    blanked = with_command(other, "first_duty", lambda ratio: ratio + unrest)
+    both = judged("DTM-1", replace(slow, other_dead_time=blanked))
+    assert both is not None
+    assert not both.met, both.measured
+
+
+def test_the_sums_of_the_plant_and_of_the_current_are_judged(steps: DutyRecord) -> None:
+    totals = steps.run.totals.copy()
+    totals[ledger.PEAK] = 1.21 * steps.document.rating.current_limit_a
+    high = judged("OVC-1", replace(steps, run=replace(steps.run, totals=totals)))
+    missing = judged("PWR-1", replace(steps, run=replace(steps.run, worst_balance=2e-9)))
+    assert high is not None
+    assert missing is not None
+    assert not high.met
+    assert not missing.met
+
+
+def test_a_plant_that_differs_is_judged_by_its_own_check_alone(run: Run, interior: PmAcDocument) -> None:
+    speed = 0.5 * interior.rating.base_speed_rpm
+    plain = torque_scenario(interior, speed, (0.0, torque_of(interior, speed, 0.5)))
+    record = run(with_scales(plain, emf_constant=0.8))
+    named = {check for check in CHECKS if judged(check, record) is not None}
+    assert named == {"PWR-1", "DUT-1", "OVC-1"}, "the torque of weaker magnets is no fault of the controller"
+
+
+def test_loss_is_judged_at_the_efficiency_points_alone(run: Run, interior: PmAcDocument) -> None:
+    rated = torque_of(interior, 0.0, 1.0)
+    base = interior.rating.base_speed_rpm
+    at_point = run(torque_scenario(interior, base, (0.5 * rated,)))
+    beside = run(torque_scenario(interior, 0.9 * base, (0.5 * rated,)))
+    margin = judged("EFF-1", at_point)
+    assert margin is not None
+    assert judged("EFF-1", beside) is None
+    worse = judged("EFF-1", with_column(at_point, "direct", lambda direct: direct + 1.5))
+    assert worse is not None
+    assert not worse.met
+
+
+def test_the_oracle_leaves_no_more_torque_than_the_limits(interior: PmAcDocument) -> None:
+    plant = interior.plant()
+    best = greatest_at(plant, 400.0, plant.link_voltage)
+    assert best.voltage <= plant.link_voltage / 3.0**0.5 * (1.0 + 1e-9)
+    assert least_free(plant, 400.0, best.torque).current <= best.current
+
+
+def test_the_texts_tell_the_numbers_of_the_drive(interior: PmAcDocument) -> None:
+    strict = interior.replaced(torque_tolerance_percent=1.0, overshoot_percent=5.0)
+    assert "overshoot 5 %" in on_drive(CHECKS["STP-1"], strict).limit
+    assert on_drive(CHECKS["ACC-1"], strict).limit != on_drive(CHECKS["ACC-1"], interior).limit
+    for check in CHECKS.values():
+        assert "{" not in on_drive(check, interior).limit
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"encoder_error_deg": 40.0},
+        # Where no shunt ever sees a current, the regulators integrate until nothing is left.
+        {"shunts": "low-side", "settling_s": 9e-5},
+        {"current_gain_spread": 0.3},
+    ],
+    ids=["alignment", "blind shunts", "gains"],
+)
+def test_sensors_too_bad_for_any_controller_fail(
+    run: Run, interior: PmAcDocument, keys: dict[str, Any]
+) -> None:
+    margin = judged("ROB-5", run(through(interior, **keys)))
+    assert margin is not None
+    assert not margin.met, margin.measured
+
+
+@pytest.mark.parametrize("shunts", ["in-line", "low-side", "link"])
+@pytest.mark.parametrize("position", ["exact", "encoder", "hall"])
+def test_sensors_without_errors_show_the_plant_as_it_is(
+    run: Run, interior: PmAcDocument, shunts: str, position: str
+) -> None:
+    keys: dict[str, Any] = {"current_gain_spread": 0.0, "current_offset_a": 0.0, "current_noise_a": 0.0}
+    keys |= {"voltage_noise_v": 0.0, "converter_bits": 24, "encoder_lines": 100_000}
+    keys |= {"placement_error_deg": 0.0, "hysteresis_deg": 0.0, "shunts": shunts, "position": position}
+    record = run(through(interior, **keys))
+    ideal = run(through(interior).replaced(sensors="ideal"))
+    for seen, true in zip(record.steady, ideal.steady, strict=True):
+        assert seen.torque == pytest.approx(true.torque, rel=5e-3)
+        assert np.hypot(seen.direct, seen.quadrature) == pytest.approx(
+            np.hypot(true.direct, true.quadrature), rel=5e-3
+        )

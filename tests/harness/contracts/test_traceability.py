@@ -1,0 +1,85 @@
+"""Every check is exercised by the runs that are said to exercise it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, seed, settings
+
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
+from drivegate.candidates.builtin.loading import BuiltinController
+from drivegate.candidates.declaration import Declaration
+from drivegate.contracts.current.checks.catalogue import CHECKS
+from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
+from drivegate.contracts.traceability import (
+    DRAWN,
+    EVERY_RUN,
+    SPECIAL,
+    families_of,
+    family_name,
+    traced_checks,
+)
+from drivegate.drives.running import run_scenario
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.controllers.current.builtin import SEARCHES
+
+DRIVE = load_drive("paper-5-phase")
+FAMILIES = [family for group in FAMILY_GROUPS for family in group]
+DRAWS = 8
+APPLICABLE = {check.id for check in CHECKS if check.reason_not_applicable(Declaration(), DRIVE) is None}
+
+Judged = Callable[[Scenario], set[str]]
+
+
+@pytest.fixture(scope="module")
+def judged() -> Judged:
+    """Return the checks that a run of `initial`, which estimates its power, has margins of."""
+    controller = BuiltinController(SEARCHES["initial"])
+
+    def checks(scenario: Scenario) -> set[str]:
+        record = RunRecord(scenario, run_scenario(scenario, controller), BUILTIN_CANDIDATES["initial"])
+        return {margin.check for check in CHECKS if (margin := check.evaluate(record)) is not None}
+
+    return checks
+
+
+def test_every_family_has_its_row() -> None:
+    assert [family_name(family.__name__) for family in FAMILIES] == list(DRAWN)
+
+
+def test_every_check_is_exercised() -> None:
+    assert all(row["families"] for row in traced_checks(DRIVE))
+    known = {check.id for check in CHECKS}
+    assert {check for checks in (*DRAWN.values(), *SPECIAL.values()) for check in checks} <= known
+
+
+def test_the_fixed_scenarios_exercise_every_check_in_the_closed_loop(judged: Judged) -> None:
+    seen = {check for scenario in fixed_scenarios(DRIVE) for check in judged(scenario)}
+    assert seen == {check for check in APPLICABLE if families_of(check)[0] == "fixed"}
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family_name(family.__name__))
+def test_a_family_exercises_the_checks_that_it_is_there_for(family: Family, judged: Judged) -> None:
+    draws: list[set[str]] = []
+
+    @seed(0)
+    @settings(
+        max_examples=DRAWS,
+        database=None,
+        deadline=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(family(DRIVE, None))
+    def draw(scenario: Scenario) -> None:
+        draws.append(judged(scenario))
+
+    draw()
+    listed = {*EVERY_RUN, *DRAWN[family_name(family.__name__)]} & APPLICABLE
+    sometimes, always = set().union(*draws), set.intersection(*draws)
+    assert listed <= sometimes, f"{listed - sometimes} are never exercised"
+    assert always <= listed, f"{always - listed} are always exercised, but not listed"

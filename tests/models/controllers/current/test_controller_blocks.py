@@ -1,0 +1,70 @@
+"""The blocks of the built-in controllers: angle model, speed regulator, and the flowchart's decisions."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drivegate_models.controllers.current.angle_line import initial_angle
+from drivegate_models.controllers.current.flowchart_search import decide_by_flowchart
+from drivegate_models.controllers.current.speed_regulator import regulate_speed
+from drivegate_models.controllers.current.state import CONTROLLER_STATE
+
+pytestmark = pytest.mark.kernel
+BASE = 500.0 * math.pi / 30.0
+
+
+@given(st.floats(0.0, 400.0), st.floats(0.0, 1.0), st.floats(0.0, 0.02))
+def test_initial_angle_is_zero_below_base_speed_and_a_line_above(
+    speed: float, start: float, slope: float
+) -> None:
+    angle = initial_angle(speed, BASE, start, slope)
+    if speed < BASE:
+        assert angle == 0.0, f"{angle} rad at {speed} rad/s"
+    else:
+        assert angle == pytest.approx(min(start + slope * (speed - BASE), math.pi / 2.0))
+
+
+@given(st.floats(-500.0, 500.0), st.floats(0.0, 26.0), st.floats(0.01, 50.0), st.floats(0.0, 5.0))
+def test_the_regulator_stays_within_its_limit_and_does_not_wind_up(
+    error: float, integral: float, proportional: float, step: float
+) -> None:
+    reference, following = regulate_speed(error, integral, proportional, step, 26.0)
+    assert 0.0 <= reference <= 26.0
+    assert 0.0 <= following <= 26.0
+    if reference == 26.0 and error > 0.0 and proportional * error + integral > 26.0:
+        assert following <= integral, "the integral grows into the limit"
+
+
+def flowchart_state() -> Any:
+    state = np.zeros(1, CONTROLLER_STATE).view(np.recarray)
+    state["speed_tolerance"] = 0.5
+    state["power_tolerance"] = 0.001
+    state["step"] = 0.01
+    state["direction"] = -1.0
+    state["count"] = 200
+    state["old_power"] = math.inf
+    return state
+
+
+@pytest.mark.parametrize(
+    ("powers", "errors", "moves"),
+    [
+        pytest.param([40.0, 39.0, 38.0], [0.0] * 3, [-1, -1, -1], id="goes on while the power falls"),
+        pytest.param([40.0, 39.0, 39.5, 39.0], [0.0] * 4, [-1, -1, 1, 1], id="reverses when it rose"),
+        pytest.param([40.0, 40.01, 39.0], [0.0] * 3, [-1, 0, -1], id="stops within k2"),
+        pytest.param([40.0, 39.0, 38.0], [0.0, 0.6, 0.0], [-1, 0, -1], id="inactive beyond k1"),
+    ],
+)
+def test_decisions_of_the_flowchart(powers: list[float], errors: list[float], moves: list[int]) -> None:
+    state = flowchart_state()
+    made = []
+    for power, error in zip(powers, errors, strict=True):
+        state["power_sum"] = power * 200
+        before = float(state["offset"][0])
+        decide_by_flowchart(state[0], error)
+        made.append(round((float(state["offset"][0]) - before) / 0.01))
+    assert made == moves, f"Fig. 4 moves by {moves} steps, the search by {made}"
