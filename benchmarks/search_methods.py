@@ -15,8 +15,8 @@ from typing import Any, Final, TypeAlias
 from hypothesis import HealthCheck, Phase, assume, given, seed, settings, target
 from hypothesis import strategies as st
 
-from drivegate.contracts.current.scenarios.drawn.isolation import from_the_seed_alone
 from drivegate.gate.plan import EXAMPLES
+from drivegate.scenarios.isolation import from_the_seed_alone
 from weakened_faults import GRID, Point, on_grid
 
 

@@ -18,7 +18,7 @@ from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.candidates.builtin.faulty_controller import FaultyController
 from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.contracts.current.scenarios.feasibility import unfair_because
 from drivegate.drives.running import run_scenario
@@ -239,7 +239,7 @@ class Judge:
         """Run a scenario; 1 where the check does not apply, and below 0 only where the scenario is fair."""
         scenario = self.cube.scenario(point)
         run = run_scenario(scenario, self._controller)
-        margin = _CHECKS[self.check].evaluate(RunRecord(scenario, run, BUILTIN_CANDIDATES["reference"]))
+        margin = _CHECKS[self.check].evaluate(CurrentRecord(scenario, run, BUILTIN_CANDIDATES["reference"]))
         if margin is None or margin.advisory:
             return 1.0
         if margin.value < 0.0 and unfair_because(scenario) is not None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.native.bounded_command import COMPILATION, run_bounded
 from drivegate.candidates.native.compiler import c_compiler, include_folder
-from drivegate.contracts.current.run import plant_load, plant_schedule
+from drivegate.scenarios.plant_inputs import plant_load, plant_schedule
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import HarnessFault, InputError
 from drivegate_models.machine.load import CONSTANT_TORQUE

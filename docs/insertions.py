@@ -25,9 +25,10 @@ from drivegate.contracts.current.coverage import (
     drawn_by_family,
     varied_keys,
 )
+from drivegate.contracts.current.families import DRAWN, EVERY_RUN
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
-from drivegate.contracts.traceability import DRAWN, EVERY_RUN, family_name, traced_checks, traced_facts
+from drivegate.contracts.traceability import family_name, traced_checks, traced_facts
 from drivegate.drives.drawn_kinds import DRAWN_KINDS
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows

@@ -15,11 +15,13 @@ from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
+from drivegate.contracts.current.signals import recorded_signals
 from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
+from drivegate.contracts.recorded_trace import thinned
 from drivegate.drives.envelope_document import envelope_of
 from drivegate.drives.running import run_scenario
 from drivegate.gate.behaviour import BehaviourPlan, run_behaviour
-from drivegate.gate.recording import RecordPlan, run_recorded, thinned
+from drivegate.gate.recording import RecordPlan, run_recorded
 from drivegate.output.result_reports import report_formats, write_result
 from drivegate.results.result import finite
 from drivegate.studies.campaign.manifest import MANIFEST
@@ -158,7 +160,7 @@ def failing() -> Document:
 def lock_up() -> dict[str, list[float]]:
     """Return the signals of the controller `published` in the scenario in which it locks up."""
     run = run_scenario(load_scenario("lock-up"), BuiltinController(SEARCHES["published"]), trace_every=1)
-    return thinned(run.trace)
+    return thinned(recorded_signals(run))
 
 
 @pytest.fixture(scope="session")

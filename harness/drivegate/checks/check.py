@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.margin import Margin
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate_cases.drive.drive_document import DriveDocument
 
-Evaluate: TypeAlias = Callable[[RunRecord], Margin | None]
-"""From a finished run to the check's margin; None where the check does not apply to the run."""
+Evaluate: TypeAlias = Callable[[Any], Margin | None]
+"""From the record of a run of the check's contract to its margin; None where it does not apply to the run."""
 ReasonNotApplicable: TypeAlias = Callable[[Declaration, DriveDocument], str | None]
 """From a declaration and a drive to the reason why the check does not apply to that candidate; None where it does."""
 
@@ -22,7 +22,7 @@ def always_applicable(_declaration: Declaration, _drive: DriveDocument) -> str |
     return None
 
 
-def judged_elsewhere(_record: RunRecord) -> Margin | None:
+def judged_elsewhere(_record: Record) -> Margin | None:
     """Leave a check out of closed-loop runs: its margins come from jobs of their own."""
     return None
 
@@ -31,7 +31,7 @@ def judged_elsewhere(_record: RunRecord) -> Margin | None:
 class Check:
     """A requirement and how it is judged.
 
-    Its texts have a drive's numbers by name, such as ``{k1}``; `drivegate.checks.drive_numbers.on_drive` writes them.
+    Its texts name a drive's numbers, such as ``{k1}``; `drivegate.contracts.drive_numbers.on_drive` fills them in.
 
     Attributes
     ----------

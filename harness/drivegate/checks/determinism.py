@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 
 
-def repeats_itself(record: RunRecord) -> Margin | None:
+def repeats_itself(record: Record) -> Margin | None:
     """Judge whether further runs of the scenario gave the same commands, bit for bit."""
     if not record.repeated_digests:
         return None

@@ -8,8 +8,7 @@ from typing import Any
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin
-from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ class ShardOutcome:
     infeasible: tuple[InfeasibleScenario, ...] = ()
 
 
-def judged(record: RunRecord, checks: Iterable[Check] = CHECKS) -> JudgedRun:
+def judged(record: Record, checks: Iterable[Check]) -> JudgedRun:
     """Apply checks to a run."""
     margins = (check.evaluate(record) for check in checks)
     return JudgedRun(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from drivegate.checks.check import Check
 
+TIMED_STEPS = 4000
+"""Number of steps that are timed, in a run that has as many (1)."""
 LARGEST_SHARE = 0.1
 """Greatest share of the control period that a step may take to compute (1)."""
 

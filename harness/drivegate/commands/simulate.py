@@ -76,7 +76,7 @@ def command(
 
         return Outcome(document, show_failed, ExitCode.FAILED)
     if csv is not None or parquet is not None or plot is not None:
-        frame = trace_frame(ended)
+        frame = trace_frame(scenario, ended.run)
         write_trace(frame, csv, parquet)
         if plot is not None:
             write_plot(frame, plot, f"{resolved.name}: {scenario.name}")
@@ -86,9 +86,10 @@ def command(
     hint = "" if plot is not None else f"{again} --plot run.png"
 
     def show(console: Console) -> None:
+        from drivegate.contracts.catalogue import contract_of
         from drivegate.studies.simulate.display import show_run
 
-        show_run(console, document, hint)
+        show_run(console, contract_of(scenario.drive), document, hint)
 
     return Outcome(document, show)
 

@@ -1,1 +1,1 @@
-"""contracts."""
+"""What controllers answer with: one folder for each contract, behind the bundle in `contract`."""

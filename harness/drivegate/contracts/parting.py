@@ -8,10 +8,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.contracts.catalogue import contract_of
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.contract.current.records import COMMAND
-from drivegate_models.contract.duty.records import DUTY_COMMAND
-from drivegate_models.loop.exchange import OUTPUTS
 
 SEED_IN_RESET: Final = "if the controller draws random numbers, seed them in reset"
 """What to do about the most common reason why two runs of one scenario differ."""
@@ -31,7 +29,6 @@ _WORDS: Final = {
     "speed": ("speed", "rad/s"),
     "fault": ("fault", ""),
 }
-_LAYOUTS: Final = {"current": COMMAND, "duty": DUTY_COMMAND}
 _FEWEST_DIGITS: Final = 3
 _MOST_DIGITS: Final = 17
 
@@ -69,12 +66,12 @@ class Parting:
 
 def room_for_commands(scenario: Scenario) -> NDArray[Any]:
     """Make room for the command of every step of a run."""
-    return np.zeros(scenario.control_periods, _LAYOUTS[scenario.drive.contract])
+    return np.zeros(scenario.control_periods, contract_of(scenario.drive).command())
 
 
 def parting_of(scenario: Scenario, again: NDArray[Any], first: NDArray[Any]) -> Parting | None:
     """Find where the commands of a repetition part from those of the first run, bit for bit."""
-    outputs = OUTPUTS if scenario.drive.contract == "current" else (again.dtype.names or ())[1:]
+    outputs = contract_of(scenario.drive).outputs()
     differs = np.stack([again[name].view(np.int64) != first[name].view(np.int64) for name in outputs])
     steps = np.flatnonzero(differs.any(axis=0))
     if steps.size == 0:

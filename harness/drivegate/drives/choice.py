@@ -40,9 +40,7 @@ def require_contract(candidate: Candidate, drive: DriveDocument) -> None:
 
 def require_angles(drive: DriveDocument) -> DriveDocument:
     """Refuse a drive whose controllers answer with no advance angle, where all is about angles."""
-    if drive.contract != "current":
-        # Only a kind without angles refuses, and those of the others need their compiled kernels for it.
-        kind_of(drive).oracle()
+    kind_of(drive).require_angles()
     return drive
 
 

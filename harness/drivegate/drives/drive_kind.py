@@ -1,4 +1,4 @@
-"""A kind of drive as those see it who judge controllers of any kind."""
+"""A kind of drive: its plant, and the name of the contract that its controllers follow."""
 
 from __future__ import annotations
 
@@ -6,19 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
+from drivegate_models.errors import InputError
+
 if TYPE_CHECKING:
     import numpy as np
-    from hypothesis.strategies import SearchStrategy
     from numpy.typing import ArrayLike, NDArray
 
-    from drivegate.candidates.declaration import Declaration
-    from drivegate.checks.check import Check
-    from drivegate.containment.messages import AnyController
-    from drivegate.contracts.current.record import RunRecord
-    from drivegate.contracts.current.run import PrepareLoop
-    from drivegate.contracts.current.scenarios.simplification import Simplification
-    from drivegate_cases.drive.drive_document import DriveDocument
-    from drivegate_cases.scenario.scenario import Scenario
     from drivegate_models.steady.oracle import AdvanceLine as AdvanceLine
     from drivegate_models.steady.oracle import GreatestTorque, Optimum, TorquePoint
 
@@ -87,65 +80,50 @@ class SteadyStates:
 
 
 @dataclass(frozen=True, kw_only=True)
+class AngleStudies:
+    """What is computed of drives whose controllers answer with an advance angle; each function imports its kernels."""
+
+    oracle: Callable[[], Oracle]
+    """Return what such a drive can do at best."""
+    steady_state: Callable[[], Callable[..., object]]
+    """Return the solver of one steady state."""
+    steady_states: Callable[[], SteadyStates]
+    """Return the solver of many steady states."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class DriveKind:
-    """All that is required of one kind of drive.
-
-    What is compiled, or takes long to import, is behind a function: a bundle costs nothing until it is called.
-
-    Attributes
-    ----------
-    name : str
-        The kind, as documents of drives have it.
-    default_drive : str
-        Name of the packaged drive that candidates are judged on where nobody names another.
-    prepare_loop : callable
-        Gives the function that makes a run of a controller against the plant ready.
-    oracle : callable
-        Gives what such a drive can do at best.
-    steady_state : callable
-        Gives the solver of one steady state.
-    steady_states : callable
-        Gives the solver of many.
-    checks : callable
-        Gives the checks that judge a run of such a drive.
-    fixed_scenarios : callable
-        From a drive, and what a candidate declares of itself, to the scenarios that every check runs first.
-    drawn_scenarios : callable
-        From the same, and the number of a group of families or None for all of them, to what is searched.
-    joint_scenarios : callable
-        From the same, a seed, and the number of a part and of all parts, to fair scenarios of joint changes.
-    unfair_because : callable
-        From a scenario to the reason why no controller could do what it requires; None where one could.
-    simplifications : callable
-        Gives the ways in which a scenario can be made simpler.
-    usual_candidate : str
-        Name of a controller that comes along and runs on such drives.
-    record : callable or None
-        Runs a candidate through a scenario for the checks, where that is not the loop of `prepare_loop`; it takes the
-        declaration, the scenario, the controller and room for the commands, or None.
-    behaviour : callable or None
-        From what runs a candidate, the drive, and a scenario that shows steps or None, to what a report tells of the
-        candidate beside its checks, where there is such a thing.
-    """
+    """A kind of drive; a bundle imports no compiled code until it is called."""
 
     name: str
+    """The kind, as documents of drives have it."""
+    contract: str
+    """Name of the contract of its controllers."""
     default_drive: str
-    prepare_loop: Callable[[], PrepareLoop]
-    oracle: Callable[[], Oracle]
-    steady_state: Callable[[], Callable[..., object]]
-    steady_states: Callable[[], SteadyStates]
-    checks: Callable[[], tuple[Check, ...]]
-    fixed_scenarios: Callable[[DriveDocument, Declaration], tuple[Scenario, ...]]
-    drawn_scenarios: Callable[[DriveDocument, Declaration, int | None], SearchStrategy[Scenario]]
-    joint_scenarios: Callable[[DriveDocument, Declaration, int, int, int], tuple[Scenario, ...]]
-    unfair_because: Callable[[Scenario], str | None]
-    simplifications: Callable[[], tuple[Simplification, ...]]
-    usual_candidate: str
-    record: Callable[[Declaration, Scenario, AnyController, NDArray[Any] | None], RunRecord] | None = None
-    behaviour: (
-        Callable[[Callable[[Scenario], RunRecord], DriveDocument, Scenario | None], dict[str, Any]] | None
-    ) = None
+    """Name of the packaged drive that stands for this kind."""
+    prepare_loop: Callable[[], Callable[..., Any]]
+    """Return the function that prepares a run of a controller against the plant."""
+    angles: AngleStudies | None = None
+    """Studies over the advance angle; None where controllers answer with none."""
 
-    def is_fair(self, scenario: Scenario) -> bool:
-        """Tell whether a candidate may be judged on a scenario."""
-        return self.unfair_because(scenario) is None
+    def oracle(self) -> Oracle:
+        """Return what a drive of this kind can do at best over the advance angle."""
+        return self.require_angles().oracle()
+
+    def steady_state(self) -> Callable[..., object]:
+        """Return the solver of one steady state at an advance angle."""
+        return self.require_angles().steady_state()
+
+    def steady_states(self) -> SteadyStates:
+        """Return the solver of many steady states at advance angles."""
+        return self.require_angles().steady_states()
+
+    def require_angles(self) -> AngleStudies:
+        """Return the studies over the advance angle, or refuse a kind without them."""
+        if self.angles is None:
+            raise InputError(
+                f"a drive of the kind '{self.name}' has no steady states of an advance angle: drivegate drive shows "
+                "what it can do over speed and torque, and drivegate compare and simulate what controllers make of it; "
+                "or name another drive"
+            )
+        return self.angles

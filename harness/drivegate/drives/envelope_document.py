@@ -16,6 +16,7 @@ from drivegate.drives.envelope import (
     recommended_line,
     speed_without_advance,
 )
+from drivegate.drives.kinds import kind_of
 from drivegate.drives.rating import RatedDrive, Rating, rated_drive
 from drivegate.drives.time_scales import TimeScales, time_scales
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -30,7 +31,7 @@ _KEPT: Final = 100
 @lru_cache(maxsize=_KEPT)
 def envelope_of(document: DriveDocument) -> dict[str, Any] | None:
     """Compute what a drive can do at a few speeds, as the results of its candidates tell it; None without angles."""
-    if document.contract != "current":
+    if kind_of(document).angles is None:
         return None
     drive = rated_drive(document)
     line = recommended_line(drive)

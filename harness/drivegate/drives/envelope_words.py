@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import inf, isfinite
 from typing import Any
 
-from drivegate.checks.drive_numbers import drive_numbers
+from drivegate.contracts.current.numbers import numbers as drive_numbers
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
 

@@ -2,27 +2,92 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Final
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Final
 
-from drivegate.drives.drive_kind import DriveKind
-from drivegate.drives.half_bridge import HALF_BRIDGE
-from drivegate.drives.pm_ac import PM_AC
-from drivegate.drives.star import STAR
+from drivegate.contracts.catalogue import CONTRACTS, DEFAULT_CONTRACT
+from drivegate.drives.drive_kind import AngleStudies, Drive, DriveKind, FloatArray, Oracle, SteadyStates
 
 if TYPE_CHECKING:
     from drivegate_cases.drive.drive_document import DriveDocument
 
+
+def _oracle() -> Oracle:
+    from drivegate_models.steady import oracle
+
+    return oracle
+
+
+def _steady_state() -> Callable[..., object]:
+    from drivegate_models.steady.steady_state import steady_state
+
+    return steady_state
+
+
+def _steady_states() -> SteadyStates:
+    from drivegate_models.steady.grid import POINT_COLUMNS, solve_points
+    from drivegate_models.steady.plant import make_phases
+    from drivegate_models.steady.steady_state import KEPT_TIME
+
+    def solve(
+        drive: Drive, speeds: FloatArray, advances: FloatArray, references: FloatArray, values: FloatArray
+    ) -> None:
+        work, slices = make_phases(drive, KEPT_TIME), make_phases(drive)
+        solve_points(drive, work, slices, drive.half_supply_voltage, speeds, advances, references, values)
+
+    return SteadyStates(columns=POINT_COLUMNS, solve=solve)
+
+
+def _half_bridge_loop() -> Callable[..., Any]:
+    from drivegate_models.half_bridge.closed_loop import prepared_loop
+
+    return prepared_loop
+
+
+def _star_loop() -> Callable[..., Any]:
+    from drivegate_models.star.closed_loop import prepared_loop
+
+    return prepared_loop
+
+
+def _pm_ac_loop() -> Callable[..., Any]:
+    from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
+
+    return prepared_duty_loop
+
+
+_ANGLES: Final = AngleStudies(oracle=_oracle, steady_state=_steady_state, steady_states=_steady_states)
+HALF_BRIDGE: Final = DriveKind(
+    name="half-bridge",
+    contract="current",
+    default_drive="paper-5-phase",
+    prepare_loop=_half_bridge_loop,
+    angles=_ANGLES,
+)
+"""The phase-decoupled machine on half-bridge legs at a split supply: the drive of the paper."""
+STAR: Final = DriveKind(
+    name="star",
+    contract="current",
+    default_drive="star-3-phase",
+    prepare_loop=_star_loop,
+    angles=_ANGLES,
+)
+"""STARDOC"""
+PM_AC: Final = DriveKind(
+    name="pm-ac", contract="duty", default_drive="pm-ac-interior", prepare_loop=_pm_ac_loop
+)
+"""The d-q machine on a two-level bridge: three sinusoidal phases, as most brushless drives have them."""
+
 DRIVE_KINDS: Final[Mapping[str, DriveKind]] = {kind.name: kind for kind in (HALF_BRIDGE, STAR, PM_AC)}
-"""Every kind there is, by its name, which is the `kind` of its documents."""
+"""Every kind by its name, which is the `kind` of its documents."""
 DEFAULT_KIND: Final = HALF_BRIDGE
-"""The kind that controllers are made for where nothing says another."""
-DEFAULT_DRIVE: Final = DEFAULT_KIND.default_drive
-"""Name of the drive that is meant where nobody names one."""
-DEFAULT_DRIVES: Final[Mapping[str, str]] = {"current": DEFAULT_DRIVE, "duty": PM_AC.default_drive}
-"""Name of the drive that a candidate of each contract is judged on where nobody names one."""
+"""The kind that controllers are made for by default."""
+DEFAULT_DRIVE: Final = DEFAULT_CONTRACT.default_drive
+"""Name of the drive that is meant by default."""
+DEFAULT_DRIVES: Final[Mapping[str, str]] = {name: bundle.default_drive for name, bundle in CONTRACTS.items()}
+"""Name of the drive that a candidate of each contract is judged on by default."""
 
 
 def kind_of(drive: DriveDocument) -> DriveKind:
-    """Find the kind that a drive belongs to."""
+    """Return the kind that a drive belongs to."""
     return DRIVE_KINDS[drive.kind]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from drivegate.checks.drive_numbers import duty_numbers
+from drivegate.contracts.duty.numbers import numbers as duty_numbers
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
 

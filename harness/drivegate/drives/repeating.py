@@ -8,8 +8,8 @@ from typing import Any, Final
 
 from numpy.typing import NDArray
 
+from drivegate.checks.record import Record
 from drivegate.containment.messages import AnyController, JudgedCandidate
-from drivegate.contracts.current.record import RunRecord
 from drivegate.contracts.parting import SEED_IN_RESET, Parting, parting_of, room_for_commands
 from drivegate.drives.running import recorded
 
@@ -19,8 +19,8 @@ _OUTSIDE: Final = (
 
 
 def with_repetitions(
-    loaded: JudgedCandidate, record: RunRecord, kept: NDArray[Any], controller: AnyController
-) -> RunRecord:
+    loaded: JudgedCandidate, record: Record, kept: NDArray[Any], controller: AnyController
+) -> Record:
     """Repeat a finished run whose commands were kept, and tell where the repetitions part from it."""
     digests, partings = [], []
     # A new instance takes the place of the one before, so it is made after that has run.

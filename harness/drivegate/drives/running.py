@@ -6,8 +6,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from drivegate.checks.record import Record
 from drivegate.containment.messages import AnyController, JudgedCandidate
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.run import Wrap, run_in_closed_loop
 from drivegate.drives.choice import require_contract
 from drivegate.drives.kinds import kind_of
@@ -45,18 +46,15 @@ def recorded(
     *,
     trace_every: int = 0,
     kept: NDArray[Any] | None = None,
-) -> RunRecord:
+) -> Record:
     """Run a candidate through a scenario for the checks, observed as its declaration requires."""
     require_contract(loaded.candidate, scenario.drive)
-    declaration = loaded.candidate.declaration
-    record = kind_of(scenario.drive).record
-    if record is not None:
-        return record(declaration, scenario, controller, kept)
-    run = run_scenario(
+    kind = kind_of(scenario.drive)
+    return contract_of(scenario.drive).record(
+        kind.prepare_loop(),
+        loaded.candidate.declaration,
         scenario,
         controller,
         trace_every=trace_every,
-        power_window=declaration.power_window_s,
         kept=kept,
     )
-    return RunRecord(scenario, run, declaration)

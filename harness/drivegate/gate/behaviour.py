@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.drives.kinds import kind_of
+from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.running import recorded
 from drivegate.gate.recording import shown_scenario
 from drivegate.results.result import CheckOutcome
@@ -39,7 +39,7 @@ def behaviour_job(
     drive: DriveDocument, declaration: Declaration, outcomes: Iterable[CheckOutcome]
 ) -> Job[dict[str, Any]] | None:
     """Plan the work; None where reports show nothing of the sort, or a candidate does not follow both references."""
-    if kind_of(drive).behaviour is None or len(declaration.references) == 1:
+    if contract_of(drive).behaviour is None or len(declaration.references) == 1:
         return None
     step = next((shown_scenario(outcome) for outcome in outcomes if outcome.id == _OF_STEPS), None)
     return Job(run_behaviour, BehaviourPlan(drive, step))
@@ -47,7 +47,7 @@ def behaviour_job(
 
 def run_behaviour(loaded: JudgedCandidate, plan: BehaviourPlan) -> dict[str, Any]:
     """Run a candidate and measure how it behaves; this is what the worker process does."""
-    behaviour = kind_of(plan.drive).behaviour
+    behaviour = contract_of(plan.drive).behaviour
     assert behaviour is not None, "only such a kind is planned for"
     step = None if plan.step is None else parse_document(plan.step, Scenario, "the scenario of steps")
     controller = loaded.controller()

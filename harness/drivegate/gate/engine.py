@@ -16,7 +16,7 @@ from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.pool import WorkerPool
-from drivegate.contracts.current.checks.catalogue import ALL_CHECKS, CHECKS_OF
+from drivegate.contracts.catalogue import CONTRACTS, all_checks
 from drivegate.drives.choice import drive_for
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.gate.behaviour import behaviour_job
@@ -46,12 +46,12 @@ from drivegate_models.errors import InputError
 
 _TELLING: Final = frozenset(
     check.id
-    for checks in CHECKS_OF.values()
+    for checks in (bundle.checks() for bundle in CONTRACTS.values())
     for check in checks
     if check.level == "required" and check.subject == "candidate" and not check.volatile
 )
 """Checks whose margins progress tells; one of 0 that is met is a clamped command's."""
-_VOLATILE: Final = frozenset(check.id for check in ALL_CHECKS.values() if check.volatile)
+_VOLATILE: Final = frozenset(check.id for check in all_checks().values() if check.volatile)
 
 
 @dataclass
@@ -149,7 +149,9 @@ def check_candidate(
     waived = {waiver.check for waiver in waivers if waiver.candidate == candidate.name}
     counting = (
         frozenset(
-            check.id for check in CHECKS_OF[judged_on.contract] if check.level in counted_levels(fail_on)
+            check.id
+            for check in CONTRACTS[judged_on.contract].checks()
+            if check.level in counted_levels(fail_on)
         )
         - waived
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from drivegate.checks.judging import ShardOutcome
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.drives.kinds import kind_of
+from drivegate.contracts.catalogue import contract_of
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate_cases.drive.drive_document import DriveDocument
 
@@ -34,5 +34,7 @@ class JointRuns:
 def run_joint(loaded: JudgedCandidate, plan: JointRuns) -> ShardOutcome:
     """Draw a part of the joint changes and run them as they are."""
     declaration = loaded.candidate.declaration
-    scenarios = kind_of(plan.drive).joint_scenarios(plan.drive, declaration, plan.seed, plan.part, plan.parts)
+    scenarios = contract_of(plan.drive).joint_scenarios(
+        plan.drive, declaration, plan.seed, plan.part, plan.parts
+    )
     return run_fixed(loaded, FixedRuns(scenarios))

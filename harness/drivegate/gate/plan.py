@@ -10,16 +10,16 @@ from typing import Final
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.flowchart.run import ScriptRuns, run_scripts, script_margin
 from drivegate.contracts.current.flowchart.scripts import fixed_scripts, usual_speed
-from drivegate.drives.kinds import DEFAULT_DRIVE, kind_of
+from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.joint_runs import JointRuns, run_joint
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.baseline import Baseline, scenario_key
 from drivegate.results.counterexample import Counterexample
-from drivegate.scenarios.covering import covering_rows
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
@@ -88,7 +88,7 @@ def planned_work(
 ) -> list[Work]:
     """Plan the runs of a check on a drive, the default one where none is given."""
     drive = drive or load_drive(DEFAULT_DRIVE)
-    fixed = kind_of(drive).fixed_scenarios(drive, declaration)
+    fixed = contract_of(drive).fixed_scenarios(drive, declaration)
     examples = EXAMPLES[effort]
     shards = [
         DrawnRuns(drive, seed * SHARDS + shard, examples, search=search, climbed=focus.only)
@@ -147,10 +147,10 @@ def _scripts(drive: DriveDocument, declaration: Declaration, seed: int, examples
 
 def _joint(drive: DriveDocument, seed: int, times: int) -> list[Work]:
     """Plan runs of joint changes, all parts of every pass over the covering array."""
-    if drive.contract != "current":
-        # What the array varies are angles, sensors and disturbances that other contracts do not have.
+    rows = contract_of(drive).joint_rows()
+    if rows == 0:
         return []
-    most = -(-len(covering_rows()) // SHARDS) + 1
+    most = -(-rows // SHARDS) + 1
     return [
         Work(
             Job(run_joint, JointRuns(drive, seed * times + number, part, SHARDS)),

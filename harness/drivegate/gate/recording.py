@@ -6,53 +6,15 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivegate.candidates.fault import Fault
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.contracts.duty.run import DutyClosedLoopRun
-from drivegate.contracts.judged_window import judged_window
-from drivegate.drives.kinds import kind_of
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.recorded_trace import thinned
 from drivegate.drives.running import recorded
 from drivegate.results.result import CheckOutcome, Recording
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.documents.rounding import significant
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.loop.closed_loop import ClosedLoopRun
-from drivegate_models.units import RADIANS_PER_RPM
 
-MOST_POINTS: Final = 300
-"""Most points that are kept of a run, each the mean of a stretch of it."""
-DUTY_COLUMNS: Final[Mapping[str, tuple[str, float]]] = {
-    "time_s": ("time", 1.0),
-    "speed_reference_rpm": ("speed_reference", 1.0 / RADIANS_PER_RPM),
-    "speed_rpm": ("speed", 1.0 / RADIANS_PER_RPM),
-    "torque_reference_nm": ("torque_reference", 1.0),
-    "torque_nm": ("torque", 1.0),
-    "load_torque_nm": ("load", 1.0),
-    "direct_current_a": ("direct", 1.0),
-    "quadrature_current_a": ("quadrature", 1.0),
-    "peak_current_a": ("peak_current", 1.0),
-    "input_power_w": ("input_power", 1.0),
-    "link_voltage_v": ("link", 1.0),
-}
-"""Columns that are kept of a run of duty ratios: each with its source and what that is multiplied by."""
-VOLTAGE: Final = "voltage_v"
-"""A further one: the peak voltage of a phase that the duty ratios ask for."""
-COLUMNS: Final = (
-    "time_s",
-    "speed_reference_rpm",
-    "speed_rpm",
-    "current_sum_a",
-    "current_reference_a",
-    "advance_deg",
-    "torque_nm",
-    "load_torque_nm",
-    "half_supply_v",
-)
-"""Columns of the trace that are kept."""
-_DIGITS: Final = 5
 _MOST_ROWS: Final = 60_000
 
 
@@ -120,42 +82,11 @@ def run_recorded(loaded: JudgedCandidate, plan: RecordPlan) -> Recorded:
     every = -(-scenario.control_periods // _MOST_ROWS)
     record = recorded(loaded, scenario, loaded.controller(), trace_every=every)
     windows = {}
-    for check in kind_of(scenario.drive).checks():
+    contract = contract_of(scenario.drive)
+    for check in contract.checks():
         if check.id in plan.checks:
-            windows[check.id] = judged_window(check, record, check.evaluate(record))
-    return Recorded(thinned_run(record.run), windows)
-
-
-def thinned_run(run: ClosedLoopRun | DutyClosedLoopRun) -> dict[str, list[float]]:
-    """Take the means of a run's signals over equal stretches."""
-    if not isinstance(run, DutyClosedLoopRun):
-        return thinned(run.trace)
-    return thinned_columns(duty_columns(run))
-
-
-def duty_columns(run: DutyClosedLoopRun) -> dict[str, NDArray[Any]]:
-    """Give the columns of a run with duty ratios in people's units, a row for each control period."""
-    columns = {name: factor * run.column(source) for name, (source, factor) in DUTY_COLUMNS.items()}
-    return {**columns, VOLTAGE: run.voltages}
-
-
-def thinned(trace: NDArray[Any]) -> dict[str, list[float]]:
-    """Take the means of a trace over equal stretches."""
-    varying = (name for name in COLUMNS if name != "half_supply_v" or np.ptp(trace[name]) != 0.0)
-    return thinned_columns({name: trace[name] for name in varying})
-
-
-def thinned_columns(whole: Mapping[str, NDArray[Any]]) -> dict[str, list[float]]:
-    """Take the means of columns over equal stretches."""
-    rows = len(next(iter(whole.values())))
-    length = max(-(-rows // MOST_POINTS), 1)
-    begins = np.arange(0, rows, length)
-    counts = np.diff(np.append(begins, rows))
-    columns = {}
-    for name, values in whole.items():
-        means = np.add.reduceat(values, begins) / counts
-        columns[name] = [significant(mean, _DIGITS) for mean in means]
-    return columns
+            windows[check.id] = contract.judged_window(check, record, check.evaluate(record))
+    return Recorded(thinned(contract.recorded_signals(record.run)), windows)
 
 
 def with_recordings(

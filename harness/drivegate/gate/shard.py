@@ -16,20 +16,19 @@ from drivegate.candidates.fault import CandidateFault
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome, judged
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.contracts.current.checks.catalogue import ALL_CHECKS
-from drivegate.contracts.current.scenarios.drawn.isolation import from_the_seed_alone
+from drivegate.contracts.catalogue import all_checks, contract_of
 from drivegate.contracts.parting import room_for_commands
-from drivegate.drives.kinds import kind_of
 from drivegate.drives.repeating import with_repetitions
 from drivegate.drives.running import recorded
+from drivegate.scenarios.isolation import from_the_seed_alone
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 
 _NEVER_SEARCHED: Final = frozenset(
-    check.id for check in ALL_CHECKS.values() if check.subject != "candidate" or check.volatile
+    check.id for check in all_checks().values() if check.subject != "candidate" or check.volatile
 )
 _SEARCHED: Final = (
-    frozenset(check.id for check in ALL_CHECKS.values() if check.level == "required") - _NEVER_SEARCHED
+    frozenset(check.id for check in all_checks().values() if check.level == "required") - _NEVER_SEARCHED
 )
 _GREATEST_SCORE: Final = 1e6
 _SAFE: Final = 0.95
@@ -97,7 +96,7 @@ def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
     records = [first, *(recorded(loaded, scenario, controller) for scenario in scenarios[1:])]
     if kept is not None:
         records[0] = with_repetitions(loaded, first, kept, controller)
-    runs = tuple(judged(record, kind_of(record.scenario.drive).checks()) for record in records)
+    runs = tuple(judged(record, contract_of(record.scenario.drive).checks()) for record in records)
     return ShardOutcome(runs, infeasible)
 
 
@@ -105,7 +104,7 @@ def _fair(
     scenarios: tuple[Scenario, ...],
 ) -> tuple[tuple[Scenario, ...], tuple[InfeasibleScenario, ...]]:
     """Part scenarios that a candidate may be judged on from those that no controller could do."""
-    reasons = [(scenario, kind_of(scenario.drive).unfair_because(scenario)) for scenario in scenarios]
+    reasons = [(scenario, contract_of(scenario.drive).unfair_because(scenario)) for scenario in scenarios]
     return (
         tuple(scenario for scenario, reason in reasons if reason is None),
         tuple(
@@ -125,8 +124,8 @@ class _Collector:
         self._loaded = loaded
         self._controller = loaded.controller()
         self._unrelated = unrelated
-        self.kind = kind_of(drive)
-        fixed = self.kind.fixed_scenarios(drive, loaded.candidate.declaration)
+        self.contract = contract_of(drive)
+        fixed = self.contract.fixed_scenarios(drive, loaded.candidate.declaration)
         self._known = {content_key(scenario.to_mapping()) for scenario in fixed}
         self._tickets: set[int] = set()
         self._answers: dict[tuple[int, str], tuple[Margin, ...] | None] = {}
@@ -150,7 +149,7 @@ class _Collector:
         if key in self._known or (varied and self._examples < self._unrelated):
             return None
         self._known.add(key)
-        if (reason := self.kind.unfair_because(scenario)) is not None:
+        if (reason := self.contract.unfair_because(scenario)) is not None:
             self.infeasible.append(InfeasibleScenario(scenario.name, reason))
             return None
         try:
@@ -158,7 +157,7 @@ class _Collector:
         except CandidateFault as fault:
             self.fault = fault
             return None
-        outcome = judged(record, self.kind.checks())
+        outcome = judged(record, self.contract.checks())
         self.runs.append(outcome)
         return outcome.margins
 
@@ -167,7 +166,7 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
     """Draw scenarios, and climb toward the smallest margin."""
     collector = _Collector(loaded, plan.drive, plan.examples // 2 if plan.search else plan.examples)
     climbed = frozenset(plan.climbed) - _NEVER_SEARCHED or _SEARCHED
-    drawn = collector.kind.drawn_scenarios(plan.drive, loaded.candidate.declaration, plan.seed)
+    drawn = collector.contract.drawn_scenarios(plan.drive, loaded.candidate.declaration, plan.seed)
 
     @seed(plan.seed)
     @settings(

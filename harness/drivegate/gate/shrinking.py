@@ -10,11 +10,11 @@ from typing import Any
 from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.contracts.current.checks.catalogue import check_of
-from drivegate.contracts.current.scenarios.simplification import Simplification, simplified
-from drivegate.drives.kinds import kind_of
+from drivegate.contracts.catalogue import check_of, contract_of
+from drivegate.contracts.current.scenarios.simplification import simplified
 from drivegate.drives.running import recorded
 from drivegate.gate.shard import content_key
+from drivegate.scenarios.simplification import Simplification
 from drivegate.scenarios.size import size_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.documents.document import parse_document
@@ -122,7 +122,7 @@ def _simplest(scenario: Scenario, margin: Margin, trials: _Trials) -> tuple[Scen
     improved = True
     while improved and not trials.spent:
         improved = False
-        for simplification in kind_of(scenario.drive).simplifications():
+        for simplification in contract_of(scenario.drive).simplifications():
             simpler = _simpler(scenario, simplification, trials)
             while simpler is not None:
                 improved = True
@@ -147,5 +147,5 @@ def _simpler(
 def _candidates(scenario: Scenario, simplification: Simplification, trials: _Trials) -> Iterator[Scenario]:
     for fields in simplification(scenario):
         simpler = simplified(scenario, fields)
-        if simpler is not None and trials.is_due(simpler) and kind_of(simpler.drive).is_fair(simpler):
+        if simpler is not None and trials.is_due(simpler) and contract_of(simpler.drive).is_fair(simpler):
             yield simpler

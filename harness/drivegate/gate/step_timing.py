@@ -12,9 +12,8 @@ from drivegate.checks.margin import Margin, below
 from drivegate.checks.timing import LARGEST_SHARE
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, JudgedCandidate
-from drivegate.contracts.current.timed_steps import senses_of_run, step_seconds
-from drivegate.contracts.duty.timed_steps import duty_step_seconds
-from drivegate.drives.running import recorded, run_scenario
+from drivegate.contracts.catalogue import contract_of
+from drivegate.drives.running import recorded
 from drivegate_cases.scenario.scenario import Scenario
 
 CHECK: Final = "TIM-1"
@@ -37,12 +36,8 @@ def time_steps(loaded: JudgedCandidate, plan: TimedSteps) -> ShardOutcome:
     """Record a run, then time the candidate's steps on what it sensed there."""
     controller = loaded.controller()
     scenario = plan.scenario
-    if scenario.drive.contract == "current":
-        run = run_scenario(scenario, controller, trace_every=1)
-        nameplate = scenario.nameplate()
-        step_time = step_seconds(controller, nameplate, senses_of_run(run, nameplate))
-    else:
-        step_time = duty_step_seconds(controller, recorded(loaded, scenario, controller))
+    record = recorded(loaded, scenario, controller, trace_every=1)
+    step_time = contract_of(scenario.drive).step_seconds(controller, record)
     way = way_of_running(loaded.candidate.kind, controller)
     return ShardOutcome(
         (JudgedRun(scenario.to_mapping(), (timing_margin(way, step_time, scenario.control_period_s),)),)

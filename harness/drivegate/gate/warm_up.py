@@ -10,7 +10,8 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
-from drivegate.contracts.current.record import rated_torque
+from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.contract import Contract
 from drivegate.drives.kinds import DEFAULT_KIND, DRIVE_KINDS
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import NOTHING_DECLARED
@@ -60,7 +61,7 @@ def _compile_kind(kind: str) -> None:
     What both need comes early in the one and late in the other, which finds it compiled by then: the phase in the
     oracle, the whole steady state in what is beside it.
     """
-    candidate = resolve_candidate(DRIVE_KINDS[kind].usual_candidate)
+    candidate = resolve_candidate(_contract(kind).usual_candidate)
     rounds = ((_use_oracle, _use_closed_loop, _use_steady_state), (_judge_a_run,))
     with WorkerPool(candidate, workers=2) as pool:
         for targets in rounds:
@@ -71,13 +72,13 @@ def _compile_kind(kind: str) -> None:
 
 def _use_oracle(_loaded: JudgedCandidate, kind: str) -> None:
     drive_kind, scenario = DRIVE_KINDS[kind], _plain_scenario(kind)
-    drive_kind.unfair_because(scenario)
-    if drive_kind.record is not None:
-        # Of its oracle, what rules and checks use is all there is.
+    _contract(kind).unfair_because(scenario)
+    if drive_kind.angles is None:
+        # Rules and checks use all of the oracle that there is.
         return
     oracle, drive = drive_kind.oracle(), scenario.drive.plant()
     speed = scenario.speed_rpm[0][1] * RADIANS_PER_RPM
-    torque = rated_torque(scenario, speed)
+    torque = scenario.drive.rating.rated_power_w / speed
     optimum = oracle.least_current_sum(drive, speed, torque)
     oracle.point_at_torque(drive, speed, optimum.advance, torque)
 
@@ -87,16 +88,20 @@ def _use_closed_loop(loaded: JudgedCandidate, kind: str) -> None:
 
 
 def _use_steady_state(_loaded: JudgedCandidate, kind: str) -> None:
-    if DRIVE_KINDS[kind].record is not None:
+    if DRIVE_KINDS[kind].angles is None:
         return
     drive = _plain_scenario(kind).drive.plant()
     DRIVE_KINDS[kind].steady_state()(drive, 100.0, 10.0, 0.5)
 
 
 def _judge_a_run(loaded: JudgedCandidate, kind: str) -> None:
-    judged(recorded(loaded, _plain_scenario(kind), loaded.controller()), DRIVE_KINDS[kind].checks())
+    judged(recorded(loaded, _plain_scenario(kind), loaded.controller()), _contract(kind).checks())
 
 
 def _plain_scenario(kind: str) -> Scenario:
-    drive_kind = DRIVE_KINDS[kind]
-    return drive_kind.fixed_scenarios(load_drive(drive_kind.default_drive), NOTHING_DECLARED)[1]
+    drive = load_drive(DRIVE_KINDS[kind].default_drive)
+    return _contract(kind).fixed_scenarios(drive, NOTHING_DECLARED)[1]
+
+
+def _contract(kind: str) -> Contract:
+    return CONTRACTS[DRIVE_KINDS[kind].contract]

@@ -6,15 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-import numpy as np
-
-from drivegate.output.account import lost_at, passes_edge
-from drivegate.output.run_signals import RunSignals, signals_of
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.recorded_trace import recorded_trace
 
 FEWEST_CHECKS: Final = 2
 """Failed checks from which on something counts as their common cause."""
 _TO_BE_MET: Final = ("fail", "waiver expired")
-_STANDING: Final = 0.02
 
 
 @dataclass(frozen=True)
@@ -41,8 +38,8 @@ def causes_of(document: Mapping[str, Any]) -> tuple[Cause, ...]:
     """Group the failed checks of a result by what their runs show, the largest group first."""
     groups: dict[str, list[str]] = {}
     for check in document["checks"]:
-        signals = None if check["counterexample"] is None else signals_of(document, check)
-        words = None if signals is None else _loss(signals)
+        trace = None if check["counterexample"] is None else recorded_trace(document, check)
+        words = None if trace is None else contract_of(trace.scenario.drive).common_cause(trace)
         if words is not None:
             groups.setdefault(words, []).append(str(check["id"]))
     causes = [Cause(words, tuple(checks)) for words, checks in groups.items() if len(checks) >= FEWEST_CHECKS]
@@ -75,17 +72,3 @@ def _urgency(check: Mapping[str, Any]) -> int:
     if check["verdict"] in ("waived", "inconclusive"):
         return 2
     return 0 if check["level"] == "required" else 1
-
-
-def _loss(signals: RunSignals) -> str | None:
-    """Tell how the speed was lost; None where it was held."""
-    if lost_at(signals) is None:
-        return None
-    if abs(signals.speed_rpm[-1]) < _STANDING * float(np.max(np.abs(signals.speed_reference_rpm))):
-        return "the motor stalls"
-    if passes_edge(signals):
-        return "the search takes the angle past the feasible edge, and the speed is lost"
-    limit = signals.scenario.drive.rating.current_limit_a
-    if signals.speed_error_rpm[-1] < 0.0 and signals.current_reference_a[-1] > 0.999 * limit:
-        return f"the speed is lost with the current reference at its limit of {limit:g} A"
-    return "the speed leaves its band and stays away"

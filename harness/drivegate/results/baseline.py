@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal
 from pydantic import BeforeValidator, ConfigDict, Field
 
 from drivegate.checks.check import Check
-from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.results.counterexample import require_kind, resolved_scenario
 from drivegate.results.result import RESULT_SCHEMA, BaselineComparison
 from drivegate_cases.documents.document import Document, Section, parse_document
@@ -72,7 +71,9 @@ def scenario_key(scenario: Mapping[str, Any]) -> str:
     return json.dumps(scenario, sort_keys=True)
 
 
-def compared(baseline: Baseline, runs: Iterable[JudgedRun]) -> tuple[BaselineComparison, ...]:
+def compared(
+    baseline: Baseline, runs: Iterable[JudgedRun], checks: Iterable[Check]
+) -> tuple[BaselineComparison, ...]:
     """Compare the margins of every check of the candidate with the earlier ones."""
     now: dict[str, dict[str, float]] = {}
     for run in runs:
@@ -80,7 +81,7 @@ def compared(baseline: Baseline, runs: Iterable[JudgedRun]) -> tuple[BaselineCom
         now.setdefault(scenario_key(run.scenario), margins)
     then = {scenario_key(run.scenario.to_mapping()): run.margins for run in baseline.fixed}
     made = []
-    for check in CHECKS:
+    for check in checks:
         if check.subject == "plant" or all(check.id not in margins for margins in then.values()):
             continue
         changes = [

@@ -86,9 +86,9 @@ class Counterexample(Document):
     @classmethod
     def _is_a_check(cls, name: str) -> str:
         # The catalogue brings the compiled plant, which a file that is refused before does not need.
-        from drivegate.contracts.current.checks.catalogue import CHECK_NAMES
+        from drivegate.contracts.catalogue import all_checks
 
-        known = list(CHECK_NAMES)
+        known = list(all_checks())
         if name not in known:
             raise ValueError(f"must be one of the checks, the nearest is '{nearest(name, known)}'")
         return name

@@ -9,10 +9,10 @@ from typing import Any, Final
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.checks.check import Check
-from drivegate.checks.drive_numbers import on_drive
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
-from drivegate.contracts.current.checks.catalogue import ALL_CHECKS, CHECKS_OF
+from drivegate.contracts.catalogue import CONTRACTS, all_checks, contract_of
+from drivegate.contracts.drive_numbers import on_drive
 from drivegate.drives.kinds import DEFAULT_DRIVES
 from drivegate.results.result import (
     MOST_MARGINS,
@@ -44,7 +44,7 @@ def check_outcomes(
     named: Sequence[str] = (),
 ) -> tuple[CheckOutcome, ...]:
     """Judge every check of a drive's contract over all runs; others that are named do not apply."""
-    own = CHECKS_OF[drive.contract]
+    own = contract_of(drive).checks()
     judged = tuple(_outcome(on_drive(check, drive), runs, declaration, drive, complete) for check in own)
     known = {check.id for check in own}
     return (*judged, *(_of_another_contract(name, drive) for name in named if name not in known))
@@ -52,9 +52,9 @@ def check_outcomes(
 
 def _of_another_contract(name: str, drive: DriveDocument) -> CheckOutcome:
     contract = next(
-        contract for contract, checks in CHECKS_OF.items() if name in [check.id for check in checks]
+        contract for contract, bundle in CONTRACTS.items() if name in [check.id for check in bundle.checks()]
     )
-    check = on_drive(ALL_CHECKS[name], load_drive(DEFAULT_DRIVES[contract]))
+    check = on_drive(all_checks()[name], load_drive(DEFAULT_DRIVES[contract]))
     message = (
         f"judges controllers of the contract '{contract}', but those of a drive of the kind '{drive.kind}' are of the "
         f"contract '{drive.contract}'"
@@ -65,7 +65,7 @@ def _of_another_contract(name: str, drive: DriveDocument) -> CheckOutcome:
 def machine_dependent(runs: Sequence[JudgedRun]) -> dict[str, dict[str, Any]]:
     """Give the numbers of the checks that depend on the machine."""
     numbers = {}
-    for check in ALL_CHECKS.values():
+    for check in all_checks().values():
         items = considered(check.id, runs) if check.volatile else []
         if items:
             margin, _ = min(items, key=lambda item: item[0].value)

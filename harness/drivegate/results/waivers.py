@@ -11,7 +11,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import BeforeValidator, Field
 
-from drivegate.contracts.current.checks.catalogue import ALL_CHECKS
+from drivegate.contracts.catalogue import all_checks
 from drivegate.results.result import CheckOutcome
 from drivegate_cases.documents.document import Document, Section, read_document
 from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
@@ -82,7 +82,7 @@ def read_waivers(path: Path, candidates: Collection[str]) -> tuple[Waiver, ...]:
 
 def _problems(waiver: Waiver, earlier: Iterable[Waiver], candidates: Collection[str]) -> Iterable[str]:
     named = f"is for the check {shown(waiver.check)}"
-    checks = ALL_CHECKS
+    checks = all_checks()
     if waiver.check not in checks:
         yield f"{named}, but must be for one that there is, the nearest is '{nearest(waiver.check, checks)}'"
     elif checks[waiver.check].subject == "plant":

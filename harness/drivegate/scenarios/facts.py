@@ -6,10 +6,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, Final
 
-from drivegate.contracts.current.scenarios.building import TORQUE_DIGITS, steady_scenario
 from drivegate.scenarios.drive_scale import scale_of_mapping
 from drivegate_cases.documents.wording import figure
-from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
+from drivegate_cases.drive.drive_document import PM_AC
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.failure_kind import PHASED
@@ -23,13 +22,9 @@ PLAIN_RUN: Final = "the plain run"
 _TOLD_ELSEWHERE: Final = frozenset({"schema", "name", "description", "drive", "seed", "initial_speed_rpm"})
 COURSES: Final = ("factor", "grade_percent", "torque_reference_nm")
 """Keys of a load that are courses over time."""
+_TORQUE_DIGITS: Final = 3
 _SYMBOLS: Final = {"resistance": "R", "inductance": "L", "emf_constant": "ke"}
 _UNITS: Final = {"torque_nm": "N·m", "power_w": "W"}
-
-
-def plain_scenario(drive: DriveDocument) -> Scenario:
-    """Make the run without any fact."""
-    return steady_scenario(drive, drive.rating.highest_speed_rpm, power_share=1.0, constant_power=False)
 
 
 def facts_of(scenario: Mapping[str, Any]) -> tuple[str, ...]:
@@ -84,7 +79,7 @@ def _load(scenario: Mapping[str, Any]) -> Iterator[str]:
         yield "unloaded"
         return
     rated = float(scenario["drive"]["rating"]["rated_power_w"]) / (_plain_speed(scenario) * RADIANS_PER_RPM)
-    if kind != "constant torque" or load["torque_nm"] != rounded(rated, TORQUE_DIGITS):
+    if kind != "constant torque" or load["torque_nm"] != rounded(rated, _TORQUE_DIGITS):
         sizes = [f"{load[name]:g} {unit}" for name, unit in _UNITS.items() if name in load]
         yield " ".join((kind, *sizes))
     if _listed(factor) != coming_on:

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from drivegate.checks.drive_numbers import on_drive
-from drivegate.contracts.current.checks.catalogue import CHECKS_OF
+from drivegate.contracts.catalogue import CONTRACTS, contract_of
+from drivegate.contracts.drive_numbers import on_drive
 from drivegate.contracts.traceability import SPECIAL, facts_of, families_of
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate_cases.documents.document import parse_document
@@ -75,7 +75,7 @@ def drive_of(document: Mapping[str, Any]) -> DriveDocument:
 
 def evidence_of(check: str, drive: DriveDocument) -> Evidence | None:
     """Look a check up, with the numbers of a drive."""
-    listed = next((one for one in CHECKS_OF[drive.contract] if one.id == check), None)
+    listed = next((one for one in contract_of(drive).checks() if one.id == check), None)
     if listed is None:
         return None
     known = on_drive(listed, drive)
@@ -103,7 +103,7 @@ def coverage_gaps(document: Mapping[str, Any]) -> tuple[str, ...]:
     """List what a result leaves unjudged."""
     judged = {str(check["id"]): check for check in document["checks"]}
     contract = drive_of(document).contract
-    names = [check.id for check in CHECKS_OF[contract]]
+    names = [check.id for check in CONTRACTS[contract].checks()]
     gaps = [f"{name} is not in this result." for name in names if name not in judged]
     for name, check in judged.items():
         runs = int(check["runs"])

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from drivegate.output.run_signals import RunSignals
+from drivegate.contracts.current.words.run_signals import RunSignals
 from drivegate_cases.drive.limits import limits_of
 from drivegate_models.errors import InputError
 from drivegate_reports.paper.figures.instantaneous_torque import TorqueCycle, cycle_at

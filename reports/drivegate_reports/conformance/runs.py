@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
-from drivegate.output.account import account
-from drivegate.output.duty_signals import DutySignals, duty_account, duty_signals_of
-from drivegate.output.run_signals import RunSignals, signals_of
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.current.words.run_signals import run_signals
+from drivegate.contracts.duty.words import duty_signals
+from drivegate.contracts.recorded_trace import recorded_trace
+from drivegate.contracts.trace import RecordedTrace
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
@@ -49,16 +51,8 @@ def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
     shown: dict[str, ShownRun] = {}
     drawn: dict[tuple[int, tuple[float, float]], PageFigure] = {}
     for check in sorted(document["checks"], key=lambda check: check["counterexample"] is None):
-        signals = signals_of(document, check)
-        if signals is None and (of_ratios := duty_signals_of(document, check)) is not None:
-            place = (check["recording"]["trace"], (0.0, of_ratios.scenario.duration_s))
-            known = place in drawn
-            if not known:
-                drawn[place] = _duty_figure(of_ratios, f"run-{len(drawn) + 1}")
-            words = tuple(map(clean, duty_account(of_ratios)))
-            shown[str(check["id"])] = ShownRun(words, drawn[place], known)
-            continue
-        if signals is None:
+        trace = recorded_trace(document, check)
+        if trace is None:
             script = _script_of(check)
             if script is not None:
                 figure = _script_figure(script, f"script-{clean(check['id'], 40)}")
@@ -66,16 +60,19 @@ def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
                     (_what_was_sensed(script, check),), figure, drawn_before=False
                 )
             continue
-        key = (check["recording"]["trace"], signals.judged_s)
+        contract = contract_of(trace.scenario.drive)
+        drawing = _DRAWINGS[contract.name]
+        key = (check["recording"]["trace"], trace.judged_s)
         known = key in drawn
         if not known:
-            drawn[key] = _figure(signals, f"run-{len(drawn) + 1}")
-        words = tuple(map(clean, account(signals)))
-        shown[str(check["id"])] = ShownRun(words, drawn[key], known, _ripple_figure(check, signals))
+            drawn[key] = drawing.run(trace, f"run-{len(drawn) + 1}")
+        words = tuple(map(clean, contract.account(trace)))
+        shown[str(check["id"])] = ShownRun(words, drawn[key], known, drawing.ripple(check, trace))
     return shown
 
 
-def _figure(signals: RunSignals, name: str) -> PageFigure:
+def _figure(trace: RecordedTrace, name: str) -> PageFigure:
+    signals = run_signals(trace)
     with house_style():
         svg = inline_svg(recorded_run.draw(signals), name)
     title = f"Run {clean(signals.scenario.name)}"
@@ -86,15 +83,20 @@ def _figure(signals: RunSignals, name: str) -> PageFigure:
     return PageFigure(name, title, svg, recorded_run.alternative(signals), caption)
 
 
-def _duty_figure(signals: DutySignals, name: str) -> PageFigure:
+def _duty_figure(trace: RecordedTrace, name: str) -> PageFigure:
+    signals = duty_signals(trace)
     with house_style():
         svg = inline_svg(duty_run.draw(signals), name)
     title = f"Run {clean(signals.scenario.name)}"
     return PageFigure(name, title, svg, duty_run.alternative(signals), duty_run.CAPTION)
 
 
-def _ripple_figure(check: Mapping[str, Any], signals: RunSignals) -> PageFigure | None:
-    ripple = None if check["counterexample"] is None else ripple_of(str(check["id"]), signals)
+def _no_ripple_figure(_check: Mapping[str, Any], _trace: RecordedTrace) -> None:
+    return None
+
+
+def _ripple_figure(check: Mapping[str, Any], trace: RecordedTrace) -> PageFigure | None:
+    ripple = None if check["counterexample"] is None else ripple_of(str(check["id"]), run_signals(trace))
     if ripple is None:
         return None
     name = f"torque-{clean(check['id'], 40)}"
@@ -102,6 +104,22 @@ def _ripple_figure(check: Mapping[str, Any], signals: RunSignals) -> PageFigure 
         svg = inline_svg(torque_ripple.draw(ripple), name)
     words = torque_ripple.alternative(ripple), torque_ripple.caption(ripple)
     return PageFigure(name, torque_ripple.TITLE, svg, *words)
+
+
+@dataclass(frozen=True)
+class _Drawing:
+    """How the runs of one contract are drawn."""
+
+    run: Callable[[RecordedTrace, str], PageFigure]
+    """Draw the signals of a run."""
+    ripple: Callable[[Mapping[str, Any], RecordedTrace], PageFigure | None]
+    """Draw the torque over one electrical period, where a check of the ripple fails."""
+
+
+_DRAWINGS: Final[Mapping[str, _Drawing]] = {
+    "current": _Drawing(_figure, _ripple_figure),
+    "duty": _Drawing(_duty_figure, _no_ripple_figure),
+}
 
 
 def _script_of(check: Mapping[str, Any]) -> Script | None:

@@ -12,7 +12,7 @@ from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.choice import drive_for
@@ -97,11 +97,11 @@ for line in sys.stdin:
 """
 
 
-def run_once(loaded: JudgedCandidate, scenario: Scenario) -> RunRecord:
+def run_once(loaded: JudgedCandidate, scenario: Scenario) -> CurrentRecord:
     return recorded(loaded, scenario, loaded.controller())
 
 
-def ended(specification: str, scenario: Scenario = SHORT) -> RunRecord | Fault:
+def ended(specification: str, scenario: Scenario = SHORT) -> CurrentRecord | Fault:
     with Judge(resolve_candidate(specification)) as judge:
         return judge.run(Job(run_once, scenario))
 

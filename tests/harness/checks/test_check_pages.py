@@ -10,7 +10,8 @@ import pytest
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.checks.check import Check
-from drivegate.contracts.current.checks.catalogue import CHECK_NAMES, CHECKS
+from drivegate.contracts.catalogue import all_checks
+from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.duty.checks.catalogue import DUTY_CHECKS
 
 DOCS = Path(__file__).parents[3] / "docs"
@@ -19,7 +20,7 @@ SECTIONS = ["How it is judged", "What a failing candidate does wrong", "How to r
 
 def test_pages_and_checks_match() -> None:
     pages = {page.stem for page in (DOCS / "checks").glob("*.md")}
-    assert pages == set(CHECK_NAMES)
+    assert pages == set(all_checks())
 
 
 @pytest.mark.parametrize("check", DUTY_CHECKS, ids=lambda check: check.id)

@@ -6,10 +6,10 @@ import pytest
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.drive_numbers import TEXTS, on_drive
 from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
+from drivegate.contracts.drive_numbers import TEXTS, on_drive
 from drivegate.contracts.traceability import traced_checks
 from drivegate.drives.running import run_scenario
 from drivegate_cases.drive.drive_document import load_drive
@@ -145,6 +145,6 @@ def test_a_drive_of_twice_the_voltage_is_judged_like_the_paper_s(name: str) -> N
             assert other.value == pytest.approx(one.value, abs=0.02), f"{check}: {one} and {other}"
 
 
-def made(scenario: Scenario) -> RunRecord:
+def made(scenario: Scenario) -> CurrentRecord:
     run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
-    return RunRecord(scenario, run, Declaration(estimates_power=True))
+    return CurrentRecord(scenario, run, Declaration(estimates_power=True))

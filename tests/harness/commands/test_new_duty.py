@@ -16,7 +16,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_of, torque_scenario
 from drivegate.drives.choice import drive_for
 from drivegate.drives.kinds import kind_of
@@ -33,7 +33,7 @@ DUTY_KINDS = [kind for kind, known in KINDS.items() if known.contract == "duty"]
 DRIVES = ("pm-ac-surface", "pm-ac-interior", "pm-ac-2kw", "pm-ac-msl")
 
 
-def run_once(loaded: JudgedCandidate, scenario: Scenario) -> RunRecord:
+def run_once(loaded: JudgedCandidate, scenario: Scenario) -> CurrentRecord:
     return recorded(loaded, scenario, loaded.controller())
 
 

@@ -11,12 +11,11 @@ from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
 from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.families import DRAWN, EVERY_RUN
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.traceability import (
-    DRAWN,
-    EVERY_RUN,
     SPECIAL,
     families_of,
     family_name,
@@ -41,7 +40,7 @@ def judged() -> Judged:
     controller = BuiltinController(SEARCHES["initial"])
 
     def checks(scenario: Scenario) -> set[str]:
-        record = RunRecord(scenario, run_scenario(scenario, controller), BUILTIN_CANDIDATES["initial"])
+        record = CurrentRecord(scenario, run_scenario(scenario, controller), BUILTIN_CANDIDATES["initial"])
         return {margin.check for check in CHECKS if (margin := check.evaluate(record)) is not None}
 
     return checks

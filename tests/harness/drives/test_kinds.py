@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.contracts.current.checks.catalogue import CHECKS_OF
+from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.drive_kind import DriveKind
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_KIND, DRIVE_KINDS, kind_of
 from drivegate_cases.drive.drive_document import load_drive
@@ -36,18 +36,19 @@ def test_a_kind_is_found_by_its_drive(kind: DriveKind) -> None:
 
 def test_its_scenarios_are_fair_and_on_its_drive(kind: DriveKind) -> None:
     drive = load_drive(kind.default_drive)
-    fixed = kind.fixed_scenarios(drive, Declaration())
+    contract = contract_of(drive)
+    assert contract.name == kind.contract
+    fixed = contract.fixed_scenarios(drive, Declaration())
     assert fixed
-    assert all(scenario.drive == drive and kind.is_fair(scenario) for scenario in fixed)
-    assert not kind.drawn_scenarios(drive, Declaration(), 0).is_empty
-    assert kind.checks() == CHECKS_OF[drive.contract]
+    assert all(scenario.drive == drive and contract.is_fair(scenario) for scenario in fixed)
+    assert not contract.drawn_scenarios(drive, Declaration(), 0).is_empty
 
 
 def test_its_oracle_and_its_steady_states_are_of_the_same_drive(kind: DriveKind) -> None:
     import numpy as np
 
     drive = load_drive(kind.default_drive)
-    if drive.contract != "current":
+    if kind.angles is None:
         # There is no advance angle that its oracle could find.
         with pytest.raises(InputError, match="drivegate drive"):
             kind.oracle()
@@ -66,14 +67,16 @@ RUN_OF_A_KIND = """
 import sys
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
+from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate_cases.drive.drive_document import load_drive
 
-kind = DRIVE_KINDS[sys.argv[1]]
-scenario = kind.fixed_scenarios(load_drive(kind.default_drive), NOTHING_DECLARED)[1]
-loaded = own_candidate(resolve_candidate(kind.usual_candidate))
+drive = load_drive(DRIVE_KINDS[sys.argv[1]].default_drive)
+contract = contract_of(drive)
+scenario = contract.fixed_scenarios(drive, NOTHING_DECLARED)[1]
+loaded = own_candidate(resolve_candidate(contract.usual_candidate))
 outcome = run_fixed(loaded, FixedRuns((scenario,), only_fair=True))
 assert outcome.runs, "nothing was judged"
 

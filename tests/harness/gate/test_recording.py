@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,13 +12,13 @@ import pytest
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
+from drivegate.contracts.current.columns import RECORDED
+from drivegate.contracts.current.signals import recorded_signals
+from drivegate.contracts.recorded_trace import MOST_POINTS, thinned
 from drivegate.gate.recording import (
-    COLUMNS,
-    MOST_POINTS,
     RecordPlan,
     recording_job,
     recording_plans,
-    thinned,
     with_recordings,
 )
 from drivegate.results.result import CheckOutcome, Recording
@@ -48,8 +49,8 @@ def test_means_over_equal_stretches_are_kept() -> None:
     trace = np.zeros(24_000, TRACE_RECORD)
     trace["time_s"] = np.arange(24_000) * 0.0005
     trace["speed_rpm"] = np.linspace(1000.0, 2000.0, 24_000)
-    columns = thinned(trace)
-    assert set(columns) == set(COLUMNS) - {"half_supply_v"}, "a constant supply is not kept"
+    columns = thinned(recorded_signals(SimpleNamespace(trace=trace)))
+    assert set(columns) == set(RECORDED) - {"half_supply_v"}, "a constant supply is not kept"
     assert {len(values) for values in columns.values()} == {MOST_POINTS}
     assert columns["speed_rpm"][0] == pytest.approx(1001.6, abs=0.1), "the mean of the first stretch"
     assert columns["time_s"][-1] == pytest.approx(11.98)
@@ -58,7 +59,7 @@ def test_means_over_equal_stretches_are_kept() -> None:
 
 def test_a_short_trace_is_kept_as_it_is() -> None:
     trace = np.arange(3.0 * len(TRACE_RECORD)).view(TRACE_RECORD)
-    columns = thinned(trace)
+    columns = thinned(recorded_signals(SimpleNamespace(trace=trace)))
     assert columns["time_s"] == trace["time_s"].tolist()
     assert "half_supply_v" in columns, "a supply that changes is kept"
 

@@ -10,7 +10,7 @@ from drivegate.candidates.controller import Controller
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.contracts.current.scenarios.feasibility import is_fair
 from drivegate.contracts.current.scenarios.simplification import simplified
@@ -168,7 +168,9 @@ def test_the_result_fails_the_check_when_it_is_run_again() -> None:
     scenario = parse_document(found.scenario, Scenario, "the result")
     assert is_fair(scenario)
     loaded = Loaded("initial")
-    record = RunRecord(scenario, run_scenario(scenario, loaded.controller()), loaded.candidate.declaration)
+    record = CurrentRecord(
+        scenario, run_scenario(scenario, loaded.controller()), loaded.candidate.declaration
+    )
     check = next(check for check in CHECKS if check.id == "CNV-2")
     assert check.evaluate(record) == found.margin
     assert not found.margin.met

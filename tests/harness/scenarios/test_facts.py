@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegate.contracts.current.scenarios.building import steady_scenario
+from drivegate.contracts.current.scenarios.building import plain_scenario, steady_scenario
 from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS, simplified
 from drivegate.scenarios.changes import (
     stepped,
@@ -16,7 +16,7 @@ from drivegate.scenarios.changes import (
     with_speed,
     with_supply,
 )
-from drivegate.scenarios.facts import facts_in_short, facts_of, plain_scenario
+from drivegate.scenarios.facts import facts_in_short, facts_of
 from drivegate.scenarios.size import size_of
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario

@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivegate.output.account import account
+from drivegate.contracts.current.words.account import account
+from drivegate.contracts.current.words.judged_point import judged_point
+from drivegate.contracts.current.words.run_signals import RunSignals, run_signals
+from drivegate.contracts.recorded_trace import recorded_trace
 from drivegate.output.console import console_for
-from drivegate.output.judged_point import judged_point
 from drivegate.output.junit import junit_xml
 from drivegate.output.markdown import markdown
-from drivegate.output.run_signals import RunSignals, signals_of
 from drivegate.studies.check.checked import Checked
 from drivegate.studies.check.display import show_checked
 from drivegate_cases.scenario.load import ConstantPowerLoad
@@ -26,9 +27,9 @@ from drivegate_reports.page.style import house_style
 
 @pytest.fixture(scope="module")
 def locked(recorded: dict[str, Any]) -> RunSignals:
-    signals = signals_of(recorded, recorded["checks"][0])
-    assert signals is not None, "the recording is a good one"
-    return signals
+    trace = recorded_trace(recorded, recorded["checks"][0])
+    assert trace is not None, "the recording is a good one"
+    return run_signals(trace)
 
 
 def test_a_lost_speed_is_reported_as_it_happened(locked: RunSignals) -> None:
@@ -88,9 +89,9 @@ def test_a_held_speed_is_reported_by_its_judged_stretch(recorded: dict[str, Any]
     trace["speed_rpm"] = [1500.5] * count
     trace["advance_deg"] = [53.0] * count
     trace["current_sum_a"] = [41.0] * count
-    signals = signals_of(document, document["checks"][0])
-    assert signals is not None
-    sentences = account(signals)
+    found = recorded_trace(document, document["checks"][0])
+    assert found is not None
+    sentences = account(run_signals(found))
     assert "the speed was within 0.5 rpm of its reference, the angle rested at 53.0°" in sentences[1]
     assert "Σ|i| lay between 41.00 A and 41.00 A" in sentences[1]
 

@@ -1,1 +1,1 @@
-"""current."""
+"""Controllers that answer with a current reference and an advance angle."""

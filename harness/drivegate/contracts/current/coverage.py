@@ -11,9 +11,9 @@ from hypothesis.strategies import SearchStrategy
 
 from drivegate.contracts.current.scenarios.combined import combined_scenarios
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS
-from drivegate.contracts.current.scenarios.drawn.isolation import from_the_seed_alone
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.traceability import FIXED, family_name
+from drivegate.scenarios.isolation import from_the_seed_alone
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario

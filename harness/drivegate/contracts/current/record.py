@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from drivegate.candidates.declaration import Declaration
+from drivegate.checks.record import Record
 from drivegate.contracts.current.scenarios.windows import observed_windows
 from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.circumstance import Circumstance, circumstance
@@ -16,7 +16,6 @@ from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, 
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.observation import WindowObservation
-from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
 _SAME = 1e-6
@@ -80,33 +79,11 @@ class SteadyWindow:
 
 
 @dataclass(frozen=True)
-class RunRecord:
-    """A finished run with what belongs to it.
+class CurrentRecord(Record):
+    """A finished run of a controller that answers with a current reference and an advance angle."""
 
-    Attributes
-    ----------
-    scenario : Scenario
-        The scenario.
-    run : ClosedLoopRun
-        What was observed.
-    declaration : Declaration
-        What the candidate declares of itself.
-    repeated_digests : tuple of int
-        Digests of further runs of the same scenario; empty where it ran once.
-    parting : str
-        Where one of these runs parts from the first one, in words; empty where none does.
-    """
-
-    scenario: Scenario
     run: ClosedLoopRun
-    declaration: Declaration
-    repeated_digests: tuple[int, ...] = ()
-    parting: str = ""
-
-    @cached_property
-    def drive(self) -> AnyDrive:
-        """The plant that the run was made on."""
-        return self.scenario.drive.plant(self.scenario.scales)
+    """The observation of the closed loop."""
 
     @cached_property
     def circumstance(self) -> Circumstance:

@@ -16,30 +16,22 @@ from drivegate.containment.orders import CloseLoop
 from drivegate.containment.playback import require_same_plant, stepped_here
 from drivegate.containment.restarting import Restarter
 from drivegate.contracts.current.scenarios.windows import observed_windows
+from drivegate.scenarios.plant_inputs import (
+    plant_converters,
+    plant_encoder,
+    plant_hall,
+    plant_load,
+    plant_schedule,
+)
 from drivegate_cases.drive.limits import mean_time
 from drivegate_cases.scenario.disturbance import Dropout
-from drivegate_cases.scenario.load import (
-    GRAVITY,
-    ConstantPowerLoad,
-    ConstantTorqueLoad,
-    FanLoad,
-    LockedLoad,
-    VehicleLoad,
-)
-from drivegate_cases.scenario.piecewise import Profile
-from drivegate_cases.scenario.profile import profile_arrays
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_cases.scenario.sensors import HallSensors, IdealSensors, Mcs96Sensors, ShuntSensors
+from drivegate_cases.scenario.sensors import HallSensors, IdealSensors, ShuntSensors
 from drivegate_models.contract.current.signals import Sense
 from drivegate_models.errors import HarnessFault
 from drivegate_models.loop.closed_loop import ClosedLoopRun, PreparedLoop
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
-from drivegate_models.loop.schedule import Course, Schedule
 from drivegate_models.loop.sensing import sensors
-from drivegate_models.loop.sensing.converters import Converters, real_converters
-from drivegate_models.loop.sensing.encoder import Encoder, turning_encoder
-from drivegate_models.loop.sensing.hall import EDGES, Hall, turning_hall
-from drivegate_models.machine import load
 from drivegate_models.units import RADIANS_PER_RPM
 
 PrepareLoop: TypeAlias = Callable[..., PreparedLoop]
@@ -47,49 +39,7 @@ PrepareLoop: TypeAlias = Callable[..., PreparedLoop]
 Wrap: TypeAlias = Callable[[Controller], Controller]
 """Puts something between the closed loop and a controller, which passes every step on."""
 
-_PERCENT = 0.01
 _SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
-
-
-def plant_load(scenario: Scenario) -> load.Load:
-    """Give a scenario's load as the plant takes it."""
-    given = scenario.load
-    if isinstance(given, LockedLoad):
-        return load.Load(load.LOCKED)
-    if isinstance(given, ConstantTorqueLoad):
-        return load.Load(load.CONSTANT_TORQUE, given.torque_nm)
-    if isinstance(given, ConstantPowerLoad):
-        return load.Load(load.CONSTANT_POWER, given.power_w)
-    if isinstance(given, FanLoad):
-        return load.Load(load.FAN, given.torque_nm, given.speed_rpm * RADIANS_PER_RPM)
-    return load.Load(
-        load.VEHICLE,
-        size=given.mass_kg * GRAVITY * given.lever_m,
-        rolling=given.rolling_resistance,
-        drag=0.5
-        * given.air_density_kg_m3
-        * given.drag_area_m2
-        * (given.lever_m * given.lever_m * given.lever_m),
-        inertia=given.inertia_kg_m2,
-    )
-
-
-def plant_schedule(scenario: Scenario) -> Schedule:
-    """Give what happens in a scenario as the plant takes it."""
-    load_unit = _PERCENT if isinstance(scenario.load, VehicleLoad) else 1.0
-    return Schedule(
-        speed=_course(scenario.speed_rpm, RADIANS_PER_RPM),
-        load=_course(scenario.load_profile, load_unit),
-        supply=_course(scenario.supply_profile),
-        imbalance=_course(scenario.imbalance_profile),
-        resistance=_course(scenario.resistance_profile),
-        emf=_course(scenario.emf_profile),
-    )
-
-
-def _course(profile: Profile, unit: float = 1.0) -> Course:
-    times, values = profile_arrays(profile)
-    return Course(times, values * unit)
 
 
 def plant_sensors(scenario: Scenario) -> sensors.Sensors:
@@ -109,60 +59,6 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     if isinstance(given, HallSensors):
         return sensors.real_sensors(converters, dropouts, hall=plant_hall(scenario, given, generator))
     return sensors.real_sensors(converters, dropouts, encoder=plant_encoder(scenario, given))
-
-
-def plant_converters(
-    given: Mcs96Sensors | HallSensors | ShuntSensors,
-    generator: np.random.Generator,
-    gains: NDArray[np.float64],
-    offsets: NDArray[np.float64],
-    sources: int = 1,
-) -> Converters:
-    """Make the converters; a link of several sources is measured as a whole."""
-    return real_converters(
-        generator,
-        gains,
-        offsets,
-        current_range=_stated(given.current_range_a),
-        current_gain_spread=given.current_gain_spread,
-        current_offset=_stated(given.current_offset_a),
-        current_noise=_stated(given.current_noise_a),
-        voltage_range=sources * _stated(given.voltage_range_v),
-        voltage_noise=sources * _stated(given.voltage_noise_v),
-        converter_bits=given.converter_bits,
-    )
-
-
-def plant_encoder(scenario: Scenario, given: Mcs96Sensors | ShuntSensors) -> Encoder:
-    """Make the encoder of a scenario, as at its start."""
-    glitches = np.array([(glitch.time_s, glitch.counts) for glitch in scenario.glitches], np.float64)
-    return turning_encoder(
-        lines=given.encoder_lines,
-        speed_window=given.speed_window_s,
-        clock=given.clock_s,
-        control_period=scenario.control_period_s,
-        initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
-        glitches=glitches.reshape(-1, 2),
-    )
-
-
-def plant_hall(scenario: Scenario, given: HallSensors | ShuntSensors, generator: np.random.Generator) -> Hall:
-    """Make the Hall switches of a scenario, as at its start."""
-    greatest = math.radians(given.placement_error_deg)
-    return turning_hall(
-        pole_pairs=scenario.drive.machine.pole_pairs,
-        placement_errors=greatest * generator.uniform(-1.0, 1.0, EDGES),
-        greatest_error=greatest,
-        hysteresis=math.radians(given.hysteresis_deg),
-        clock=given.clock_s,
-        initial_angle=math.radians(scenario.initial_angle_deg),
-        initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
-    )
-
-
-def _stated(value: float | None) -> float:
-    assert value is not None, "a scenario's sensors are fitted to its drive"
-    return value
 
 
 def _signal(lost: Dropout) -> int:

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.checks.timing import TIMED_STEPS
 from drivegate.containment.messages import AnyController
 from drivegate.contracts.current.scripted import GivenSteps
 from drivegate_models.contract.current.signals import Nameplate
@@ -16,8 +17,6 @@ from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.given_steps import senses_of
 from drivegate_models.units import RADIANS_PER_RPM
 
-TIMED_STEPS: Final = 4000
-"""Number of steps that are timed at least, where a run has so many."""
 _ROUNDS: Final = 5
 _COLUMNS: Final = ("speed_reference_rpm", "measured_speed_rpm", "current_sum_a", "half_supply_v")
 

@@ -1,1 +1,1 @@
-"""duty."""
+"""Controllers that answer with duty ratios."""

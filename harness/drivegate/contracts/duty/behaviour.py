@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.current import EFFICIENCY_POINTS, efficiency_windows, losses
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.checks.steps import decisive_step
@@ -23,7 +23,7 @@ from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
-Run = Callable[[Scenario], RunRecord]
+Run = Callable[[Scenario], Record]
 """Runs the candidate through a scenario."""
 
 MOST_POINTS: Final = 300

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.run import DutyClosedLoopRun
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_windows
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -68,7 +68,7 @@ class DutyWindow:
 
 
 @dataclass(frozen=True)
-class DutyRecord(RunRecord):
+class DutyRecord(Record):
     """A finished run with what belongs to it; attributes as of any record, but for the run.
 
     Attributes
@@ -80,7 +80,7 @@ class DutyRecord(RunRecord):
     """
 
     # A run of duty ratios has columns of its own; the checks that take this record know no other.
-    run: DutyClosedLoopRun  # type: ignore[assignment]
+    run: DutyClosedLoopRun
     other_dead_time: DutyRecord | None = None
 
     @property

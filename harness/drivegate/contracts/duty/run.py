@@ -17,7 +17,7 @@ from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, 
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
 from drivegate.containment.playback import require_same_plant, stepped_here
-from drivegate.contracts.current.run import plant_load, plant_schedule
+from drivegate.scenarios.plant_inputs import plant_load, plant_schedule
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
 from drivegate_cases.scenario.profile import profile_arrays

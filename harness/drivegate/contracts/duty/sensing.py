@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from drivegate.contracts.current.run import plant_converters, plant_encoder, plant_hall
+from drivegate.scenarios.plant_inputs import plant_converters, plant_encoder, plant_hall
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import ShuntSensors
 from drivegate_models.pm_ac import failure

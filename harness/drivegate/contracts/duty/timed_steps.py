@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.fault import CandidateFault
+from drivegate.checks.record import Record
+from drivegate.checks.timing import TIMED_STEPS
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import GiveDutySenses
-from drivegate.contracts.current.record import RunRecord
-from drivegate.contracts.current.timed_steps import TIMED_STEPS
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import duty_nameplate
 from drivegate_models.contract.duty.records import DUTY_SENSE
@@ -24,7 +24,7 @@ from drivegate_models.machine.rotor_frame import phase_currents
 _ROUNDS: Final = 5
 
 
-def duty_step_seconds(controller: AnyController, record: RunRecord) -> float:
+def duty_step_seconds(controller: AnyController, record: Record) -> float:
     """Measure the time of a step on what was sensed in a run (s)."""
     assert isinstance(record, DutyRecord), "such steps are those of a run with duty ratios"
     currents = _currents(record)

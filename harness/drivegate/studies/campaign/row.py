@@ -11,12 +11,10 @@ from drivegate.candidates.fault import Fault, bounded_line
 from drivegate.checks.check import Check, judged_elsewhere
 from drivegate.checks.determinism import DET_1
 from drivegate.checks.margin import Margin
+from drivegate.checks.record import Record
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.contracts.current.checks.catalogue import CHECKS_OF, check_of
-from drivegate.contracts.current.record import RunRecord
-from drivegate.drives.kinds import kind_of
+from drivegate.contracts.catalogue import CONTRACTS, check_of, contract_of
 from drivegate.drives.running import recorded
-from drivegate.studies.campaign.observations import observed
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import HarnessFault
 
@@ -38,7 +36,8 @@ JUDGED_CHECKS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
             for check in checks
             if check.evaluate is not judged_elsewhere and not check.volatile and check is not DET_1
         )
-        for contract, checks in CHECKS_OF.items()
+        for contract, bundle in CONTRACTS.items()
+        for checks in (bundle.checks(),)
     }
 )
 """Checks of each contract that judge a run by itself, whatever the machine."""
@@ -77,7 +76,7 @@ class CampaignRow:
     advisory : tuple of str
         Checks among them that only advise in this run.
     observed : dict
-        Values by the names in `observations.OBSERVATIONS`; empty of a run that did not come to its end.
+        Values by the names in the contract's `observations`; empty of a run that did not come to its end.
     """
 
     verdict: str
@@ -90,7 +89,7 @@ class CampaignRow:
 
 def run_row(loaded: JudgedCandidate, request: RowRequest) -> CampaignRow:
     """Make a run and judge it."""
-    if not kind_of(request.scenario.drive).is_fair(request.scenario):
+    if not contract_of(request.scenario.drive).is_fair(request.scenario):
         return CampaignRow(SET_ASIDE)
     try:
         record = recorded(loaded, request.scenario, loaded.controller())
@@ -104,7 +103,7 @@ def fault_row(fault: Fault) -> CampaignRow:
     return CampaignRow(fault.kind.value, bounded_line(fault.message))
 
 
-def _judged(record: RunRecord, checks: tuple[str, ...]) -> CampaignRow:
+def _judged(record: Record, checks: tuple[str, ...]) -> CampaignRow:
     judging = {name: check_of(record.scenario.drive.contract, name) for name in checks}
     margins: list[Margin] = []
     for check in judging.values():
@@ -117,7 +116,7 @@ def _judged(record: RunRecord, checks: tuple[str, ...]) -> CampaignRow:
         margins={margin.check: margin.value for margin in margins},
         measured={margin.check: margin.measured for margin in margins},
         advisory=tuple(margin.check for margin in margins if margin.advisory),
-        observed=observed(record),
+        observed=contract_of(record.scenario.drive).observe(record),
     )
 
 

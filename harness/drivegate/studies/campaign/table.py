@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from drivegate.studies.campaign.observations import OBSERVATIONS
+from drivegate.contracts.catalogue import contract_of
 from drivegate.studies.campaign.plan import CampaignRun
 from drivegate.studies.campaign.row import CampaignRow
 from drivegate_cases.documents.wording import one_line, shown_path
@@ -40,7 +40,7 @@ def table_bytes(
     from pyarrow import parquet
 
     # All cases of a campaign are of one contract.
-    observations = OBSERVATIONS[runs[0].scenario.drive.contract]
+    observations = contract_of(runs[0].scenario.drive).observations
     records = [
         _record(run, row, parameters, checks)
         | {name: (row.observed or {}).get(name) for name in observations}

@@ -6,8 +6,8 @@ from typing import Any, Final
 from urllib.parse import quote
 
 from drivegate.candidates.fault import bounded_line
-from drivegate.checks.drive_numbers import on_drive
-from drivegate.contracts.current.checks.catalogue import check_of
+from drivegate.contracts.catalogue import check_of
+from drivegate.contracts.drive_numbers import on_drive
 from drivegate.results.counterexample import KIND, Counterexample
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite

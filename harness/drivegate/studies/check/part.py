@@ -58,9 +58,9 @@ def focus_of(part: Part, candidates: Sequence[Candidate | None], output: Path) -
 
 def _chosen(words: Iterable[str]) -> tuple[str, ...]:
     """Find checks by their names or their families', in the order of the catalogue."""
-    from drivegate.contracts.current.checks.catalogue import CHECK_NAMES
+    from drivegate.contracts.catalogue import all_checks
 
-    known = list(CHECK_NAMES)
+    known = list(all_checks())
     named = [word.strip().upper() for listed in words for word in listed.split(",") if word.strip()]
     if words and not named:
         raise InputError("--only names no check; name some, such as --only CNV-2,CNV-3")

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from drivegate.candidates.fault import Fault, bounded_line
-from drivegate.checks.drive_numbers import sensors_of
+from drivegate.contracts.current.numbers import sensors_of
 from drivegate.results.provenance import hash_of_content, provenance
 from drivegate.results.result import finite
 from drivegate.scenarios.drive_scale import scale_of

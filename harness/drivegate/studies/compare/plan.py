@@ -9,8 +9,8 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
+from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.scenarios.building import steady_scenario
-from drivegate.drives.kinds import kind_of
 from drivegate.scenarios.changes import (
     pulsed,
     stepped,
@@ -210,7 +210,7 @@ def _drawn(drive: DriveDocument, size: ComparisonEffort, seed: int) -> Iterator[
         generator = np.random.default_rng([seed, 1_000_000 + number])
         for _ in range(_MOST_DRAWS):
             speed, share, scenario = _draw(drive, generator)
-            if kind_of(scenario.drive).is_fair(scenario):
+            if contract_of(scenario.drive).is_fair(scenario):
                 noisy = with_real_sensors(scenario, seed=_noise_seed(seed, 1_000_000 + number))
                 yield PlannedRun("drawn", noisy.name, noisy, speed, share, seed=number)
                 break

@@ -16,7 +16,7 @@ from drivegate.containment.contained_runs import contained_runs
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.contracts.current.checks.convergence import window_convergence
-from drivegate.contracts.current.record import RunRecord, SteadyWindow
+from drivegate.contracts.current.record import CurrentRecord, SteadyWindow
 from drivegate.contracts.current.scenarios.building import coming_on
 from drivegate.drives.drive_kind import Drive
 from drivegate.drives.kinds import kind_of
@@ -178,6 +178,7 @@ def _run_point(loaded: JudgedCandidate, point: _LoopPoint) -> tuple[str, tuple[f
     if not _is_feasible(scenario, drive):
         return NOT_FEASIBLE, (nan,) * len(LOOP_COLUMNS)
     record = recorded(loaded, scenario, loaded.controller())
+    assert isinstance(record, CurrentRecord), "a map is over angles, which only this contract has"
     return _measured(record, drive)
 
 
@@ -193,7 +194,7 @@ def _is_feasible(scenario: Scenario, drive: Drive) -> bool:
     return isfinite(oracle.feasible_edge(drive, speed, torque))
 
 
-def _measured(record: RunRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
+def _measured(record: CurrentRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
     scenario = record.scenario
     window = SteadyWindow(scenario, dwells(scenario)[-1], record.run.windows[-1])
     margin, _ = window_convergence(window)

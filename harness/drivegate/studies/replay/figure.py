@@ -6,11 +6,10 @@ import io
 from pathlib import Path
 from typing import Final
 
-from drivegate.output.judged_point import judged_point
 from drivegate.output.legend import legend_beside
 from drivegate.output.trace_files import write_plot
 from drivegate.results.counterexample import Counterexample
-from drivegate.studies.replay.replay import Replay, signals_shown
+from drivegate.studies.replay.replay import Replay, marked_angle
 from drivegate.studies.simulate.simulate import trace_frame
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line
@@ -27,10 +26,8 @@ def draw(stored: Counterexample, ended: Replay, plot: Path, title: str) -> None:
     if isinstance(stored.scenario, Script):
         _draw_script(stored.scenario, ended, plot, title)
     elif ended.run is not None:
-        signals = signals_shown(stored, ended)
-        point = None if signals is None else judged_point(signals)
-        edge = None if point is None else (max(point.begins_s, 0.0), point.edge_deg)
-        write_plot(trace_frame(ended.run), plot, title, shaded=ended.window, edge=edge)
+        frame = trace_frame(stored.scenario, ended.run)
+        write_plot(frame, plot, title, shaded=ended.window, edge=marked_angle(stored, ended))
 
 
 def _draw_script(script: Script, ended: Replay, plot: Path, title: str) -> None:

@@ -14,24 +14,22 @@ from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import Check
-from drivegate.checks.drive_numbers import on_drive
 from drivegate.checks.margin import Margin
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.contracts.current.checks.catalogue import check_of as check_named
+from drivegate.contracts.catalogue import check_of as check_named
+from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.flowchart.judging import judge_script
-from drivegate.contracts.duty.run import DutyClosedLoopRun
-from drivegate.contracts.judged_window import judged_window
+from drivegate.contracts.drive_numbers import on_drive
 from drivegate.contracts.parting import SEED_IN_RESET, room_for_commands
+from drivegate.contracts.recorded_trace import trace_of_run
 from drivegate.drives.repeating import with_repetitions
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import Repetition, different_elsewhere, explanation_jobs, repetition_job
-from drivegate.output.account import account
+from drivegate.output.account import account_of_run
 from drivegate.output.compiled_kernels import with_compiled_kernels
-from drivegate.output.duty_signals import duty_account, duty_signals_of_run
 from drivegate.output.pace import tell_slow
-from drivegate.output.run_signals import RunSignals, signals_of_run
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite
@@ -41,7 +39,6 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
-from drivegate_models.loop.closed_loop import ClosedLoopRun
 
 SCHEMA: Final = 1
 STILL_FAILS: Final = "still fails"
@@ -64,8 +61,8 @@ class Replay:
     ----------
     margin : Margin or None
         The check's margin; None where the check has nothing to judge.
-    run : ClosedLoopRun or None
-        What was observed, with a trace; None of a script.
+    run : object or None
+        The run of the scenario's contract, with its trace; None of a script.
     window : tuple of float or None
         Start and end of the stretch that the check was judged on (s); None of a script.
     rows : tuple of int or None
@@ -73,7 +70,7 @@ class Replay:
     """
 
     margin: Margin | None
-    run: ClosedLoopRun | DutyClosedLoopRun | None = None
+    run: Any = None
     window: tuple[float, float] | None = None
     rows: tuple[int, int] | None = None
 
@@ -144,7 +141,8 @@ def _scenario_again(loaded: JudgedCandidate, scenario: Scenario, check: Check) -
         record = with_repetitions(loaded, record, kept, controller)
     applies = check.reason_not_applicable(record.declaration, scenario.drive) is None
     margin = check.evaluate(record) if applies else None
-    return Replay(margin, record.run, judged_window(check, record, margin))
+    window = contract_of(scenario.drive).judged_window(check, record, margin)
+    return Replay(margin, record.run, window)
 
 
 def _script_again(loaded: JudgedCandidate, script: Script) -> Replay:
@@ -164,22 +162,20 @@ def check_of(stored: Counterexample) -> Check:
 
 
 def account_shown(stored: Counterexample, ended: Replay | Fault) -> tuple[str, ...]:
-    """Give an account of what was run; nothing where that was on no plant."""
-    if isinstance(ended, Replay) and isinstance(ended.run, DutyClosedLoopRun):
-        assert isinstance(stored.scenario, Scenario), "a script is run on no plant"
-        of_ratios = duty_signals_of_run(stored.scenario, ended.run)
-        return () if of_ratios is None else duty_account(of_ratios)
-    signals = signals_shown(stored, ended)
-    return () if signals is None else account(signals)
-
-
-def signals_shown(stored: Counterexample, ended: Replay | Fault) -> RunSignals | None:
-    """Take the signals that an account is given of; None where nothing was run on a plant."""
+    """Describe what was run; nothing where that was on no plant."""
     if isinstance(ended, Fault) or ended.run is None or ended.window is None:
+        return ()
+    assert isinstance(stored.scenario, Scenario), "a script is run on no plant"
+    return account_of_run(stored.scenario, ended.run, ended.window)
+
+
+def marked_angle(stored: Counterexample, ended: Replay) -> tuple[float, float] | None:
+    """Return from when on, and at what angle, a plot marks the feasible edge; None where there is none."""
+    if ended.run is None or ended.window is None:
         return None
-    if isinstance(stored.scenario, Script) or isinstance(ended.run, DutyClosedLoopRun):
-        return None
-    return signals_of_run(stored.scenario, ended.run, ended.window)
+    assert isinstance(stored.scenario, Scenario), "a script is run on no plant"
+    trace = trace_of_run(stored.scenario, ended.run, ended.window)
+    return None if trace is None else contract_of(stored.scenario.drive).marked_angle(trace)
 
 
 def verdict_on(ended: Replay | Fault, remark: str) -> str:

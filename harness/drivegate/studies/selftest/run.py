@@ -13,8 +13,8 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import ShardOutcome
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
+from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.choice import drive_for
-from drivegate.drives.kinds import kind_of
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import Event
 from drivegate.gate.plan import Origin, Work, planned_work
@@ -79,7 +79,7 @@ def try_faults(faults: Sequence[SeededFault], effort: SelftestEffort) -> Iterato
         yield from (_row(fault, on_drive, None, effort) for fault, on_drive in zip(faults, told, strict=True))
         return
     # The processes are started for the controller that has no fault; the faulty ones are loaded beside it.
-    host = resolve_candidate(kind_of(drive).usual_candidate)
+    host = resolve_candidate(contract_of(drive).usual_candidate)
     count = effort.workers or os.cpu_count() or 1
     with WorkerPool(host, workers=min(count, len(jobs))) as pool:
         outcomes = pool.map(jobs)

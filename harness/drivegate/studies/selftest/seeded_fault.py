@@ -12,8 +12,8 @@ from drivegate.candidates.builtin.faults.catalogue import MUTATIONS, find_fault
 from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, told_on
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.choice import require_contract
-from drivegate.drives.pm_ac import PM_AC
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.contract.duty.signals import DutyNameplate
@@ -85,7 +85,9 @@ def seeded(name: str, fault: Mutation | DutyFault, drive: DriveDocument) -> Seed
     if isinstance(fault, Mutation):
         return SeededFault(name, fault.kind, fault.check, fault.base, partial(_mutation_on, fault))
     on_drive = partial(_duty_fault_on, fault)
-    return SeededFault(name, fault.kind, fault.check_on(_nameplate(drive)), PM_AC.usual_candidate, on_drive)
+    return SeededFault(
+        name, fault.kind, fault.check_on(_nameplate(drive)), contract_of(drive).usual_candidate, on_drive
+    )
 
 
 def _mutation_on(mutation: Mutation, drive: DriveDocument) -> FaultOnDrive:

@@ -30,7 +30,7 @@ def chosen_names(names: Sequence[str], kind: str) -> tuple[str, ...]:
 
 def selftested(names: Sequence[str], effort: SelftestEffort, *, designs: bool) -> Matrix:
     """Put faulty controllers before the checks, all of them without names, and correct designs if requested."""
-    from drivegate.contracts.current.checks.catalogue import CHECKS_OF
+    from drivegate.contracts.catalogue import contract_of
     from drivegate.drives.choice import drive_for
     from drivegate.studies.selftest.matrix import Matrix
     from drivegate.studies.selftest.seeded_fault import chosen_faults
@@ -38,7 +38,7 @@ def selftested(names: Sequence[str], effort: SelftestEffort, *, designs: bool) -
     drive = drive_for(None, effort.drive)
     rows = _tried(chosen_faults(names, drive), effort)
     judged = _judged(drive.contract, effort) if designs else ()
-    return Matrix(tuple(check.id for check in CHECKS_OF[drive.contract]), rows, judged)
+    return Matrix(tuple(check.id for check in contract_of(drive).checks()), rows, judged)
 
 
 def _tried(faults: Sequence[SeededFault], effort: SelftestEffort) -> tuple[FaultRow, ...]:

@@ -12,7 +12,7 @@ from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.contracts.current.checks.catalogue import ALL_CHECKS, CHECK_NAMES
+from drivegate.contracts.catalogue import all_checks
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.shard import DrawnRuns, FixedRuns, content_key, run_fixed
 from drivegate.gate.shrinking import ShrinkPlan, run_shrink, size_of
@@ -20,7 +20,7 @@ from drivegate.scenarios.facts import facts_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 
-_NOT_SHRUNK = frozenset({REPEATED, *(check.id for check in ALL_CHECKS.values() if check.volatile)})
+_NOT_SHRUNK = frozenset({REPEATED, *(check.id for check in all_checks().values() if check.volatile)})
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def run_trial(_host: JudgedCandidate, trial: Trial) -> TrialOutcome:
         for seed, jobs in trial.seeded.items():
             attempt.runs = before
             catches[seed] = attempt.first(jobs)
-    failing = tuple(name for name in CHECK_NAMES if name in attempt.failing)
+    failing = tuple(name for name in all_checks() if name in attempt.failing)
     return TrialOutcome(catches, failing, attempt.total, tuple(attempt.faults), attempt.unconvincing)
 
 

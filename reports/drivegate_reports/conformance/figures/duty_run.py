@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from drivegate.gate.recording import VOLTAGE
-from drivegate.output.duty_signals import DutySignals
+from drivegate.contracts.duty.columns import VOLTAGE
+from drivegate.contracts.duty.words import DutySignals
 from drivegate_reports.conformance.figures.run_panels import (
     LABELS_AT,
     finish_run_panels,

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.output.judged_point import judged_point
-from drivegate.output.run_signals import RunSignals
+from drivegate.contracts.current.words.judged_point import judged_point
+from drivegate.contracts.current.words.run_signals import RunSignals
 from drivegate_cases.scenario.load import ConstantPowerLoad
 from drivegate_reports.conformance.figures.run_panels import (
     LABELS_AT,

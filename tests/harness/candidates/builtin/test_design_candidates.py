@@ -10,7 +10,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.margin import Margin
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.checks.convergence import window_convergence
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import run_scenario
@@ -27,7 +27,7 @@ def failed_margins(name: str, scenario: Scenario) -> list[Margin]:
     """Run a design, and return what it fails of the required checks."""
     candidate = resolve_candidate(name)
     run = run_scenario(scenario, load_controller(candidate))
-    record = RunRecord(scenario, run, candidate.declaration)
+    record = CurrentRecord(scenario, run, candidate.declaration)
     margins = [check.evaluate(record) for check in CHECKS if check.level == "required"]
     return [margin for margin in margins if margin is not None and not margin.met and not margin.advisory]
 
@@ -104,7 +104,7 @@ def test_a_design_does_not_rest_where_the_current_sum_swings_within_a_step_of_th
     margins = {}
     for seed in (*range(12), 158):
         seen = with_real_sensors(with_load_shares(steady, (0.0, 0.7), (10.0, 0.1)), seed)
-        record = RunRecord(seen, run_scenario(seen, controller), Declaration())
+        record = CurrentRecord(seen, run_scenario(seen, controller), Declaration())
         margins[seed], _ = window_convergence(list(record.windows())[-1])
     assert min(margins.values()) >= 0.0, f"{name} rests where Σ|i| swings beyond the limit: {margins}"
     swinging = [seed for seed, margin in margins.items() if margin < 0.5]

@@ -15,7 +15,7 @@ from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.margin import Margin
 from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import base_speed_scenario
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios, steady_scenario
 from drivegate.drives.running import run_scenario
@@ -139,7 +139,7 @@ def test_each_answers_unlike_its_base_somewhere(name: str) -> None:
 def named_margin(candidate: str, check: str, scenario: Scenario) -> Margin:
     found = resolve_candidate(candidate)
     run = run_scenario(scenario, load_controller(found))
-    margin = KNOWN[check].evaluate(RunRecord(scenario, run, found.declaration))
+    margin = KNOWN[check].evaluate(CurrentRecord(scenario, run, found.declaration))
     assert margin is not None, f"{check} does not judge {scenario.name}"
     return margin
 
@@ -198,7 +198,7 @@ def test_one_that_shares_its_state_differs_in_a_new_instance() -> None:
 def test_one_near_a_limit_answers_unlike_the_reference_and_fails_nothing(name: str) -> None:
     candidate = resolve_candidate(f"near:{name}")
     run = run_scenario(SHORT, load_controller(candidate))
-    record = RunRecord(SHORT, run, candidate.declaration)
+    record = CurrentRecord(SHORT, run, candidate.declaration)
     margins = [check.evaluate(record) for check in CHECKS if check.level == "required"]
     failed = [margin for margin in margins if margin is not None and not margin.met and not margin.advisory]
     assert not failed, failed

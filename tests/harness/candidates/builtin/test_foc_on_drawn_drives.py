@@ -4,12 +4,12 @@ import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
-from drivegate.contracts.current.checks.catalogue import CHECKS_OF
+from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.pm_ac_drawn_drives import drawn_pm_ac_drive
 from drivegate.drives.running import recorded
 
-CHECKS = {check.id: check for check in CHECKS_OF["duty"]}
+CHECKS = {check.id: check for check in CONTRACTS["duty"].checks()}
 
 
 @pytest.mark.parametrize(

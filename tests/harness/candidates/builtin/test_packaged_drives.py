@@ -5,7 +5,7 @@ import pytest
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate_cases.drive.drive_document import PM_AC, drive_names, load_drive
@@ -32,7 +32,7 @@ def failed(name: str, drive_name: str, share: float) -> set[str]:
     )
     candidate = resolve_candidate(name)
     run = run_scenario(scenario, load_controller(candidate))
-    margins = judged(RunRecord(scenario, run, candidate.declaration)).margins
+    margins = judged(CurrentRecord(scenario, run, candidate.declaration)).margins
     assert {"CNV-1", "CNV-2"} <= {margin.check for margin in margins}, (
         "a run that is not judged proves nothing"
     )

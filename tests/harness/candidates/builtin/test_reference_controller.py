@@ -8,7 +8,7 @@ import pytest
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
 from drivegate.contracts.current.checks.convergence import converges, converges_again, reaches_optimum
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.fixed import steady_scenario
 from drivegate.drives.running import run_scenario
 from drivegate_cases.drive.drive_document import load_drive
@@ -37,8 +37,8 @@ def supply_dip(speed_rpm: float) -> Scenario:
     )
 
 
-def record(scenario: Scenario, name: str = "reference") -> RunRecord:
-    return RunRecord(scenario, run_scenario(scenario, BuiltinController(SEARCHES[name])), Declaration())
+def record(scenario: Scenario, name: str = "reference") -> CurrentRecord:
+    return CurrentRecord(scenario, run_scenario(scenario, BuiltinController(SEARCHES[name])), Declaration())
 
 
 @pytest.mark.parametrize("speed", [700.0, 1000.0, 1500.0])

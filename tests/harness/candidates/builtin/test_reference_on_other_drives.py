@@ -12,7 +12,7 @@ from drivegate.contracts.current.checks.convergence import (
     window_convergence,
 )
 from drivegate.contracts.current.checks.robustness import ROB_2, ROB_3
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import coming_on, steady_scenario, vehicle_scenario
 from drivegate.drives.drawn_drives import drawn_drive
 from drivegate.drives.running import run_scenario
@@ -159,7 +159,9 @@ SOON_BACK_AT_THE_EDGE = steady_scenario(STAR, 1380.0, power_share=0.5, constant_
 @pytest.mark.parametrize("scenario", RUNS, ids=lambda scenario: f"{scenario.drive.name}, {scenario.name}")
 def test_the_search_rests_at_the_optimum(scenario: Scenario) -> None:
     candidate = resolve_candidate("reference")
-    record = RunRecord(scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration)
+    record = CurrentRecord(
+        scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration
+    )
     for check in (converges, reaches_optimum):
         margin = check(record)
         assert margin is None or margin.advisory or margin.met, margin
@@ -170,7 +172,9 @@ def test_the_search_rests_at_the_optimum(scenario: Scenario) -> None:
 )
 def test_a_speed_that_falls_on_is_caught_before_the_regulator_winds_up(scenario: Scenario) -> None:
     candidate = resolve_candidate("reference")
-    record = RunRecord(scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration)
+    record = CurrentRecord(
+        scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration
+    )
     for window in record.windows():
         value, measured = window_convergence(window)
         assert value >= 0.0, measured
@@ -190,7 +194,7 @@ def test_a_step_that_loses_the_torque_is_given_back_whole(
 ) -> None:
     candidate = resolve_candidate(name)
     margin = check.evaluate(
-        RunRecord(scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration)
+        CurrentRecord(scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration)
     )
     assert margin is not None, f"{check.id} judges this run"
     assert margin.met, margin

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from drivegate.contracts.duty.bundle import DUTY
+from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
 from tests.harness.candidates.native.duty_sources import duty_source
 
 from drivegate.candidates.declaration import Declaration
@@ -17,7 +19,6 @@ from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.choice import drive_for
-from drivegate.drives.pm_ac import PM_AC
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.duty.signals import DutyNameplate, DutySense
@@ -74,9 +75,7 @@ def changed(fmu: Path, old: str, new: str) -> str:
 def run(file: Path) -> int:
     """Run a controller in this process, and give the digest of its commands."""
     controller = load_controller(resolve_candidate(str(file)))
-    record = PM_AC.record
-    assert record is not None
-    return record(Declaration(), SHORT, controller, None).run.digest
+    return DUTY.record(prepared_duty_loop, Declaration(), SHORT, controller).run.digest
 
 
 @pytest.mark.parametrize("version", VERSIONS)

@@ -18,7 +18,7 @@ from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge, own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.stall_watch import WorkerLimits
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.choice import drive_for
@@ -44,15 +44,17 @@ def short() -> Scenario:
     return scenario
 
 
-def run_once(loaded: JudgedCandidate, scenario: Scenario) -> RunRecord:
+def run_once(loaded: JudgedCandidate, scenario: Scenario) -> CurrentRecord:
     return recorded(loaded, scenario, loaded.controller())
 
 
 @pytest.fixture
-def ended(tmp_path: Path, written: Callable[..., Path], short: Scenario) -> Callable[..., RunRecord | Fault]:
+def ended(
+    tmp_path: Path, written: Callable[..., Path], short: Scenario
+) -> Callable[..., CurrentRecord | Fault]:
     """Run a controller in a process of its own, as every check does."""
 
-    def run(**parts: str) -> RunRecord | Fault:
+    def run(**parts: str) -> CurrentRecord | Fault:
         candidate = resolve_candidate(str(written(tmp_path, duty_source(**parts))))
         with Judge(candidate, limits=LIMITS) as judge:
             return judge.run(Job(run_once, short))

@@ -10,7 +10,7 @@ import pytest
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
 from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.windows import observed_windows
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.profile import dwell_torque, dwells
@@ -20,8 +20,8 @@ from drivegate_models.loop import closed_loop, observation
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.machine import ledger
 
-MakeRecord = Callable[..., RunRecord]
-AssertLimit = Callable[[str, RunRecord, RunRecord], None]
+MakeRecord = Callable[..., CurrentRecord]
+AssertLimit = Callable[[str, CurrentRecord, CurrentRecord], None]
 
 SCENARIO: dict[str, Any] = {
     "schema": 2,
@@ -47,7 +47,7 @@ def record_with(
     windows: list[Mapping[str, float]] | None = None,
     declaration: Declaration | None = None,
     repeated: tuple[int, ...] = (),
-) -> RunRecord:
+) -> CurrentRecord:
     """A run of which nothing is known but what is given; by default it has converged on its references."""
     scenario = scenario or scenario_with()
     observed = observed_windows(scenario)
@@ -86,7 +86,7 @@ def record_with(
         last_currents=np.zeros(5),
         last_command=np.zeros(1, COMMAND),
     )
-    return RunRecord(scenario, finished, declaration or Declaration(estimates_power=True), repeated)
+    return CurrentRecord(scenario, finished, declaration or Declaration(estimates_power=True), repeated)
 
 
 @pytest.fixture
@@ -111,7 +111,7 @@ def checks() -> Mapping[str, Check]:
 def assert_limit(checks: Mapping[str, Check]) -> AssertLimit:
     """Assert that a check is met by one run and missed by another."""
 
-    def assert_limit(identifier: str, passing: RunRecord, failing: RunRecord) -> None:
+    def assert_limit(identifier: str, passing: CurrentRecord, failing: CurrentRecord) -> None:
         __tracebackhide__ = True
         met, missed = (checks[identifier].evaluate(record) for record in (passing, failing))
         assert met is not None, f"{identifier} does not apply to the passing run"

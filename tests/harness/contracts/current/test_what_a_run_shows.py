@@ -13,7 +13,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import CandidateFault
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.contracts.current.checks.power import estimated_power
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.run import run_in_closed_loop
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.contracts.current.scenarios.windows import observed_windows
@@ -158,7 +158,7 @@ def test_an_estimate_over_time_begins_anew_with_the_candidate() -> None:
     declaration = Declaration(estimates_power=True, power_window_s=0.02)
     scenario = with_restarts(PLAIN, 0.1, 0.105).replaced(duration_s=0.5)
     run = run_scenario(scenario, PythonController(Noting()), power_window=0.02)
-    margin = estimated_power(RunRecord(scenario, run, declaration))
+    margin = estimated_power(CurrentRecord(scenario, run, declaration))
     assert margin is not None
     assert margin.met, margin.measured
 

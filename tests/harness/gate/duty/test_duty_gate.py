@@ -11,7 +11,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge, own_candidate
 from drivegate.containment.messages import Job
-from drivegate.contracts.current.checks.catalogue import CHECKS_OF
+from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.duty.scenarios.building import (
     failing,
     speed_scenario,
@@ -75,7 +75,7 @@ def test_a_correct_controller_passes_the_same_runs_and_repeats_itself(name: str)
     with Judge(resolve_candidate(name)) as judge:
         outcome = judge.run(Job(run_fixed, FixedRuns(telling_runs(), repeat=True)))
     margins = [margin for run in outcome.runs for margin in run.margins]
-    required = {check.id for check in CHECKS_OF["duty"] if check.level == "required"}
+    required = {check.id for check in CONTRACTS["duty"].checks() if check.level == "required"}
     assert [margin for margin in margins if not margin.met and margin.check in required] == []
     assert [margin.measured for margin in margins if margin.check == "DET-1"] == [
         "2 repetitions are the same"
@@ -250,4 +250,4 @@ def test_a_rating_out_of_reach_is_refused_in_one_sentence() -> None:
     with pytest.raises(InputError, match="too slow to be checked"):
         refuse_unreachable(INTERIOR.replaced(inertia_kg_m2=1e3))
     refuse_unreachable(INTERIOR)
-    assert {check.id for check in CHECKS_OF["duty"]} >= {"FWK-1", "FWK-2", "FWK-3"}
+    assert {check.id for check in CONTRACTS["duty"].checks()} >= {"FWK-1", "FWK-2", "FWK-3"}

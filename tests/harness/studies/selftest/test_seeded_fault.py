@@ -4,7 +4,7 @@ import pytest
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
-from drivegate.contracts.current.checks.catalogue import CHECKS_OF
+from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.studies.selftest.correct_designs import correct_designs
 from drivegate.studies.selftest.run import SelftestEffort, planned_trial
 from drivegate.studies.selftest.seeded_fault import chosen_faults
@@ -21,7 +21,7 @@ def test_without_names_all_of_the_contract_are_chosen() -> None:
 
 def test_each_names_a_check_of_its_contract_and_a_kind() -> None:
     chosen = chosen_faults((), INTERIOR)
-    assert {fault.check for fault in chosen} <= {check.id for check in CHECKS_OF["duty"]}
+    assert {fault.check for fault in chosen} <= {check.id for check in CONTRACTS["duty"].checks()}
     assert {fault.base for fault in chosen} == {"foc"}
     assert {fault.kind for fault in chosen} == {
         "Wrong numbers of the drive",

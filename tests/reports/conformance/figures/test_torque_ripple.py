@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivegate.output.run_signals import RunSignals, signals_of
+from drivegate.contracts.current.words.run_signals import RunSignals, run_signals
+from drivegate.contracts.recorded_trace import recorded_trace
 from drivegate_reports.conformance.figures.torque_ripple import alternative, caption, draw
 from drivegate_reports.conformance.report import page
 from drivegate_reports.conformance.ripple import ripple_of
@@ -19,9 +20,9 @@ from drivegate_reports.paper.figures.instantaneous_torque import torque_cycle
 @pytest.fixture
 def signals(recorded: dict[str, Any]) -> RunSignals:
     """Return the signals of a search that has locked up at 1500 rpm and 9.8 N·m."""
-    found = signals_of(recorded, recorded["checks"][0])
+    found = recorded_trace(recorded, recorded["checks"][0])
     assert found is not None
-    return found
+    return run_signals(found)
 
 
 def at_angle(signals: RunSignals, degrees: float) -> RunSignals:

@@ -1,1 +1,1 @@
-"""checks."""
+"""Checks of controllers that answer with a current reference and an advance angle."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Final
 
 from drivegate.checks.check import Check
@@ -18,7 +17,6 @@ from drivegate.contracts.current.checks.profile import FLO_1
 from drivegate.contracts.current.checks.ripple import RIP_1, RIP_2, RIP_3
 from drivegate.contracts.current.checks.robustness import ROB_1, ROB_2, ROB_3
 from drivegate.contracts.current.checks.torque_sign import TRQ_1
-from drivegate.contracts.duty.checks.catalogue import DUTY_CHECKS
 
 CHECKS: Final[tuple[Check, ...]] = (
     PWR_1,
@@ -45,19 +43,3 @@ CHECKS: Final[tuple[Check, ...]] = (
     FLO_1,
 )
 """Every check of controllers that answer with a current reference and an advance angle."""
-
-CHECKS_OF: Final[Mapping[str, tuple[Check, ...]]] = {"current": CHECKS, "duty": DUTY_CHECKS}
-"""The checks of each contract."""
-ALL_CHECKS: Final[Mapping[str, Check]] = {
-    check.id: check for checks in (DUTY_CHECKS, CHECKS) for check in checks
-}
-"""A check of each identifier; of one that several contracts have, that of the first."""
-CHECK_NAMES: Final[tuple[str, ...]] = tuple(
-    dict.fromkeys(check.id for checks in CHECKS_OF.values() for check in checks)
-)
-"""Identifiers of all checks, those of the first contract first."""
-
-
-def check_of(contract: str, name: str) -> Check:
-    """Find a contract's check by its identifier, or that of another contract where it has none."""
-    return next((check for check in CHECKS_OF[contract] if check.id == name), None) or ALL_CHECKS[name]

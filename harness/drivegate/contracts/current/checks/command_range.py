@@ -7,13 +7,13 @@ import math
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, normalised
 from drivegate.contracts.current.checks.declared_speeds import below_base, unless_speeds
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 
 LARGEST_ANGLE = math.pi / 2.0
 """Greatest advance angle of the contract (rad electrical)."""
 
 
-def angle_below_base(record: RunRecord) -> Margin | None:
+def angle_below_base(record: CurrentRecord) -> Margin | None:
     """Judge the advance angle in steps whose own Sense shows less than base speed (paper, Fig. 3)."""
     run = record.run.observed
     if run.steps_below_base == 0.0:
@@ -25,7 +25,7 @@ def angle_below_base(record: RunRecord) -> Margin | None:
     return Margin("ADV-1", normalised(-math.degrees(angle), 1.0), measured)
 
 
-def angle_range(record: RunRecord) -> Margin:
+def angle_range(record: CurrentRecord) -> Margin:
     """Judge the range of the advance angle."""
     lowest = record.run.observed.angle_lowest
     highest = record.run.observed.angle_highest
@@ -39,7 +39,7 @@ def _in_words(angle: float, digits: int) -> str:
     return f"{degrees:.{digits}g}°" if math.isfinite(degrees) else f"{angle:.{digits}g} rad"
 
 
-def reference_range(record: RunRecord) -> Margin:
+def reference_range(record: CurrentRecord) -> Margin:
     """Judge the range of the current reference."""
     limit = record.scenario.drive.rating.current_limit_a
     lowest = record.run.observed.reference_lowest

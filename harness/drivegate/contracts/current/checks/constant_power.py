@@ -11,16 +11,16 @@ from drivegate.contracts.current.checks.declared_speeds import (
     constant_power,
     unless_speeds,
 )
-from drivegate.contracts.current.record import RunRecord, SteadyWindow
+from drivegate.contracts.current.record import CurrentRecord, SteadyWindow
 from drivegate_cases.scenario.circumstance import Circumstance
 
 
-def holds_constant_power(record: RunRecord) -> Margin | None:
+def holds_constant_power(record: CurrentRecord) -> Margin | None:
     """Judge whether rated power is held within k1 (paper, "Constant Power Operation", Fig. 3)."""
     return _held("CPW-1", record, [window for window in record.windows() if is_in(constant_power, window)])
 
 
-def holds_constant_power_beyond(record: RunRecord) -> Margin | None:
+def holds_constant_power_beyond(record: CurrentRecord) -> Margin | None:
     """Judge whether rated power is held within k1 beyond the range of constant power (paper, Fig. 10)."""
     return _held(
         "CPW-2", record, [window for window in record.windows() if is_in(beyond_constant_power, window)]
@@ -33,7 +33,7 @@ def is_in(judged: JudgedSpeeds, window: SteadyWindow) -> bool:
     return lowest <= window.dwell.speed_rpm <= highest
 
 
-def _held(check: str, record: RunRecord, windows: list[SteadyWindow]) -> Margin | None:
+def _held(check: str, record: CurrentRecord, windows: list[SteadyWindow]) -> Margin | None:
     if record.circumstance is not Circumstance.NOMINAL:
         return None
     loaded = [window for window in windows if window.requires_rated_power]

@@ -10,7 +10,7 @@ from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most, worst_required
 from drivegate.contracts.current.checks.declared_speeds import above_base, unless_speeds
 from drivegate.contracts.current.checks.feasible_angles import given_below_limit
-from drivegate.contracts.current.record import RunRecord, SteadyWindow, rated_torque
+from drivegate.contracts.current.record import CurrentRecord, SteadyWindow, rated_torque
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.limits import limits_of, mean_time
 from drivegate_cases.scenario.circumstance import Circumstance
@@ -140,21 +140,21 @@ def is_beyond_range(window: SteadyWindow) -> bool:
     return window.dwell.speed_rpm > window.scenario.drive.rating.highest_speed_rpm
 
 
-def converges(record: RunRecord) -> Margin | None:
+def converges(record: CurrentRecord) -> Margin | None:
     """Judge whether the search has converged where nothing had changed before."""
     if record.circumstance is not Circumstance.NOMINAL:
         return None
     return worst_convergence("CNV-1", (window for window in record.windows() if not window.is_after_change))
 
 
-def converges_again(record: RunRecord) -> Margin | None:
+def converges_again(record: CurrentRecord) -> Margin | None:
     """Judge whether the search has converged again after a change of load, speed reference or supply."""
     if record.circumstance is not Circumstance.NOMINAL:
         return None
     return worst_convergence("CNV-3", (window for window in record.windows() if window.is_after_change))
 
 
-def reaches_optimum(record: RunRecord) -> Margin | None:
+def reaches_optimum(record: CurrentRecord) -> Margin | None:
     """Judge the current sum of every converged window against the least one of the same plant (Figs. 5, 7)."""
     if record.circumstance is not Circumstance.NOMINAL:
         return None
@@ -162,7 +162,7 @@ def reaches_optimum(record: RunRecord) -> Margin | None:
     return worst_required(margins)
 
 
-def _excess(record: RunRecord, window: SteadyWindow) -> Margin:
+def _excess(record: CurrentRecord, window: SteadyWindow) -> Margin:
     torque = window.values.torque
     mean = window.values.current_sum
     # Where the speed reference is not held, the least sum is that of the speed at which the torque really is.
@@ -191,7 +191,7 @@ def _excess_in_words(mean: float, least: float, lost: str) -> str:
     return f"{abs(excess):.2f} % {'above' if excess >= 0.0 else 'below'} the least {least:.4g} A"
 
 
-def _without_optimum(record: RunRecord, window: SteadyWindow, speed: float) -> str:
+def _without_optimum(record: CurrentRecord, window: SteadyWindow, speed: float) -> str:
     """Tell why there is no least Σ|i|."""
     mean, limit = window.values.current_sum, record.drive.current_limit
     if is_stalled(window):
@@ -200,7 +200,7 @@ def _without_optimum(record: RunRecord, window: SteadyWindow, speed: float) -> s
     return f"Σ|i| {mean:.4g} A{described(window)}, where {words}{_lost_at_limit(record, window, speed)}"
 
 
-def _lost_at_limit(record: RunRecord, window: SteadyWindow, speed: float) -> str:
+def _lost_at_limit(record: CurrentRecord, window: SteadyWindow, speed: float) -> str:
     """Tell that the window's angle gives the torque with less current than the limit alone; nothing if it does not."""
     values = window.values
     found = point_at_torque(record.drive, speed, values.angle, values.torque, window.dwell.supply_v)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.machine import ledger
 
@@ -13,7 +13,7 @@ ROUNDING = 1e-12
 """Relative rounding of a current that reaches the band's edge (1)."""
 
 
-def peak_current(record: RunRecord) -> Margin:
+def peak_current(record: CurrentRecord) -> Margin:
     """Judge the greatest phase current, overshoot through the diodes included."""
     drive = record.scenario.drive
     # The band's edge itself is met to rounding.

@@ -5,14 +5,14 @@ from __future__ import annotations
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate_cases.drive.drive_document import DriveDocument
 
 TOLERANCE = 1e-9
 """Greatest share of the currents, and of the exchanged energy, that may be missing (1)."""
 
 
-def isolated_neutral(record: RunRecord) -> Margin | None:
+def isolated_neutral(record: CurrentRecord) -> Margin | None:
     """Judge the sum of the phase currents, and the charge that each half of the link gives."""
     if record.scenario.drive.has_split_supply:
         return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.run import plant_sensors
 from drivegate_models.machine import ledger
 
@@ -16,7 +16,7 @@ def _relative(error: float) -> str:
     return f"{error:.1e} relative" if error > 0.0 else "exact"
 
 
-def exchanged_power(record: RunRecord) -> Margin:
+def exchanged_power(record: CurrentRecord) -> Margin:
     """Judge the plant's power balance (paper, "Optimal Efficiency Control").
 
     In every control period the energy exchanged with the half-sources, V_half(j) |i_j| summed over the
@@ -30,7 +30,7 @@ def exchanged_power(record: RunRecord) -> Margin:
     return Margin("PWR-1", at_most(error, TOLERANCE), measured)
 
 
-def estimated_power(record: RunRecord) -> Margin | None:
+def estimated_power(record: CurrentRecord) -> Margin | None:
     """Judge a candidate's estimate of its input power."""
     if record.run.observed.power_estimates == 0.0:
         if record.declaration.estimates_power:

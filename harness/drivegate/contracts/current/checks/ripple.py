@@ -10,7 +10,7 @@ from drivegate.checks.margin import Margin, below, worst_required
 from drivegate.contracts.current.checks.constant_power import is_in
 from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, described
 from drivegate.contracts.current.checks.declared_speeds import constant_power, required_points, unless_speeds
-from drivegate.contracts.current.record import RunRecord, SteadyWindow, rated_torque
+from drivegate.contracts.current.record import CurrentRecord, SteadyWindow, rated_torque
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
@@ -32,7 +32,7 @@ def _is_constant_power(window: SteadyWindow) -> bool:
     return is_in(constant_power, window) and window.requires_rated_power
 
 
-def _ideal_ripple(check: str, record: RunRecord, windows: list[SteadyWindow]) -> Margin | None:
+def _ideal_ripple(check: str, record: CurrentRecord, windows: list[SteadyWindow]) -> Margin | None:
     """Return the worst margin of the steady states with the ideal regulator at the angles converged to."""
     limit = limits_of(record.scenario.drive).ripple
     if math.isinf(limit):
@@ -52,7 +52,7 @@ def _ideal_ripple(check: str, record: RunRecord, windows: list[SteadyWindow]) ->
     return min(margins, key=lambda margin: margin.value, default=None)
 
 
-def ripple_at_converged_angle(record: RunRecord) -> Margin | None:
+def ripple_at_converged_angle(record: CurrentRecord) -> Margin | None:
     """Judge the torque ripple at the angle that the candidate converged to at the required points (Fig. 6).
 
     The ripple is that of the periodic steady state with the ideal regulator (no band) at the candidate's mean
@@ -63,14 +63,14 @@ def ripple_at_converged_angle(record: RunRecord) -> Margin | None:
     return _ideal_ripple("RIP-1", record, [w for w in record.windows() if _is_required_point(w)])
 
 
-def ripple_at_constant_power(record: RunRecord) -> Margin | None:
+def ripple_at_constant_power(record: CurrentRecord) -> Margin | None:
     """Judge the torque ripple at the angle that the candidate converged to under rated power (Fig. 6)."""
     if record.circumstance is not Circumstance.NOMINAL:
         return None
     return _ideal_ripple("RIP-2", record, [w for w in record.windows() if _is_constant_power(w)])
 
 
-def closed_loop_ripple(record: RunRecord) -> Margin | None:
+def closed_loop_ripple(record: CurrentRecord) -> Margin | None:
     """Judge the torque ripple of the closed loop, with hysteresis band and speed regulator."""
     unlimited = math.isinf(limits_of(record.scenario.drive).closed_loop_ripple)
     if unlimited or record.circumstance is not Circumstance.NOMINAL:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from drivegate.checks.check import Check, Evaluate
 from drivegate.checks.margin import Margin, worst_required
 from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, worst_convergence
-from drivegate.contracts.current.record import RunRecord, SteadyWindow
+from drivegate.contracts.current.record import CurrentRecord, SteadyWindow
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.scales import Scales
@@ -38,7 +38,7 @@ def is_claimed(scales: Scales, drive: DriveDocument) -> bool:
 def robust_convergence(check: str, judged: Circumstance) -> Evaluate:
     """Make the function that judges convergence in runs of one circumstance."""
 
-    def evaluate(record: RunRecord) -> Margin | None:
+    def evaluate(record: CurrentRecord) -> Margin | None:
         if record.circumstance is not judged:
             return None
         margins = [

@@ -7,7 +7,7 @@ import math
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, worst_required
 from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, described
-from drivegate.contracts.current.record import RunRecord, SteadyWindow, rated_torque
+from drivegate.contracts.current.record import CurrentRecord, SteadyWindow, rated_torque
 from drivegate_cases.scenario.circumstance import Circumstance
 
 HALF_LOAD = 0.5
@@ -15,7 +15,7 @@ HALF_LOAD = 0.5
 _ROUNDING = 1e-6
 
 
-def torque_sign(record: RunRecord) -> Margin | None:
+def torque_sign(record: CurrentRecord) -> Margin | None:
     """Judge the least torque of the closed loop's steady stretches under half load and more."""
     if record.circumstance is not Circumstance.NOMINAL:
         return None

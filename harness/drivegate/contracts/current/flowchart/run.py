@@ -16,7 +16,7 @@ from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.contracts.current.flowchart.drawn import drawn_scripts
 from drivegate.contracts.current.flowchart.judging import judge_script
 from drivegate.contracts.current.flowchart.scripts import fixed_scripts, usual_speed
-from drivegate.contracts.current.scenarios.drawn.isolation import from_the_seed_alone
+from drivegate.scenarios.isolation import from_the_seed_alone
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.script import Script, ScriptRow
 

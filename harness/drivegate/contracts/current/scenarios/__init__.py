@@ -1,1 +1,1 @@
-"""scenarios."""
+"""Scenarios of the `current` contract: fixed and drawn, which are fair, and how they are simplified."""

@@ -96,3 +96,8 @@ def vehicle_scenario(
             load=load,
         )
     )
+
+
+def plain_scenario(drive: DriveDocument) -> Scenario:
+    """Make the run without any fact: rated torque at the highest required speed."""
+    return steady_scenario(drive, drive.rating.highest_speed_rpm, power_share=1.0, constant_power=False)

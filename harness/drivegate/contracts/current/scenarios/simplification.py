@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any, Final, TypeAlias
+from typing import Final
 
-from drivegate.contracts.current.scenarios.building import TORQUE_DIGITS, coming_on
+from drivegate.contracts.current.scenarios.building import TORQUE_DIGITS, coming_on, plain_scenario
 from drivegate.contracts.current.scenarios.courses import (
     QUANTITIES,
     ProfileCourse,
@@ -14,7 +14,7 @@ from drivegate.contracts.current.scenarios.courses import (
     fields_of,
 )
 from drivegate.scenarios.drive_scale import scale_of, tidy, whole_tenths
-from drivegate.scenarios.facts import plain_scenario
+from drivegate.scenarios.simplification import Fields, Simplification
 from drivegate.scenarios.size import size_of
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
@@ -29,11 +29,6 @@ from drivegate_cases.scenario.profile import dwell_torque, dwells
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_cases.scenario.sensors import IDEAL, PLAIN
 from drivegate_models.errors import InputError
-
-Fields: TypeAlias = dict[str, Any]
-"""Fields of a scenario that change."""
-Simplification: TypeAlias = Callable[[Scenario], Iterator[Fields]]
-"""From a scenario to changes that make it simpler in one respect, the boldest first."""
 
 _NAMING: Final = frozenset({"schema_version", "name", "description", "drive"})
 # What belongs to another key, and means nothing without it.

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import at, duty_record, is_within_reach, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate_models.units import RADIANS_PER_RPM
 
 
-def steady_reference(record: RunRecord) -> Margin | None:
+def steady_reference(record: Record) -> Margin | None:
     """Judge the mean of the referenced quantity on the nominal drive."""
     judged = duty_record(record)
     if not judged.is_nominal:

@@ -6,7 +6,7 @@ import numpy as np
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import GREATEST, Margin, normalised
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.run import DUTY_RATIOS
 
@@ -14,7 +14,7 @@ PERIOD_SHARE = 0.2
 """Greatest change of the control period (1)."""
 
 
-def command_range(record: RunRecord) -> Margin:
+def command_range(record: Record) -> Margin:
     """Judge duty ratios and the next control period; a leg that is none of the contract's ends the run."""
     judged = duty_record(record)
     ratios = np.stack([judged.run.commands[name] for name in DUTY_RATIOS])

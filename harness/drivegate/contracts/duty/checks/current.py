@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import at, duty_record, plant_of, worst
 from drivegate.contracts.duty.checks.optimum import least_free, least_within, undistorted
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
@@ -36,14 +36,14 @@ EFFICIENCY_POINTS = (
 _SAME = 1e-3
 
 
-def peak_current(record: RunRecord) -> Margin:
+def peak_current(record: Record) -> Margin:
     """Judge the greatest phase current of a run."""
     judged = duty_record(record)
     peak, limit = float(judged.run.totals[ledger.PEAK]), judged.limits.peak_current_a
     return Margin("OVC-1", at_most(peak, limit), f"{peak:.5g} A")
 
 
-def least_current(record: RunRecord) -> Margin | None:
+def least_current(record: Record) -> Margin | None:
     """Judge the current of steady torque where the voltage is free."""
     judged = duty_record(record)
     return worst(_current_excess(judged, window) for window in _free_windows(judged))
@@ -84,7 +84,7 @@ def losses(record: DutyRecord, window: DutyWindow) -> tuple[SteadyState, SteadyS
     return own, least_within(plant_of(record), window.speed, window.link, own.torque, "loss")
 
 
-def least_loss(record: RunRecord) -> Margin | None:
+def least_loss(record: Record) -> Margin | None:
     """Judge the loss of the fundamental at the efficiency points."""
     judged = duty_record(record)
     return worst(_loss_excess(judged, window) for window in efficiency_windows(judged))

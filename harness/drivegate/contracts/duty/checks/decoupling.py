@@ -6,7 +6,7 @@ import numpy as np
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record, worst
 from drivegate.contracts.duty.checks.steps import (
     TorqueStep,
@@ -24,7 +24,7 @@ LINEAR_SHARE = 0.5
 _LEVEL_PERIODS = 25
 
 
-def decoupled_current(record: RunRecord) -> Margin | None:
+def decoupled_current(record: Record) -> Margin | None:
     """Judge how far a step of the torque moves the d current beyond where it was and where it goes."""
     judged = duty_record(record)
     if not judged.is_nominal:

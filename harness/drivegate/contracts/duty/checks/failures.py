@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import LEGS
@@ -18,7 +18,7 @@ from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_models.contract.duty.signals import LEG_OFF
 
 
-def safe_state(record: RunRecord) -> Margin | None:
+def safe_state(record: Record) -> Margin | None:
     """Judge how soon the drive is in a safe state for good, and its torque until then."""
     judged = duty_record(record)
     failure, period = judged.scenario.failure, judged.scenario.control_period_s

@@ -7,7 +7,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from drivegate.checks.margin import Margin
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.optimum import greatest_at
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate_models.units import RADIANS_PER_RPM
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
 
-def duty_record(record: RunRecord) -> DutyRecord:
+def duty_record(record: Record) -> DutyRecord:
     """Take a record for what it is here."""
     assert isinstance(record, DutyRecord), "a check of duty ratios judges runs with duty ratios"
     return record

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 
 TOLERANCE = 1e-9
 """Greatest energy that a control period may miss, over its throughput (1)."""
 
 
-def balanced_energy(record: RunRecord) -> Margin:
+def balanced_energy(record: Record) -> Margin:
     """Judge the plant's energy balance."""
     missed = duty_record(record).run.worst_balance
     return Margin(

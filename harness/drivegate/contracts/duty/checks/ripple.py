@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import at, duty_record, plant_of, worst
 from drivegate.contracts.duty.checks.optimum import undistorted
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
@@ -91,7 +91,7 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     return not (is_slow or is_weak or window.voltage > VOLTAGE_SHARE * undistorted(window.link))
 
 
-def modulation_ripple(record: RunRecord) -> Margin | None:
+def modulation_ripple(record: Record) -> Margin | None:
     """Judge the torque ripple of steady states where the voltage is not limited."""
     judged = duty_record(record)
     return worst(
@@ -108,7 +108,7 @@ def modulation_ripple(record: RunRecord) -> Margin | None:
     )
 
 
-def dead_time_ripple(record: RunRecord) -> Margin | None:
+def dead_time_ripple(record: Record) -> Margin | None:
     """Judge the torque ripple at low speed with dead time by that of the same run without it."""
     judged = duty_record(record)
     other = judged.other_dead_time

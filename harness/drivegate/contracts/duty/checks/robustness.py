@@ -8,7 +8,7 @@ import numpy as np
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.accuracy import reference_error
 from drivegate.contracts.duty.checks.judged import at, duty_record, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
@@ -22,7 +22,7 @@ GROWTH = 1.5
 """Greatest ratio of the speed's swing at the end of a steady stretch to that at its begin (1)."""
 
 
-def another_plant(record: RunRecord) -> Margin | None:
+def another_plant(record: Record) -> Margin | None:
     """Judge runs of a speed reference whose plant the controller does not know."""
     judged = duty_record(record)
     if judged.has_nominal_plant or judged.fails:
@@ -61,7 +61,7 @@ def _swing(record: DutyRecord, window: DutyWindow) -> Margin:
     return Margin("ROB-4", at_most(last / first, GROWTH), told)
 
 
-def through_sensors(record: RunRecord) -> Margin | None:
+def through_sensors(record: Record) -> Margin | None:
     """Judge runs whose controller sees currents, link and shaft through sensors."""
     judged = duty_record(record)
     if not judged.is_sensed or not judged.has_nominal_plant or judged.fails:

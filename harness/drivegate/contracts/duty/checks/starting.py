@@ -8,7 +8,7 @@ import numpy as np
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most, normalised
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -18,7 +18,7 @@ BACKWARD_DEG = 60.0
 """Greatest turn against the reference (electrical degrees)."""
 
 
-def start(record: RunRecord) -> Margin | None:
+def start(record: Record) -> Margin | None:
     """Judge a start under the load: the speed at its end, and how far the shaft has turned back."""
     judged = duty_record(record)
     scenario = judged.scenario

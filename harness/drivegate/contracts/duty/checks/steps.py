@@ -12,7 +12,7 @@ import numpy as np
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record, plant_of
 from drivegate.contracts.duty.checks.optimum import greatest_at, least_free, undistorted
 from drivegate.contracts.duty.record import DutyRecord
@@ -88,7 +88,7 @@ class StepResponse:
     margin: Margin
 
 
-def step_response(record: RunRecord) -> Margin | None:
+def step_response(record: Record) -> Margin | None:
     """Judge overshoot and rise time of the torque where the voltage leaves room for both."""
     decisive = decisive_step(duty_record(record))
     return None if decisive is None else decisive.margin

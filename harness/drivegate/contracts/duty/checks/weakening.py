@@ -10,7 +10,7 @@ import numpy as np
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most, normalised
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.current import FREE_SHARE
 from drivegate.contracts.duty.checks.judged import at, duty_record, is_within_reach, plant_of, worst
 from drivegate.contracts.duty.checks.optimum import Purpose, greatest_at, least_free, undistorted
@@ -21,7 +21,7 @@ from drivegate_models.units import RADIANS_PER_RPM
 _PURPOSES: Final[tuple[Purpose, ...]] = ("current", "loss")
 
 
-def weakened_torque(record: RunRecord) -> Margin | None:
+def weakened_torque(record: Record) -> Margin | None:
     """Judge the torque above base speed where all of it is asked for."""
     judged = duty_record(record)
     return worst(_share_of_greatest(judged, window) for window in _weakened(judged))
@@ -53,7 +53,7 @@ def _share_of_greatest(record: DutyRecord, window: DutyWindow) -> Margin:
     return Margin("FWK-1", normalised(window.torque - least, least), told)
 
 
-def needless_direct_current(record: RunRecord) -> Margin | None:
+def needless_direct_current(record: Record) -> Margin | None:
     """Judge the d current where the voltage is free."""
     judged = duty_record(record)
     if not judged.is_nominal:
@@ -77,7 +77,7 @@ def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
     return Margin("FWK-2", at_most(error, record.limits.direct_error_a), told)
 
 
-def way_out_of_weakening(record: RunRecord) -> Margin | None:
+def way_out_of_weakening(record: Record) -> Margin | None:
     """Judge what happens when the torque reference goes to zero above base speed."""
     judged = duty_record(record)
     return worst(_release(judged, step) for step in torque_steps(judged) if _is_release(judged, step))

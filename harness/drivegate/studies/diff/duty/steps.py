@@ -24,6 +24,7 @@ from drivegate_models.contract.duty.signals import DutyCommand, DutySense
 from drivegate_models.errors import HarnessFault
 from drivegate_models.loop.exchange import COMPLETED, STOPPED
 from drivegate_models.loop.given_duty_steps import given_duty_steps, make_duty_steps
+from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
 
 FIELDS: Final = tuple(name for name in DUTY_COMMAND.names or () if name != "struct_size")
 """Fields of a command that are compared."""
@@ -95,9 +96,9 @@ class DutyAnswers:
 
 def drive_run(loaded: JudgedCandidate, scenario: Scenario) -> DrivenRun:
     """Run a candidate, and play its commands back to see what was sensed."""
-    run = duty_run(scenario, loaded.controller())
+    run = duty_run(prepared_duty_loop, scenario, loaded.controller())
     playback = _Playback(run.commands)
-    again = duty_run(scenario, PythonController(playback))
+    again = duty_run(prepared_duty_loop, scenario, PythonController(playback))
     if not np.array_equal(run.trace, again.trace, equal_nan=True):
         raise HarnessFault("the recorded commands come to another run when they are played back")
     return DrivenRun(run, playback.senses, playback.currents)
@@ -140,7 +141,7 @@ def answer_run(loaded: JudgedCandidate, request: AnswerRequest) -> DutyAnswers:
     driven, nameplate = request.driven, duty_nameplate(request.scenario)
     controller = loaded.controller()
     if request.again:
-        duty_run(request.scenario, controller)
+        duty_run(prepared_duty_loop, request.scenario, controller)
     show_drive(controller, request.scenario.drive)
     controller.reset(nameplate)
     kept: list[NDArray[Any]] = [np.zeros(0, DUTY_COMMAND)]

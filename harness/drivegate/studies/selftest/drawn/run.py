@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.containment.backend import Backend, done_by
+from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.drives.drawn_drives import DrawnDrive
 from drivegate.drives.drawn_kinds import DRAWN_KINDS
 from drivegate.drives.kinds import DRIVE_KINDS
@@ -63,7 +64,9 @@ def selftest_on_drives(request: DrivesRequest, display: Display) -> dict[str, An
         drawn = _drawn(request, folder, display)
         package = packed(request.effort, {number: drive.document for number, drive in drawn.items()})
         backend = Backend(workers=request.effort.workers)
-        made = _judge_usual(kind.usual_candidate, list(drawn), package, backend, folder, display)
+        made = _judge_usual(
+            CONTRACTS[kind.contract].usual_candidate, list(drawn), package, backend, folder, display
+        )
         judged = [
             JudgedDrive(
                 number, drive.document, drive.rejected, _rows(folder, number), folder.drive_path(number)

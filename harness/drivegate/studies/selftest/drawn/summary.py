@@ -8,6 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
+from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.drives.drawn_kinds import DRAWN_KINDS
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.results.proportion import CONFIDENCE, proportion
@@ -62,7 +63,7 @@ def summarised(
         "schema": SCHEMA,
         "kind": KIND,
         "drive_kind": kind,
-        "candidate": DRIVE_KINDS[kind].usual_candidate,
+        "candidate": CONTRACTS[DRIVE_KINDS[kind].contract].usual_candidate,
         "passed": passed == len(drives),
         "exit_code": 0 if passed == len(drives) else 1,
         "effort": effort.name,

@@ -8,8 +8,8 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any, Final
 
+from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.choice import drive_for
-from drivegate.drives.kinds import kind_of
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import Display
 from drivegate.studies.selftest.correct_designs import CorrectDesign
@@ -74,7 +74,7 @@ def _broken(fault: SeededFault, error: Exception) -> dict[str, Any]:
 def _gate(seed: int, effort: SelftestEffort) -> GateRow:
     """Check the usual controller; a drive that it cannot be judged on is an outcome too, and ends nothing else."""
     try:
-        usual = kind_of(drive_for(None, effort.drive)).usual_candidate
+        usual = contract_of(drive_for(None, effort.drive)).usual_candidate
         return gate_row(finished(design_check(CorrectDesign(usual), seed, effort), Display()))
     except (OSError, MemoryError):
         raise

@@ -13,7 +13,7 @@ from drivegate.contracts.current.checks.command_range import angle_below_base
 from drivegate.contracts.current.checks.convergence import converges
 from drivegate.contracts.current.checks.power import estimated_power, exchanged_power
 from drivegate.contracts.current.checks.ripple import ripple_at_converged_angle
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.drawn.families import (
     base_speed_scenarios,
     drawn_scenarios,
@@ -38,9 +38,9 @@ MANY = settings(FEW, max_examples=150)
 RIPPLE_SPEED = 1500.0 * RADIANS_PER_RPM
 
 
-def record(scenario: Scenario, controller: Controller | None = None) -> RunRecord:
+def record(scenario: Scenario, controller: Controller | None = None) -> CurrentRecord:
     run = run_scenario(scenario, controller or BuiltinController(SEARCHES["reference"]))
-    return RunRecord(scenario, run, Declaration(estimates_power=True))
+    return CurrentRecord(scenario, run, Declaration(estimates_power=True))
 
 
 @MANY

@@ -9,7 +9,7 @@ from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.messages import AnyController
 from drivegate.contracts.current.checks.convergence import converges_again, reaches_optimum
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.drives.drawn_drives import drawn_drive
 from drivegate.drives.running import run_scenario
@@ -21,7 +21,7 @@ from drivegate_models.controllers.current.builtin import SEARCHES
 
 def assert_reaches_optimum(scenario: Scenario, controller: AnyController, name: str = "reference") -> None:
     """Run, and hold the current found against the optimum."""
-    margin = reaches_optimum(RunRecord(scenario, run_scenario(scenario, controller), Declaration()))
+    margin = reaches_optimum(CurrentRecord(scenario, run_scenario(scenario, controller), Declaration()))
     assert margin is not None
     assert margin.met, f"{name}: {margin.measured}"
 
@@ -34,7 +34,7 @@ def test_a_step_of_the_load_is_not_taken_for_the_effect_of_a_step_of_the_angle(
     torque = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0}))
     scenario = with_load_factor(torque, factor)
     run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
-    record = RunRecord(scenario, run, BUILTIN_CANDIDATES["reference"])
+    record = CurrentRecord(scenario, run, BUILTIN_CANDIDATES["reference"])
     for margin in (reaches_optimum(record), converges_again(record)):
         assert margin is not None
         assert margin.met, f"{margin.check}: {margin.measured}"

@@ -9,7 +9,7 @@ import pytest
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.current.checks.convergence import CNV_2
-from drivegate.contracts.current.record import RunRecord
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.combined import (
     SHORTEST_PERIOD_S,
     combined_scenarios,
@@ -110,7 +110,7 @@ def test_the_shortest_period_shows_a_search_that_takes_it_for_another_with_any_s
     for specification in ("reference", "faulty:period-taken-for-1-millisecond"):
         candidate = resolve_candidate(specification)
         run = run_scenario(scenario, load_controller(candidate))
-        margin = CNV_2.evaluate(RunRecord(scenario, run, candidate.declaration))
+        margin = CNV_2.evaluate(CurrentRecord(scenario, run, candidate.declaration))
         assert margin is not None, f"CNV-2 does not judge {scenario.name}"
         met[specification] = margin.met
     assert met == {"reference": True, "faulty:period-taken-for-1-millisecond": False}

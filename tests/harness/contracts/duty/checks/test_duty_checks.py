@@ -11,7 +11,7 @@ import pytest
 from tests.harness.contracts.duty.checks.conftest import CHECKS, Run, judged, with_column, with_command
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.drive_numbers import on_drive
+from drivegate.contracts.drive_numbers import on_drive
 from drivegate.contracts.duty.checks.optimum import greatest_at, least_free
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import (

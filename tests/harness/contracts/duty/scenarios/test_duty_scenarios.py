@@ -8,8 +8,9 @@ from collections.abc import Iterable
 import pytest
 from hypothesis import HealthCheck, Phase, find, given, seed, settings
 
-from drivegate.contracts.current.checks.catalogue import CHECKS_OF
+from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.current.scenarios.simplification import simplified
+from drivegate.contracts.duty.families import DRAWN
 from drivegate.contracts.duty.scenarios.building import (
     failing,
     load_step_scenario,
@@ -22,7 +23,7 @@ from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
 from drivegate.contracts.duty.scenarios.windows import duty_windows
-from drivegate.contracts.traceability import DUTY_DRAWN, SPECIAL, family_name, traced_checks
+from drivegate.contracts.traceability import SPECIAL, family_name, traced_checks
 from drivegate.scenarios.changes import with_scales
 from drivegate.scenarios.facts import facts_of
 from drivegate_cases.drive.drive_document import drive_names, load_drive
@@ -72,9 +73,9 @@ def test_what_a_family_draws_is_judged_somewhere(family: object) -> None:
 
 
 def test_every_family_and_every_check_has_its_row() -> None:
-    assert {family_name(family.__name__) for family in FAMILIES} == set(DUTY_DRAWN)
-    known = {check.id for check in CHECKS_OF["duty"]}
-    assert {check for checks in DUTY_DRAWN.values() for check in checks} <= known
+    assert {family_name(family.__name__) for family in FAMILIES} == set(DRAWN)
+    known = {check.id for check in CONTRACTS["duty"].checks()}
+    assert {check for checks in DRAWN.values() for check in checks} <= known
     assert all(row["families"] for row in traced_checks(INTERIOR))
     assert {row["id"] for row in traced_checks(INTERIOR)} == known
     assert {*SPECIAL["repetition"], *SPECIAL["timing"]} <= known

@@ -7,10 +7,10 @@ import pandas
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.contracts.duty.columns import OBSERVATIONS
 from drivegate.studies.campaign.engine import REHEARSED
 from drivegate.studies.campaign.file import read_campaign
 from drivegate.studies.campaign.folder import CampaignFolder
-from drivegate.studies.campaign.observations import OBSERVATIONS
 from drivegate.studies.campaign.plan import planned
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate.studies.campaign.run import packed, run_chunk
@@ -69,7 +69,7 @@ def test_rows_have_the_margins_and_observations_of_the_contract(plan, folder):
     frame = pandas.read_parquet(folder / "out" / "runs").sort_values("run")
     margins = [column.removeprefix("margin_") for column in frame.columns if column.startswith("margin_")]
     assert tuple(margins) == JUDGED_CHECKS["duty"]
-    assert set(OBSERVATIONS["duty"]) <= set(frame.columns)
+    assert set(OBSERVATIONS) <= set(frame.columns)
     assert "advance_mean_deg" not in frame.columns
     half, full = frame["torque_mean_nm"].to_numpy()[:2]
     assert full == pytest.approx(2.0 * half, rel=0.1), "the share of the load is that of the torque reference"

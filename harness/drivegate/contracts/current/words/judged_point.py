@@ -9,11 +9,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from drivegate.drives.kinds import kind_of
-from drivegate.output.run_signals import RunSignals
+from drivegate.contracts.current.words.run_signals import RunSignals
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
+from drivegate_models.steady import oracle
 from drivegate_models.units import RADIANS_PER_RPM
 
 
@@ -65,7 +65,6 @@ def _from_its_begin(scenario: Scenario, held: Sequence[Dwell]) -> Dwell:
 
 @lru_cache(maxsize=200)
 def _answers(scenario: Scenario, dwell: Dwell) -> JudgedPoint | None:
-    oracle = kind_of(scenario.drive).oracle()
     drive = scenario.drive.plant(dwell_scales(scenario, dwell))
     speed = dwell.speed_rpm * RADIANS_PER_RPM
     load = dwell_torque(scenario, dwell)

@@ -1,33 +1,17 @@
-"""What is observed of a campaign's run with duty ratios, in people's units."""
+"""The figures that a campaign keeps of each run with duty ratios, in people's units."""
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
 
-from drivegate.contracts.current.record import RunRecord
+from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.record import DutyWindow
 from drivegate_models.machine import ledger
 from drivegate_models.units import RPM
 
-DUTY_OBSERVATIONS: Final = (
-    "speed_final_rpm",
-    "speed_error_worst_rpm",
-    "torque_mean_nm",
-    "torque_error_worst_nm",
-    "direct_current_mean_a",
-    "quadrature_current_mean_a",
-    "current_peak_a",
-    "voltage_highest_v",
-    "input_power_mean_w",
-    "energy_residual",
-)
-"""Names of what is observed; errors are of the reference that there is, and means without a unit of the last window."""
 
-
-def duty_observed(finished: RunRecord) -> dict[str, float]:
+def observe(finished: Record) -> dict[str, float]:
     """Give what is observed of a run, without what it has no steady state for."""
     record = duty_record(finished)
     run, duration = record.run, record.scenario.duration_s

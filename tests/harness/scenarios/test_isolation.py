@@ -9,7 +9,7 @@ import pytest
 from hypothesis import Phase, given, seed, settings
 from hypothesis import strategies as st
 
-from drivegate.contracts.current.scenarios.drawn.isolation import from_the_seed_alone
+from drivegate.scenarios.isolation import from_the_seed_alone
 
 NUMBERS = tuple(range(4_000_001, 4_000_400))
 

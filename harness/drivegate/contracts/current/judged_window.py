@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin
-from drivegate.contracts.current.record import RunRecord, SteadyWindow
+from drivegate.contracts.current.record import CurrentRecord, SteadyWindow
 from drivegate.contracts.current.scenarios.windows import observed_windows
-from drivegate.contracts.duty.record import DutyRecord
 
 
 @dataclass(frozen=True)
-class _PartialRecord(RunRecord):
+class _PartialRecord(CurrentRecord):
     """A run of which only some of the steady stretches are shown.
 
     Attributes
@@ -30,12 +29,9 @@ class _PartialRecord(RunRecord):
                 yield window
 
 
-def judged_window(check: Check, record: RunRecord, margin: Margin | None) -> tuple[float, float]:
+def judged_window(check: Check, record: CurrentRecord, margin: Margin | None) -> tuple[float, float]:
     """Find the steady stretch that alone gives the same margin; the whole run where none decides."""
     whole = (0.0, record.scenario.duration_s)
-    if isinstance(record, DutyRecord):
-        # Its checks judge steps and whole runs as well as steady stretches, and tell the place in words.
-        return whole
     if margin is None or check.evaluate(_part(record, ())) is not None:
         return whole
     begin = {end: start for start, end in observed_windows(record.scenario)}
@@ -46,7 +42,7 @@ def judged_window(check: Check, record: RunRecord, margin: Margin | None) -> tup
     return whole
 
 
-def _part(record: RunRecord, shown: tuple[int, ...]) -> RunRecord:
+def _part(record: CurrentRecord, shown: tuple[int, ...]) -> CurrentRecord:
     return _PartialRecord(
         record.scenario, record.run, record.declaration, record.repeated_digests, shown=shown
     )

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from drivegate.candidates.declaration import Declaration
+from drivegate.contracts.duty.columns import VOLTAGE
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import DUTY_RATIOS, DutyClosedLoopRun
-from drivegate.gate.recording import VOLTAGE, duty_columns
+from drivegate.contracts.duty.signals import signals
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.machine import ledger
 from drivegate_models.units import RPM
@@ -17,9 +17,18 @@ from drivegate_models.units import RPM
 Row = dict[str, Any]
 
 
-def duty_summary(scenario: Scenario, run: DutyClosedLoopRun) -> Row:
+def summary(record: DutyRecord) -> Row:
+    """Summarize a run: the whole of it, its steady windows, and the duty ratios that were clipped."""
+    return {
+        "summary": _summary(record.scenario, record.run),
+        "windows": _windows(record),
+        "clamped": _clipped_in_words(record.run),
+    }
+
+
+def _summary(scenario: Scenario, run: DutyClosedLoopRun) -> Row:
     """Summarise a run."""
-    columns, duration = duty_columns(run), scenario.duration_s
+    columns, duration = signals(run), scenario.duration_s
     return {
         "steps": len(run.trace),
         "speed_final_rpm": float(columns["speed_rpm"][-1]),
@@ -34,7 +43,7 @@ def duty_summary(scenario: Scenario, run: DutyClosedLoopRun) -> Row:
     }
 
 
-def duty_window_rows(scenario: Scenario, run: DutyClosedLoopRun, declaration: Declaration) -> list[Row]:
+def _windows(record: DutyRecord) -> list[Row]:
     """Summarise the stretches in which a steady state is judged."""
     return [
         {
@@ -49,11 +58,11 @@ def duty_window_rows(scenario: Scenario, run: DutyClosedLoopRun, declaration: De
             "voltage_mean_v": window.voltage,
             "link_voltage_mean_v": window.link,
         }
-        for window in DutyRecord(scenario, run, declaration).steady
+        for window in record.steady
     ]
 
 
-def clipped_in_words(run: DutyClosedLoopRun) -> list[str]:
+def _clipped_in_words(run: DutyClosedLoopRun) -> list[str]:
     """Tell the extremes of duty ratios that no bridge can make."""
     ratios = np.stack([run.commands[name] for name in DUTY_RATIOS])
     lowest, highest = float(ratios.min()), float(ratios.max())

@@ -5,20 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.contracts.duty.run import DutyClosedLoopRun
-from drivegate.gate.recording import DUTY_COLUMNS, VOLTAGE, thinned_run
-from drivegate.output.recorded_trace import columns_of, recorded_trace
+from drivegate.contracts.duty.columns import VOLTAGE
 from drivegate.scenarios.title import titled
-from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.scenario import Scenario
 
-_NEEDED: Final = (*DUTY_COLUMNS, VOLTAGE)
+if TYPE_CHECKING:
+    from drivegate.contracts.trace import RecordedTrace
+
 _ROOT_THREE: Final = math.sqrt(3.0)
 
 
@@ -48,18 +47,9 @@ class DutySignals:
         return self.columns["link_voltage_v"] / _ROOT_THREE
 
 
-def duty_signals_of(document: Mapping[str, Any], check: Mapping[str, Any]) -> DutySignals | None:
-    """Find the recorded signals of the run that is shown for a check."""
-    found = recorded_trace(document, check, _NEEDED)
-    if found is None or not isinstance(found.scenario.drive, PmAcDocument):
-        return None
-    return DutySignals(found.scenario, found.columns)
-
-
-def duty_signals_of_run(scenario: Scenario, run: DutyClosedLoopRun) -> DutySignals | None:
-    """Take the signals of a run, as a result would keep them."""
-    columns = columns_of(thinned_run(run), _NEEDED)
-    return None if columns is None else DutySignals(scenario, columns)
+def duty_signals(trace: RecordedTrace) -> DutySignals:
+    """Return the signals of a recorded run."""
+    return DutySignals(trace.scenario, trace.columns)
 
 
 def duty_account(signals: DutySignals) -> tuple[str, ...]:

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.gate.recording import COLUMNS, thinned
-from drivegate.output.recorded_trace import columns_of, recorded_trace
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.loop.closed_loop import ClosedLoopRun
 
-# Nothing is told of the supply.
-_NEEDED: Final = tuple(name for name in COLUMNS if name != "half_supply_v")
+if TYPE_CHECKING:
+    from drivegate.contracts.trace import RecordedTrace
 
 
 @dataclass(frozen=True)
@@ -62,19 +58,6 @@ class RunSignals:
         return (self.time_s >= self.judged_s[0]) & (self.time_s <= self.judged_s[1])
 
 
-def signals_of(document: Mapping[str, Any], check: Mapping[str, Any]) -> RunSignals | None:
-    """Find the recorded signals of the run that is shown for a check."""
-    found = recorded_trace(document, check, _NEEDED)
-    return (
-        None
-        if found is None
-        else RunSignals(scenario=found.scenario, judged_s=found.judged_s, **found.columns)
-    )
-
-
-def signals_of_run(
-    scenario: Scenario, run: ClosedLoopRun, judged_s: tuple[float, float]
-) -> RunSignals | None:
-    """Take the signals of a run with a trace, as a result would keep them."""
-    columns = columns_of(thinned(run.trace), _NEEDED)
-    return None if columns is None else RunSignals(scenario=scenario, judged_s=judged_s, **columns)
+def run_signals(trace: RecordedTrace) -> RunSignals:
+    """Return the signals of a recorded run."""
+    return RunSignals(scenario=trace.scenario, judged_s=trace.judged_s, **trace.columns)

@@ -1,0 +1,41 @@
+"""All contracts, and the checks of each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from typing import TYPE_CHECKING, Final
+
+from drivegate.contracts.current.bundle import CURRENT
+from drivegate.contracts.duty.bundle import DUTY
+
+if TYPE_CHECKING:
+    from drivegate.checks.check import Check
+    from drivegate.contracts.contract import Contract
+    from drivegate_cases.drive.drive_document import DriveDocument
+
+CONTRACTS: Final[Mapping[str, Contract]] = {contract.name: contract for contract in (CURRENT, DUTY)}
+"""Every contract by its name."""
+DEFAULT_CONTRACT: Final = CURRENT
+"""The contract of a candidate that states none."""
+
+
+def contract_of(drive: DriveDocument) -> Contract:
+    """Return the contract of the controllers that a drive takes."""
+    return CONTRACTS[drive.contract]
+
+
+@cache
+def all_checks() -> dict[str, Check]:
+    """Return a check for each identifier; where several contracts have it, that of the first."""
+    found: dict[str, Check] = {}
+    for contract in CONTRACTS.values():
+        for check in contract.checks():
+            found.setdefault(check.id, check)
+    return found
+
+
+def check_of(contract: str, name: str) -> Check:
+    """Return a contract's check by its identifier, or that of another contract where it has none."""
+    own = next((check for check in CONTRACTS[contract].checks() if check.id == name), None)
+    return own or all_checks()[name]

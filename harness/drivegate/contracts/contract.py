@@ -1,0 +1,97 @@
+"""What everything outside of the contracts' folders knows of a contract."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    from hypothesis.strategies import SearchStrategy
+    from numpy.typing import NDArray
+
+    from drivegate.candidates.declaration import Declaration
+    from drivegate.checks.check import Check
+    from drivegate.checks.margin import Margin
+    from drivegate.checks.record import Record
+    from drivegate.containment.messages import AnyController
+    from drivegate.contracts.trace import RecordedTrace
+    from drivegate.scenarios.simplification import Simplification
+    from drivegate_cases.drive.drive_document import DriveDocument
+    from drivegate_cases.scenario.scenario import Scenario
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contract:
+    """The boundary between a controller and a drive, and everything that is judged by it.
+
+    Whatever is compiled, or takes long to import, is behind a function: a bundle costs nothing until it is called.
+    """
+
+    name: str
+    """Its name in manifests, drives and results."""
+    default_drive: str
+    """Name of the packaged drive that candidates are judged on by default."""
+    usual_candidate: str
+    """Name of a built-in controller that runs on every drive of this contract."""
+    checks: Callable[[], tuple[Check, ...]]
+    """Return the checks of a run, in the order in which they are reported."""
+    every_run: tuple[str, ...]
+    """Identifiers of the checks that judge every run in the closed loop."""
+    families: Mapping[str, tuple[str, ...]]
+    """For each family of drawn scenarios, the checks that it exercises in addition to those of every run."""
+    numbers: Callable[[DriveDocument], Mapping[str, str]]
+    """Return a drive's numbers by the names that the texts of checks use."""
+    fixed_scenarios: Callable[[DriveDocument, Declaration], tuple[Scenario, ...]]
+    """Return the scenarios that every check of a candidate runs first."""
+    drawn_scenarios: Callable[[DriveDocument, Declaration, int | None], SearchStrategy[Scenario]]
+    """Return the scenarios to draw from: those of one group of families, or of all for None."""
+    joint_scenarios: Callable[[DriveDocument, Declaration, int, int, int], tuple[Scenario, ...]]
+    """From a seed, the number of a part and of all parts, return fair scenarios of joint changes."""
+    joint_rows: Callable[[], int]
+    """Return the number of joint changes in one pass; 0 where this contract has none."""
+    unfair_because: Callable[[Scenario], str | None]
+    """Return the reason why no controller can do what a scenario requires; None where one can."""
+    simplifications: Callable[[], tuple[Simplification, ...]]
+    """Return the ways in which a scenario can be simplified, in the order in which they are tried."""
+    record: Callable[..., Record]
+    """Run a controller for the checks: plant's loop, declaration, scenario, controller, `trace_every`, `kept`."""
+    judged_window: Callable[[Check, Record, Margin | None], tuple[float, float]]
+    """Return start and end of the stretch of a run that decides a margin (s)."""
+    step_seconds: Callable[[AnyController, Record], float]
+    """Measure the time of one step on what was sensed in a run whose trace has every step (s)."""
+    command: Callable[[], np.dtype[Any]]
+    """Return the layout of a command."""
+    outputs: Callable[[], tuple[str, ...]]
+    """Return the fields of a command that a controller writes."""
+    signals: Callable[[Any], dict[str, NDArray[Any]]]
+    """Return the columns of a run's trace in people's units, by name."""
+    recorded_signals: Callable[[Any], dict[str, NDArray[Any]]]
+    """Return the columns of a run's trace that a result keeps."""
+    recorded_names: tuple[str, ...]
+    """Names of the recorded columns without which a run cannot be described."""
+    account: Callable[[RecordedTrace], tuple[str, ...]]
+    """Describe a recorded run in sentences."""
+    marked_angle: Callable[[RecordedTrace], tuple[float, float] | None]
+    """Return from when on, and at what advance angle, a plot marks the feasible edge (s, deg); None for no mark."""
+    common_cause: Callable[[RecordedTrace], str | None]
+    """Return what a failed run shows that other failed checks may show too, in one clause; None for nothing."""
+    summary: Callable[[Record], dict[str, Any]]
+    """Summarize a run with its trace: `summary`, `windows` and `clamped`."""
+    summary_rows: tuple[tuple[str, str, str], ...]
+    """Keys of `summary` to print, each with its name and unit."""
+    window_columns: tuple[tuple[str, str], ...]
+    """Keys of `windows` to print, each with its heading."""
+    observations: tuple[str, ...]
+    """Names of the figures that a campaign keeps of each run, with their units."""
+    observe: Callable[[Record], dict[str, float]]
+    """Return these figures of a run, without those that it has not."""
+    behaviour: (
+        Callable[[Callable[[Scenario], Record], DriveDocument, Scenario | None], dict[str, Any]] | None
+    ) = None
+    """From what runs a candidate, a drive and a scenario with steps, return what reports show besides the checks."""
+
+    def is_fair(self, scenario: Scenario) -> bool:
+        """Return True if a candidate may be judged on a scenario."""
+        return self.unfair_because(scenario) is None

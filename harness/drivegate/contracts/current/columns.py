@@ -1,0 +1,55 @@
+"""Names and units of what is recorded of a run, summarized and observed."""
+
+from __future__ import annotations
+
+from typing import Final
+
+RECORDED: Final = (
+    "time_s",
+    "speed_reference_rpm",
+    "speed_rpm",
+    "current_sum_a",
+    "current_reference_a",
+    "advance_deg",
+    "torque_nm",
+    "load_torque_nm",
+    "half_supply_v",
+)
+"""Columns of the trace that a result keeps."""
+RECORDED_NAMES: Final = tuple(name for name in RECORDED if name != "half_supply_v")
+"""Those without which a run cannot be described: the supply is recorded only where it varies."""
+SUMMARY_ROWS: Final = (
+    ("speed_final_rpm", "speed at the end", "rpm"),
+    ("speed_error_worst_rpm", "speed error, worst", "rpm"),
+    ("current_sum_mean_a", "Σ|i|, mean", "A"),
+    ("current_peak_a", "phase current, peak", "A"),
+    ("torque_mean_nm", "torque, mean", "N·m"),
+    ("input_power_mean_w", "input power, mean", "W"),
+    ("shaft_power_mean_w", "shaft power, mean", "W"),
+    ("advance_mean_deg", "advance angle, mean", "°"),
+    ("advance_final_deg", "advance angle at the end", "°"),
+    ("current_reference_final_a", "current reference at the end", "A"),
+    ("kinetic_residual_j", "kinetic residual of the held speed", "J"),
+)
+"""Keys of a summary to print, each with its name and unit."""
+WINDOW_COLUMNS: Final = (
+    ("speed_error_worst_rpm", "worst error (rpm)"),
+    ("current_sum_mean_a", "Σ|i| (A)"),
+    ("torque_mean_nm", "torque (N·m)"),
+    ("input_power_mean_w", "input power (W)"),
+    ("advance_mean_deg", "angle (°)"),
+)
+"""Keys of a steady window to print, each with its heading."""
+OBSERVATIONS: Final = (
+    "speed_final_rpm",
+    "speed_error_worst_rpm",
+    "current_sum_mean_a",
+    "current_peak_a",
+    "torque_mean_nm",
+    "torque_ripple_worst_percent",
+    "input_power_mean_w",
+    "shaft_power_mean_w",
+    "advance_mean_deg",
+    "energy_residual",
+)
+"""Names of the figures that a campaign keeps of each run."""

@@ -1,0 +1,62 @@
+"""A drive's numbers in the texts of checks, which name them: ``k1 = {k1}``."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from drivegate.checks.number_words import milliseconds, percent, power
+from drivegate.scenarios.drive_scale import scale_of, tidy
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import limits_of, mean_time
+from drivegate_cases.scenario.sensors import has_encoder, real_sensors
+
+_SENSORS: Final = {
+    "mcs96": "the sensors of the published implementation: encoder, Hall sensors, converter",
+    "hall": "the sensors of conventional brushless DC drives: three Hall switches, current sensors, converter",
+}
+
+
+def numbers(drive: DriveDocument) -> dict[str, str]:
+    """Write the numbers that checks tell, and what sensors the drive has, by the names that stand in their texts."""
+    scale, limits, rating = scale_of(drive), limits_of(drive), drive.rating
+    points = [f"{point.speed_rpm:g} rpm and {point.torque_n_m:g} N·m" for point in limits.points]
+    return {
+        "base": f"{rating.base_speed_rpm:g} rpm",
+        "lowest": f"{scale.lowest_loaded_rpm:g}",
+        "highest": f"{rating.highest_speed_rpm:g} rpm",
+        "overspeed": f"{rating.overspeed_rpm:g} rpm",
+        "power": power(rating.rated_power_w),
+        "current": f"{rating.current_limit_a:g} A",
+        "k1": f"{limits.speed_tolerance_rpm:g} rpm",
+        "k2": percent(limits.power_tolerance),
+        "angle": f"{limits.angle_tolerance_deg:g}°",
+        "settling": f"{limits.settling_s:g} s",
+        "stretch": f"{tidy(limits.settling_s + scale.shortest_window_s):g} s",
+        "mean": milliseconds(mean_time(drive)),
+        "optimum": percent(limits.optimum_tolerance),
+        "ripple": percent(limits.ripple),
+        "closed_loop_ripple": percent(limits.closed_loop_ripple),
+        "points": " or ".join(points),
+        "sensors": sensors_of(drive),
+        **_disturbances(drive),
+        "friction": f"{scale.friction_claimed_nm:g} N·m",
+    }
+
+
+def sensors_of(drive: DriveDocument) -> str:
+    """Say what sensors a drive has."""
+    return _SENSORS[real_sensors(drive).kind]
+
+
+def _disturbances(drive: DriveDocument) -> dict[str, str]:
+    """Name what can disturb the sensors and the plant that a drive has."""
+    encoder = has_encoder(real_sensors(drive))
+    return {
+        "speed_sensor": "an encoder" if encoder else "Hall switches",
+        "disturbed_sensors": "sensor dropouts and encoder glitches" if encoder else "sensor dropouts",
+        "disturbed_plant": (
+            "unequal halves of the supply and drifting parameters"
+            if drive.has_split_supply
+            else "drifting parameters"
+        ),
+    }

@@ -1,0 +1,1 @@
+"""What happened in a run of the `current` contract, in words."""

@@ -1,0 +1,185 @@
+"""What happened in a run, in plain words with times and numbers, read off its recorded signals."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.contracts.current.words.judged_point import JudgedPoint, judged_point
+from drivegate.contracts.current.words.run_signals import RunSignals
+from drivegate.scenarios.title import titled
+from drivegate_cases.drive.limits import limits_of
+
+LASTING_S: Final = 0.2
+"""Time from which on something is reported (s)."""
+_SHORTFALL: Final = 0.98
+_MOVED_DEG: Final = 0.02
+_AT_EDGE_DEG: Final = 0.2
+
+
+def account(signals: RunSignals) -> tuple[str, ...]:
+    """Give an account of a run."""
+    point = judged_point(signals)
+    sentences = [_what_was_run(signals)]
+    if lost_at(signals) is None:
+        sentences += _held(signals)
+    else:
+        sentences += [*_lost(signals, point), *_not_to_blame(signals)]
+    return (*sentences, *_optimum(point))
+
+
+def lost_at(signals: RunSignals) -> float | None:
+    """Find when the speed left its band for long; None where it was held (s)."""
+    begin = _loaded_from(signals, judged_point(signals))
+    return _lasting(signals, np.abs(signals.speed_error_rpm) > _band_rpm(signals), begin)
+
+
+def passes_edge(signals: RunSignals) -> bool:
+    """Tell whether the angle passed the smallest one that gives the judged load."""
+    point = judged_point(signals)
+    return point is not None and bool(_edge_passed(signals, point))
+
+
+def _band_rpm(signals: RunSignals) -> float:
+    """k1: the speed error that the checks of convergence allow (rpm)."""
+    return limits_of(signals.scenario.drive).speed_tolerance_rpm
+
+
+def _what_was_run(signals: RunSignals) -> str:
+    words = titled(signals.scenario).description.rstrip(".")
+    return f"Run: {words}; {signals.scenario.duration_s:g} s."
+
+
+def _loaded_from(signals: RunSignals, point: JudgedPoint | None) -> float:
+    """Time from which on the judged load is there (s)."""
+    return signals.time_s[0] if point is None else point.begins_s
+
+
+def _lost(signals: RunSignals, point: JudgedPoint | None) -> list[str]:
+    """Report how the speed was lost, as events in the order of time."""
+    begin = _loaded_from(signals, point)
+    # At the same time, the cause comes first.
+    events = [] if point is None else _edge_passed(signals, point)
+    falls_short = signals.torque_nm < _SHORTFALL * signals.load_torque_nm
+    if (when := _lasting(signals, falls_short, begin)) is not None:
+        events.append((when, f"at {when:.2f} s torque fell below the load"))
+    limit = signals.scenario.drive.rating.current_limit_a
+    if (when := _lasting(signals, signals.current_reference_a > 0.999 * limit, begin)) is not None:
+        events.append((when, f"at {when:.2f} s the current reference reached its limit of {limit:g} A"))
+    if (when := _lasting(signals, np.abs(signals.speed_error_rpm) > _band_rpm(signals), begin)) is not None:
+        way = "below" if _value_at(signals, signals.speed_error_rpm, when + LASTING_S) < 0.0 else "above"
+        events.append(
+            (
+                when,
+                f"at {when:.2f} s the speed left its band of ±{_band_rpm(signals):g} rpm, {way} the reference",
+            )
+        )
+    events += _rest(signals)
+    sentences = [_sentence(text) for _, text in sorted(events, key=lambda event: event[0])]
+    return [*sentences, _end(signals)]
+
+
+def _not_to_blame(signals: RunSignals) -> list[str]:
+    """Say so where the speed was lost before anything disturbed the sensors."""
+    disturbed = [lost.start_s for lost in signals.scenario.dropouts]
+    disturbed += [glitch.time_s for glitch in signals.scenario.glitches]
+    when = lost_at(signals)
+    if not disturbed or when is None or min(disturbed) <= when:
+        return []
+    first = f"{min(disturbed):g} s"
+    return [
+        f"The speed was lost before the first disturbance of the sensors, at {first}, which is not the cause."
+    ]
+
+
+def _edge_passed(signals: RunSignals, point: JudgedPoint) -> list[tuple[float, str]]:
+    after = signals.time_s >= point.begins_s
+    below = after & (signals.advance_deg < point.edge_deg - 0.05)
+    if not below.any():
+        return []
+    first = int(np.flatnonzero(below)[0])
+    meaning = f"the smallest at which the motor can give the {point.torque_nm:.3g} N·m demanded"
+    at = signals.time_s[first]
+    if first == int(np.flatnonzero(after)[0]):
+        angle = signals.advance_deg[first]
+        return [
+            (
+                at,
+                f"when the load was there, at {at:.2f} s, the angle was {angle:.1f}°, below {point.edge_deg:.1f}°, "
+                f"{meaning}",
+            )
+        ]
+    return [(at, f"at {at:.2f} s the angle passed {point.edge_deg:.1f}°, {meaning}")]
+
+
+def _rest(signals: RunSignals) -> list[tuple[float, str]]:
+    """Report from when on the angle did not move any more, if it rested for a second at least."""
+    moves = np.flatnonzero(np.abs(np.diff(signals.advance_deg)) > _MOVED_DEG)
+    last = int(moves[-1]) + 1 if moves.size else 0
+    at = signals.time_s[last]
+    if signals.time_s[-1] - at < 1.0:
+        return []
+    angle = signals.advance_deg[-1]
+    return [(at, f"from {at:.2f} s on the angle rested at {angle:.1f}°: the search was frozen or had ended")]
+
+
+def _end(signals: RunSignals) -> str:
+    error = signals.speed_error_rpm[-1]
+    if abs(error) <= _band_rpm(signals):
+        where = "within the band again"
+    else:
+        where = f"{abs(error):.0f} rpm {'below' if error < 0.0 else 'above'} the reference"
+    return (
+        f"At the end the speed was {signals.speed_rpm[-1]:.0f} rpm, {where}, with a current reference of "
+        f"{signals.current_reference_a[-1]:.1f} A, an angle of {signals.advance_deg[-1]:.1f}° and a torque of "
+        f"{signals.torque_nm[-1]:.2f} N·m."
+    )
+
+
+def _held(signals: RunSignals) -> list[str]:
+    judged = signals.judged
+    if not judged.any():
+        return [_end(signals)]
+    start, end = signals.judged_s
+    error = float(np.max(np.abs(signals.speed_error_rpm[judged])))
+    angles, sums = signals.advance_deg[judged], signals.current_sum_a[judged]
+    moved = f"the angle rested at {angles.mean():.1f}°"
+    if np.ptp(angles) > _MOVED_DEG:
+        moved = f"the angle lay between {angles.min():.1f}° and {angles.max():.1f}°"
+    return [
+        f"From {start:.2f} s to {end:.2f} s, where the check was judged, the speed was within {error:.2g} rpm of its "
+        f"reference, {moved}, and Σ|i| lay between {sums.min():.2f} A and {sums.max():.2f} A."
+    ]
+
+
+def _optimum(point: JudgedPoint | None) -> list[str]:
+    if point is None:
+        return []
+    at_edge = point.best_deg - point.edge_deg < _AT_EDGE_DEG
+    edge = ", which is the feasible edge" if at_edge else f"; the feasible edge is {point.edge_deg:.1f}°"
+    return [
+        f"At {point.speed_rpm:.0f} rpm and {point.torque_nm:.3g} N·m the least Σ|i| is "
+        f"{point.least_current_sum_a:.2f} A, at {point.best_deg:.1f}°{edge}."
+    ]
+
+
+def _lasting(signals: RunSignals, holds: NDArray[np.bool_], begin: float) -> float | None:
+    """Find when something began that lasted; the start of the longest stretch of it from a time on (s)."""
+    padded = np.concatenate([[False], holds & (signals.time_s >= begin), [False]])
+    edges = np.flatnonzero(np.diff(padded.astype(np.int8)))
+    starts, ends = edges[::2], edges[1::2] - 1
+    if starts.size == 0:
+        return None
+    lengths = signals.time_s[ends] - signals.time_s[starts]
+    longest = int(np.argmax(lengths))
+    return float(signals.time_s[starts[longest]]) if lengths[longest] >= LASTING_S else None
+
+
+def _value_at(signals: RunSignals, values: NDArray[np.float64], time: float) -> float:
+    return float(np.interp(time, signals.time_s, values))
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}."

@@ -1,0 +1,59 @@
+"""Names and units of what is recorded of a run, summarized and observed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from drivegate_models.units import RADIANS_PER_RPM
+
+COLUMNS: Final[Mapping[str, tuple[str, float]]] = {
+    "time_s": ("time", 1.0),
+    "speed_reference_rpm": ("speed_reference", 1.0 / RADIANS_PER_RPM),
+    "speed_rpm": ("speed", 1.0 / RADIANS_PER_RPM),
+    "torque_reference_nm": ("torque_reference", 1.0),
+    "torque_nm": ("torque", 1.0),
+    "load_torque_nm": ("load", 1.0),
+    "direct_current_a": ("direct", 1.0),
+    "quadrature_current_a": ("quadrature", 1.0),
+    "peak_current_a": ("peak_current", 1.0),
+    "input_power_w": ("input_power", 1.0),
+    "link_voltage_v": ("link", 1.0),
+}
+"""Columns that a result keeps, each with its source in the trace and a factor on it."""
+VOLTAGE: Final = "voltage_v"
+"""One more column: the peak phase voltage that the duty ratios request."""
+RECORDED_NAMES: Final = (*COLUMNS, VOLTAGE)
+"""Those without which a run cannot be described."""
+SUMMARY_ROWS: Final = (
+    ("speed_final_rpm", "speed at the end", "rpm"),
+    ("torque_mean_nm", "torque, mean", "N·m"),
+    ("torque_final_nm", "torque at the end", "N·m"),
+    ("direct_current_final_a", "d current at the end", "A"),
+    ("quadrature_current_final_a", "q current at the end", "A"),
+    ("current_peak_a", "phase current, peak", "A"),
+    ("voltage_highest_v", "phase voltage, highest", "V"),
+    ("input_power_mean_w", "input power, mean", "W"),
+)
+"""Keys of a summary to print, each with its name and unit."""
+WINDOW_COLUMNS: Final = (
+    ("speed_mean_rpm", "speed (rpm)"),
+    ("torque_mean_nm", "torque (N·m)"),
+    ("direct_current_mean_a", "d (A)"),
+    ("quadrature_current_mean_a", "q (A)"),
+    ("voltage_mean_v", "voltage (V)"),
+)
+"""Keys of a steady window to print, each with its heading."""
+OBSERVATIONS: Final = (
+    "speed_final_rpm",
+    "speed_error_worst_rpm",
+    "torque_mean_nm",
+    "torque_error_worst_nm",
+    "direct_current_mean_a",
+    "quadrature_current_mean_a",
+    "current_peak_a",
+    "voltage_highest_v",
+    "input_power_mean_w",
+    "energy_residual",
+)
+"""Names of what is observed; errors are of the reference that there is, and means without a unit of the last window."""

@@ -1,1 +1,0 @@
-"""What campaigns of controllers of duty ratios have of their own."""

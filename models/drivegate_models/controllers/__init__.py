@@ -1,0 +1,1 @@
+"""Controllers that are built in, one folder for each contract."""

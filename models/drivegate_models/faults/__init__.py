@@ -1,0 +1,1 @@
+"""Faulty controllers for the self-test, one folder for each contract."""
