@@ -23,7 +23,6 @@ _MOST_POINTS: Final = 5_000
 _GREATEST: Final = 1e9
 
 
-
 def recorded_trace(document: Mapping[str, Any], check: Mapping[str, Any]) -> RecordedTrace | None:
     """Read the recorded columns of the run that is shown for a check; None unless all of its contract are there."""
     recording, traces = check.get("recording"), document.get("traces")

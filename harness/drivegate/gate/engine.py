@@ -178,7 +178,7 @@ def check_candidate(
             progress.add_fault(Fault(FaultKind.NON_DETERMINISTIC, message, "step"))
     if today is not None:
         outcomes = under_waivers(outcomes, candidate.name, waivers, today)
-    comparisons = None if baseline is None else compared(baseline, runs)
+    comparisons = None if baseline is None else compared(baseline, runs, contract_of(judged_on).checks())
     if comparisons is not None:
         comparisons = tuple(entry for entry in comparisons if focus.judges(entry.check))
     timing: dict[str, Any] = {

@@ -9,6 +9,7 @@ import pytest
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.gate.plan import Origin, planned_work
+from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.results.baseline import Baseline, compared, loss_by_chance, read_baseline
 from drivegate.results.result import BaselineComparison
 from drivegate.results.verdict import candidate_verdict
@@ -44,7 +45,7 @@ def comparison(
         JudgedRun(scenario(number).to_mapping(), (Margin(check, margin, "as measured"),))
         for number, margin in enumerate(now)
     ]
-    (only,) = compared(read(folder, earlier(then, check)), runs)
+    (only,) = compared(read(folder, earlier(then, check)), runs, CHECKS)
     assert only.check == check
     return only
 
@@ -94,7 +95,7 @@ def test_an_advisory_loss_is_reported_and_does_not_fail(tmp_path: Path) -> None:
 
 
 def test_the_plant_is_not_compared(tmp_path: Path) -> None:
-    assert compared(read(tmp_path, earlier([0.9] * 5, "PWR-1")), []) == ()
+    assert compared(read(tmp_path, earlier([0.9] * 5, "PWR-1")), [], CHECKS) == ()
 
 
 @pytest.mark.parametrize("count", [5, 8, 9, 30])
