@@ -15,7 +15,7 @@ from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
-from drivegate.contracts.current.signals import recorded_signals
+from drivegate.contracts.current.figures import recorded_signals
 from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
 from drivegate.contracts.recorded_trace import thinned
 from drivegate.drives.envelope_document import envelope_of

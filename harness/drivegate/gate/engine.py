@@ -16,7 +16,7 @@ from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.pool import WorkerPool
-from drivegate.contracts.catalogue import CONTRACTS, all_checks
+from drivegate.contracts.catalogue import CONTRACTS, all_checks, contract_of
 from drivegate.drives.choice import drive_for
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.gate.behaviour import behaviour_job

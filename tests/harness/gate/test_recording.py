@@ -13,7 +13,7 @@ from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.contracts.current.columns import RECORDED
-from drivegate.contracts.current.signals import recorded_signals
+from drivegate.contracts.current.figures import recorded_signals
 from drivegate.contracts.recorded_trace import MOST_POINTS, thinned
 from drivegate.gate.recording import (
     RecordPlan,

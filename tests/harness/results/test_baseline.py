@@ -8,8 +8,8 @@ import pytest
 
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
-from drivegate.gate.plan import Origin, planned_work
 from drivegate.contracts.current.checks.catalogue import CHECKS
+from drivegate.gate.plan import Origin, planned_work
 from drivegate.results.baseline import Baseline, compared, loss_by_chance, read_baseline
 from drivegate.results.result import BaselineComparison
 from drivegate.results.verdict import candidate_verdict

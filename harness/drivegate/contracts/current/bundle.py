@@ -129,13 +129,13 @@ def _outputs() -> tuple[str, ...]:
 
 
 def _signals(run: ClosedLoopRun) -> dict[str, NDArray[Any]]:
-    from drivegate.contracts.current.signals import signals
+    from drivegate.contracts.current.figures import signals
 
     return signals(run)
 
 
 def _recorded_signals(run: ClosedLoopRun) -> dict[str, NDArray[Any]]:
-    from drivegate.contracts.current.signals import recorded_signals
+    from drivegate.contracts.current.figures import recorded_signals
 
     return recorded_signals(run)
 
@@ -163,13 +163,13 @@ def _common_cause(trace: RecordedTrace) -> str | None:
 
 
 def _summary(record: Any) -> dict[str, Any]:
-    from drivegate.contracts.current.summary import summary
+    from drivegate.contracts.current.figures import summary
 
     return summary(record)
 
 
 def _observe(record: Any) -> dict[str, float]:
-    from drivegate.contracts.current.observing import observe
+    from drivegate.contracts.current.figures import observe
 
     return observe(record)
 

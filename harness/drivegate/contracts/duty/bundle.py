@@ -125,7 +125,7 @@ def _outputs() -> tuple[str, ...]:
 
 
 def _signals(run: DutyClosedLoopRun) -> dict[str, NDArray[Any]]:
-    from drivegate.contracts.duty.signals import signals
+    from drivegate.contracts.duty.figures import signals
 
     return signals(run)
 
@@ -142,13 +142,13 @@ def _nothing(_trace: RecordedTrace) -> None:
 
 
 def _summary(record: Any) -> dict[str, Any]:
-    from drivegate.contracts.duty.summary import summary
+    from drivegate.contracts.duty.figures import summary
 
     return summary(record)
 
 
 def _observe(record: Record) -> dict[str, float]:
-    from drivegate.contracts.duty.observing import observe
+    from drivegate.contracts.duty.figures import observe
 
     return observe(record)
 

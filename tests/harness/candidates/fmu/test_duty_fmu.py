@@ -8,8 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from drivegate.contracts.duty.bundle import DUTY
-from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
 from tests.harness.candidates.native.duty_sources import duty_source
 
 from drivegate.candidates.declaration import Declaration
@@ -17,12 +15,14 @@ from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.candidates.fmu.loading import FmuController
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.contracts.duty.bundle import DUTY
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.choice import drive_for
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.duty.signals import DutyNameplate, DutySense
 from drivegate_models.errors import InputError
+from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
 
 INTERIOR = load_drive("pm-ac-interior")
 SHORT = torque_scenario(INTERIOR, 600.0, (0.0,)).replaced(duration_s=0.02)

@@ -1,18 +1,56 @@
-"""The summary of a run with duty ratios, in people's units."""
+"""The figures of a run with duty ratios, in people's units: its signals, its summary and what a campaign observes."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from drivegate.contracts.duty.columns import VOLTAGE
-from drivegate.contracts.duty.record import DutyRecord
+from drivegate.checks.record import Record
+from drivegate.contracts.duty.checks.judged import duty_record
+from drivegate.contracts.duty.columns import COLUMNS, VOLTAGE
+from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, DutyClosedLoopRun
-from drivegate.contracts.duty.signals import signals
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.machine import ledger
 from drivegate_models.units import RPM
+
+
+def signals(run: DutyClosedLoopRun) -> dict[str, NDArray[Any]]:
+    """Return the columns of a run, one row for each control period."""
+    columns = {name: factor * run.column(source) for name, (source, factor) in COLUMNS.items()}
+    return {**columns, VOLTAGE: run.voltages}
+
+
+def observe(finished: Record) -> dict[str, float]:
+    """Give what is observed of a run, without what it has no steady state for."""
+    record = duty_record(finished)
+    run, duration = record.run, record.scenario.duration_s
+    observed = {
+        "speed_final_rpm": run.column("speed")[-1] * RPM,
+        "torque_mean_nm": run.totals[ledger.IMPULSE] / duration,
+        "current_peak_a": run.totals[ledger.PEAK],
+        "voltage_highest_v": np.max(run.voltages),
+        "input_power_mean_w": ledger.source_energy(run.totals) / duration,
+        "energy_residual": run.worst_balance,
+    }
+    return {name: float(value) for name, value in (observed | _of_windows(record.steady)).items()}
+
+
+def _of_windows(windows: tuple[DutyWindow, ...]) -> dict[str, float]:
+    if not windows:
+        return {}
+    torques = [(window, window.torque_reference) for window in windows]
+    speeds = [abs(window.speed - window.speed_reference) for window, torque in torques if torque is None]
+    errors = [abs(window.torque - torque) for window, torque in torques if torque is not None]
+    last = {"direct_current_mean_a": windows[-1].direct, "quadrature_current_mean_a": windows[-1].quadrature}
+    if speeds:
+        last["speed_error_worst_rpm"] = max(speeds) * RPM
+    if errors:
+        last["torque_error_worst_nm"] = max(errors)
+    return last
+
 
 Row = dict[str, Any]
 
