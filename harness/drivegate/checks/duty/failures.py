@@ -12,6 +12,7 @@ from drivegate.checks.margin import Margin, at_most
 from drivegate.runs.duty.record import DutyRecord
 from drivegate.runs.duty.run import LEGS
 from drivegate.runs.record import RunRecord
+from drivegate.scenarios.duty.failures import unnoticed_because
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.failure_kind import SURVIVABLE
 from drivegate_cases.scenario.load import DynamometerLoad
@@ -23,6 +24,8 @@ def safe_state(record: RunRecord) -> Margin | None:
     judged = duty_record(record)
     failure, period = judged.scenario.failure, judged.scenario.control_period_s
     if failure is None or failure.kind not in judged.declaration.detects or not judged.has_nominal_plant:
+        return None
+    if unnoticed_because(judged.scenario) is not None:
         return None
     begin = failure.first_period(period)
     if failure.kind in SURVIVABLE and not isinstance(judged.scenario.load, DynamometerLoad):

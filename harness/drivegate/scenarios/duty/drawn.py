@@ -19,7 +19,8 @@ from drivegate.scenarios.duty.building import (
     torque_scenario,
     with_edges,
 )
-from drivegate.scenarios.duty.fixed import FAILURE_SPEED_SHARE, START_ANGLES_DEG
+from drivegate.scenarios.duty.failures import FAILURE_SPEED_SHARE, FAILURE_TORQUE_SHARE
+from drivegate.scenarios.duty.fixed import START_ANGLES_DEG
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -276,7 +277,7 @@ def failure_scenarios(
     return st.builds(
         made,
         st.sampled_from(_that_can_fail(detected, references)),
-        _shares(6, 12),
+        _shares(round(FAILURE_TORQUE_SHARE / SHARE_STEP), 12),
         _speeds(drive, FAILURE_SPEED_SHARE * base, base),
         st.integers(0, 20),
         st.integers(1, 3),

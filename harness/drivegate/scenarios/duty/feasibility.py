@@ -6,6 +6,7 @@ from functools import lru_cache
 from math import isfinite
 from typing import Final
 
+from drivegate.scenarios.duty.failures import unnoticed_because
 from drivegate.scenarios.duty.windows import DutyDwell, duty_dwells
 from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_cases.scenario.load import LockedLoad
@@ -24,18 +25,13 @@ def unfair_because(scenario: Scenario) -> str | None:
     differs = scenario.scales != NOMINAL
     if differs and scenario.initial_speed_rpm > scenario.drive.rating.base_speed_rpm:
         return "it begins above base speed without any current, on a plant that the controller does not know"
-    if _stands_locked(scenario):
-        return "a shaft that is to stand shows nobody that it is locked"
+    if (unnoticed := unnoticed_because(scenario)) is not None:
+        return unnoticed
     if isinstance(scenario.load, LockedLoad):
         return None
     if not all(_is_driven(scenario, dwell) for dwell in duty_dwells(scenario)):
         return "at one of its operating points no currents within the limits give the torque"
     return None
-
-
-def _stands_locked(scenario: Scenario) -> bool:
-    speeds = (scenario.initial_speed_rpm, *(speed for _, speed in scenario.speed_rpm))
-    return scenario.failure is not None and scenario.failure.kind == "locked-rotor" and not any(speeds)
 
 
 def _is_driven(scenario: Scenario, dwell: DutyDwell) -> bool:

@@ -17,6 +17,7 @@ from drivegate.scenarios.duty.building import (
     torque_scenario,
     with_edges,
 )
+from drivegate.scenarios.duty.failures import FAILURE_SPEED_SHARE
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.failure_kind import FailureKind
@@ -29,8 +30,6 @@ START_SPEED_SHARE: Final = 0.2
 """Speed of a start over base speed (1)."""
 START_TORQUE_SHARE: Final = 0.5
 """Load of a start over rated torque (1)."""
-FAILURE_SPEED_SHARE: Final = 0.2
-"""Least speed at which something fails, over base speed: below, a phase takes too long to be missed (1)."""
 POSITIONS: Final[tuple[Literal["encoder", "hall"], ...]] = ("encoder", "hall")
 """What gives edges that can be lost."""
 FAILURE_TIME_SHARE: Final = 0.6

@@ -224,6 +224,11 @@ def test_a_lost_edge_is_judged_where_a_torque_is_asked_for(run: Run, interior: P
     assert judged("SAF-1", run(failing(turning, "lost-edge", 0.3))) is None
 
 
+def test_a_failure_at_standstill_judges_nobody(run: Run, interior: PmAcDocument) -> None:
+    held = torque_scenario(interior, 0.0, (torque_of(interior, 0.0, 0.5),))
+    assert judged("SAF-1", run(failing(held, "open-phase", 0.3))) is None
+
+
 def test_what_is_not_declared_is_not_judged(stuck: DutyRecord) -> None:
     assert judged("SAF-1", replace(stuck, declaration=Declaration(detects=("open-phase",)))) is None
     reason = CHECKS["SAF-1"].reason_not_applicable(Declaration(), stuck.document)
