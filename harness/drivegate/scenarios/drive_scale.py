@@ -235,5 +235,5 @@ def tidy(value: float) -> float:
 
 
 def whole_tenths(time_s: float) -> float:
-    """Give the next whole tenth of a second, which is a whole number of control periods of any length drawn."""
+    """Return the next whole tenth of a second, which is a whole number of all usual control periods."""
     return math.ceil(round(time_s * 10.0, 6)) / 10.0

@@ -12,6 +12,7 @@ from drivegate.scenarios.facts import plain_scenario
 from drivegate.scenarios.size import size_of
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.scenario.control_periods import on_whole_periods
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
     ConstantTorqueLoad,
@@ -57,6 +58,9 @@ def simplified(scenario: Scenario, fields: Fields) -> Scenario | None:
 
     An unloaded drive has hardly any current, so that shares of it say little: a failure there would be another one.
     """
+    period = fields.get("control_period_s", scenario.control_period_s)
+    if "duration_s" in fields:
+        fields = fields | {"duration_s": on_whole_periods(fields["duration_s"], period)}
     try:
         simpler = scenario.replaced(**fields)
     except InputError:

@@ -1,6 +1,5 @@
 """A run as plain data: drive, plant, supply, speed reference, load, duration and seed."""
 
-import math
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -12,6 +11,7 @@ from drivegate_cases.documents.packaged import load_named, packaged_names
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
 from drivegate_cases.drive.drive_reference import DriveReference
 from drivegate_cases.drive.scales import Scales
+from drivegate_cases.scenario.control_periods import on_whole_periods, period_start_s, whole_periods
 from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
 from drivegate_cases.scenario.failure import Failure
 from drivegate_cases.scenario.load import (
@@ -215,11 +215,11 @@ class Scenario(Document):
                     )
 
     def _check_whole_periods(self) -> None:
-        periods = self.duration_s / self.control_period_s
-        if round(periods) < 1 or not math.isclose(periods, round(periods), rel_tol=1e-9):
+        if not whole_periods(self.duration_s, self.control_period_s):
+            nearest = max(1, round(self.duration_s / self.control_period_s))
             raise ValueError(
                 f"the key 'duration_s' is {self.duration_s}, but must be a whole number of control periods "
-                f"of {self.control_period_s} s, such as {max(1, round(periods)) * self.control_period_s:.9g}"
+                f"of {self.control_period_s} s, such as {period_start_s(nearest, self.control_period_s):.12g}"
             )
 
     def _check_profiles_end_in_time(self) -> None:
@@ -282,12 +282,19 @@ class Scenario(Document):
     def replaced(self, **changes: Any) -> Self:
         """Make a scenario that differs in a few keys.
 
-        On another drive, its converters are chosen anew, and so is a control period that the drive has stated.
+        For another drive, the converters are chosen again, and so is a control period that the drive has stated. With
+        another control period, the run lasts until the next whole number of them.
         """
+        drive = changes.get("drive", self.drive)
         if "drive" in changes:
             changes.setdefault("sensors", unfitted(self.sensors, self.drive))
             if self.drive.control_period_s is not None:
                 changes.setdefault("control_period_s", LONGEST_CONTROL_PERIOD_S)
+        period = changes.get("control_period_s", self.control_period_s)
+        if isinstance(drive, DriveDocument):
+            period = drive.control_period_s or period
+        if period != self.control_period_s:
+            changes.setdefault("duration_s", on_whole_periods(self.duration_s, period))
         return super().replaced(**changes)
 
     @property
