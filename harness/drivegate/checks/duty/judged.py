@@ -29,9 +29,10 @@ def plant_of(record: DutyRecord) -> PmAcDrive:
     return plant
 
 
-def worst(margins: Iterable[Margin]) -> Margin | None:
-    """Give the least of the margins of one run; None where there are none."""
-    return min(margins, key=lambda margin: margin.value, default=None)
+def worst(margins: Iterable[Margin | None]) -> Margin | None:
+    """Return the least of the margins of one run, of those that are there; None without any."""
+    known = (margin for margin in margins if margin is not None)
+    return min(known, key=lambda margin: margin.value, default=None)
 
 
 def is_within_reach(record: DutyRecord, window: DutyWindow, torque: float) -> bool:
