@@ -13,7 +13,7 @@ from typing import Any, Final, TypeGuard
 import click
 
 from drivegate.output.streams import write_to
-from drivegate_cases.documents.wording import one_line
+from drivegate_cases.documents.wording import LONGEST_MESSAGE, one_line, short_line, shortened
 from drivegate_models.errors import HarnessFault, InputError
 
 DEBUG_VARIABLE: Final = "DRIVEGATE_DEBUG"
@@ -43,7 +43,7 @@ class Failure:
     Attributes
     ----------
     message : str
-        One sentence on one line.
+        One sentence on one line; what exceeds `LONGEST_MESSAGE` is left out in its middle, between place and remedy.
     exit_code : int
         The exit code.
     """
@@ -51,13 +51,17 @@ class Failure:
     message: str
     exit_code: int
 
+    def __post_init__(self) -> None:
+        """Shorten the message, whoever wrote it."""
+        object.__setattr__(self, "message", shortened(self.message, LONGEST_MESSAGE))
+
     def document(self) -> dict[str, Any]:
         """Write the failure as plain data."""
         return {"schema": ERROR_SCHEMA, "error": {"message": self.message, "exit_code": int(self.exit_code)}}
 
     def about(self, name: str) -> Failure:
         """Say first what the failure is about."""
-        return replace(self, message=f"{one_line(name)}: {self.message}")
+        return replace(self, message=f"{short_line(name)}: {self.message}")
 
 
 def failure_of(error: BaseException) -> Failure:

@@ -149,7 +149,7 @@ def _own_files(folder: Path) -> list[str]:
     try:
         mark = json.loads((folder / MARK).read_text(encoding="utf-8"))
         return [str(name) for name in mark["files"]]
-    except (OSError, ValueError, TypeError, KeyError):
+    except (OSError, ValueError, RecursionError, TypeError, KeyError):
         return []
 
 

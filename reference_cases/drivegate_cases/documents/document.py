@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 
 from drivegate_cases.documents.problems import described
 from drivegate_cases.documents.reading import read_mapping
-from drivegate_cases.documents.wording import one_line, shown
+from drivegate_cases.documents.wording import LONGEST_MESSAGE, shown, shown_path
 from drivegate_models.errors import InputError
 
 DocumentT = TypeVar("DocumentT", bound="Document")
@@ -85,7 +85,7 @@ def parse_document(
     """Check plain data as a document of a given kind."""
     if not isinstance(mapping, Mapping):
         raise InputError(
-            f"{one_line(where)} holds {shown(mapping)}, but must hold a table of keys and values"
+            f"{shown_path(where)} holds {shown(mapping)}, but must hold a table of keys and values"
         )
     values = dict(mapping)
     chosen: Any = model.of_kind(values)
@@ -97,7 +97,7 @@ def parse_document(
 
 
 def _supported_schema(number: object, model: type[Document], where: str) -> int:
-    place = one_line(where)
+    place = shown_path(where)
     current = model.schema_current
     oldest = max(1, current - 1)
     supported = f"{oldest} or {current}" if oldest < current else f"{current}"
@@ -123,7 +123,8 @@ def _validated(
     try:
         return model.model_validate(values, context={"folder": folder})
     except ValidationError as error:
-        raise InputError(f"{one_line(where)}: {described(error, model)}") from error
+        place = f"{shown_path(where)}: "
+        raise InputError(place + described(error, model, LONGEST_MESSAGE - len(place))) from error
 
 
 def _frozen(value: Any) -> Any:
