@@ -98,6 +98,8 @@ class DriveKind:
         The kind, as documents of drives have it.
     default_drive : str
         Name of the packaged drive that candidates are judged on where nobody names another.
+    compiling_s : int
+        Time that its kernels take to compile on 2 processors, as measured (s).
     prepare_loop : callable
         Gives the function that makes a run of a controller against the plant ready.
     oracle : callable
@@ -130,6 +132,7 @@ class DriveKind:
 
     name: str
     default_drive: str
+    compiling_s: int
     prepare_loop: Callable[[], PrepareLoop]
     oracle: Callable[[], Oracle]
     steady_state: Callable[[], Callable[..., object]]

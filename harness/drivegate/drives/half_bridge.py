@@ -16,5 +16,5 @@ def _prepare_loop() -> PrepareLoop:
     return prepared_loop
 
 
-HALF_BRIDGE: Final = outer_loop_kind("half-bridge", "paper-5-phase", _prepare_loop)
+HALF_BRIDGE: Final = outer_loop_kind("half-bridge", "paper-5-phase", _prepare_loop, compiling_s=33)
 """The drive of the paper."""

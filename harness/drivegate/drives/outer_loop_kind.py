@@ -18,11 +18,14 @@ if TYPE_CHECKING:
     from drivegate_cases.scenario.scenario import Scenario
 
 
-def outer_loop_kind(name: str, default_drive: str, prepare_loop: Callable[[], PrepareLoop]) -> DriveKind:
+def outer_loop_kind(
+    name: str, default_drive: str, prepare_loop: Callable[[], PrepareLoop], compiling_s: int
+) -> DriveKind:
     """Make the bundle of such a kind, whose steady states are found by the type of its plant's constants."""
     return DriveKind(
         name=name,
         default_drive=default_drive,
+        compiling_s=compiling_s,
         prepare_loop=prepare_loop,
         oracle=_oracle,
         steady_state=_steady_state,

@@ -101,6 +101,7 @@ def _behaviour(
 PM_AC: Final = DriveKind(
     name="pm-ac",
     default_drive="pm-ac-interior",
+    compiling_s=80,
     prepare_loop=_no_angles,
     oracle=_no_angles,
     steady_state=_no_angles,

@@ -16,5 +16,5 @@ def _prepare_loop() -> PrepareLoop:
     return prepared_loop
 
 
-STAR: Final = outer_loop_kind("star", "star-3-phase", _prepare_loop)
+STAR: Final = outer_loop_kind("star", "star-3-phase", _prepare_loop, compiling_s=60)
 """Conventional brushless DC drives, which the paper sets its own against."""

@@ -66,5 +66,5 @@ def table(*columns: str, right: tuple[str, ...] = (), title: str | None = None) 
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """Write a number for a table."""
-    return "–" if value is None or value != value else f"{value:.{digits}f}"
+    """Write a number for a table; what rounds to zero has no sign."""
+    return "–" if value is None or value != value else f"{value:z.{digits}f}"

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from drivegate_cases.documents.wording import nearest, one_line, short_line, shortened, shown
+from drivegate_cases.documents.wording import nearest, one_line, short_line, shortened, shown, with_point
 
 Location = Sequence[int | str]
 
@@ -100,6 +100,9 @@ def _report_wrong_value(details: ErrorDetails, path: Location, _: type[BaseModel
     requirement = _REQUIREMENTS.get(details["type"])
     if requirement is None:
         requirement = re.sub(r"^\w+ should", "must", one_line(details["msg"]))
+    if details["type"] in ("float_type", "int_type") and isinstance(details["input"], str):
+        right = with_point(details["input"])
+        requirement += f" with a decimal point, {right}" if right else ""
     place = f"the key '{key_name(path)}'" if path else "the document"
     return f"{place} is {shown(details['input'])}, but {requirement}"
 

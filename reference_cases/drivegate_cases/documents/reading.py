@@ -9,7 +9,7 @@ from typing import Any, Final, NoReturn
 
 from drivegate_cases.documents.extent import DEEPEST, TOO_DEEP, excess_of
 from drivegate_cases.documents.file_bytes import file_bytes
-from drivegate_cases.documents.wording import one_line, shown, shown_path
+from drivegate_cases.documents.wording import one_line, shown, shown_path, with_point
 from drivegate_models.errors import InputError
 
 LARGEST_FILE_BYTES: Final = 16 * 1024 * 1024
@@ -19,6 +19,7 @@ SUFFIXES: Final = (".toml", ".json")
 
 _PART: Final = r"(?:(?<![\w-])[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+"
 _LONG_KEY: Final = re.compile(rf"(?:{_PART}\.[ \t]*+){{{DEEPEST}}}")
+_VALUE: Final = re.compile(r"[=:]\s*([+-]?\d[\d.,eE+-]{0,40})\s*(?:[#}]|$)")
 
 
 def read_mapping(path: str | Path) -> dict[str, Any]:
@@ -61,9 +62,9 @@ def _parsed(text: str, where: str, language: str, parse: Callable[[str], Any]) -
     try:
         return parse(text)
     except json.JSONDecodeError as error:
+        reason = _decimal_comma(text, error.lineno) or one_line(error.msg)
         raise InputError(
-            f"{where} is not well-formed JSON at line {error.lineno}, column {error.colno}: "
-            f"{one_line(error.msg)}"
+            f"{where} is not well-formed JSON at line {error.lineno}, column {error.colno}: {reason}"
         ) from error
     except RecursionError as error:
         raise InputError(f"{where} {TOO_DEEP}") from error
@@ -78,7 +79,17 @@ def _toml_value(text: str) -> Any:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise ValueError(_told_of_strings(str(error))) from error
+        place = re.search(r"\(at line (\d+), column", str(error))
+        comma = _decimal_comma(text, int(place[1])) if place else None
+        raise ValueError(comma or _told_of_strings(str(error))) from error
+
+
+def _decimal_comma(text: str, line: int) -> str | None:
+    """Name a decimal comma in the line at which a parser stopped; None where there is none."""
+    value = _VALUE.search(text.split("\n")[line - 1])
+    number = value[1].rstrip(",") if value else ""
+    right = with_point(number)
+    return right and f"in line {line} the number {number} has a decimal comma; write it with a point, {right}"
 
 
 def _told_of_strings(sentence: str) -> str:

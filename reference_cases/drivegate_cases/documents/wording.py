@@ -2,6 +2,7 @@
 
 import difflib
 import json
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Final
@@ -12,6 +13,7 @@ _LONGEST_VALUE: Final = 60
 _LONGEST_PATH: Final = 160
 _LONGEST_COMPARED: Final = 100
 _LARGE: Final = 10000.0
+_COMMA_NUMBER: Final = re.compile(r"[+-]?\d[\d.]*,\d+(?:[eE][+-]?\d+)?")
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
@@ -30,6 +32,14 @@ def counted(count: int, noun: str) -> str:
 def figure(value: float) -> str:
     """Write a number with four digits, or with all of those before the point."""
     return f"{value:.4g}" if not abs(value) >= _LARGE else f"{value:.0f}"
+
+
+def with_point(text: str) -> str | None:
+    """Write a number with a decimal comma as one with a point; None for any other text."""
+    number = text.strip()
+    if not _COMMA_NUMBER.fullmatch(number):
+        return None
+    return number.replace(".", "").replace(",", ".")
 
 
 def one_line(text: str) -> str:

@@ -17,6 +17,7 @@ from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.documents.overrides import parse_overrides
 from drivegate_cases.documents.packaged import load_named, packaged_names
 from drivegate_cases.drive.advance import Advance, advance_line
+from drivegate_cases.drive.data_sheet import check_continuous_current, completed, following
 from drivegate_cases.drive.inverter import Inverter
 from drivegate_cases.drive.machine import Machine
 from drivegate_cases.drive.provenance import Provenance, check_provenance
@@ -89,6 +90,12 @@ class DriveDocument(Document):
                         )
         return values
 
+    @model_validator(mode="before")
+    @classmethod
+    def _rating_follows_from_its_currents(cls, values: Any) -> Any:
+        """Fill in what of the rating follows from the currents of a data sheet."""
+        return completed(values, cls.model_validate) if isinstance(values, Mapping) else values
+
     @field_validator("provenance")
     @classmethod
     def _provenance_is_of_keys(cls, provenance: Provenance) -> Provenance:
@@ -113,6 +120,7 @@ class DriveDocument(Document):
     @model_validator(mode="after")
     def _tables_fit_together(self) -> Self:
         self.check_tables()
+        check_continuous_current(self)
         return self
 
     def check_tables(self) -> None:
@@ -218,6 +226,9 @@ class DriveDocument(Document):
         )
         values = {key.rpartition(".")[2]: value for key, value in given.items()}
         mapping = self.to_mapping() | self._with_tables(values)
+        # What follows from other values follows from the new ones.
+        left_out = set(following(self)) - set(values)
+        mapping["rating"] = {key: value for key, value in mapping["rating"].items() if key not in left_out}
         sources = {table: dict(sentences) for table, sentences in self.provenance.items()}
         for key in values:
             if key in tables:
@@ -225,6 +236,18 @@ class DriveDocument(Document):
         return parse_document(
             mapping | {"provenance": sources}, DriveDocument, "--set " + " --set ".join(pairs)
         )
+
+    def torque_of_current(self, current: float) -> float:
+        """Return the most torque of a peak phase current (A) while the voltage is ample (N·m)."""
+        conducting = self.machine.phases * self.inverter.window_deg / 180.0
+        return conducting * self.machine.emf_constant_v_s_per_rad * current
+
+    def greatest_torque(self, current: float, speed: float) -> float:
+        """Return the greatest torque within a current limit (A) and the supply, at a speed (rad/s); in N·m."""
+        from drivegate_models.steady.oracle import greatest_torque_at_limit
+
+        ideal = self.plant()._replace(current_limit=current, hysteresis_band=0.0)
+        return float(greatest_torque_at_limit(ideal, speed).torque)
 
     def plant(self, scales: Scales | None = None) -> AnyDrive:
         """Make the plant's parameters, in SI units."""

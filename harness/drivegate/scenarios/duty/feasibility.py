@@ -8,6 +8,7 @@ from typing import Final
 
 from drivegate.scenarios.duty.failures import unnoticed_because
 from drivegate.scenarios.duty.windows import DutyDwell, duty_dwells
+from drivegate_cases.drive.data_sheet import USABLE_SHARE
 from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.scenario import Scenario
@@ -15,7 +16,7 @@ from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
-IN_HAND: Final = 0.92
+IN_HAND: Final = USABLE_SHARE
 """Share of the greatest torque that a speed's load may take; the rest is for regulation (1)."""
 _KEPT: Final = 20_000
 

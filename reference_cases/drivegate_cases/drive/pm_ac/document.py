@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator
@@ -68,6 +69,21 @@ class PmAcDocument(DriveDocument):
     def control_period_s(self) -> float:
         """Time between two steps of the controller (s)."""
         return self.inverter.control_period_s
+
+    def torque_of_current(self, current: float) -> float:
+        """Return the most torque of a peak phase current (A) while the voltage is ample (N·m)."""
+        from drivegate_models.pm_ac.fundamental import most_torque_per_ampere, steady_state
+
+        plant = self.plant()
+        return float(steady_state(plant, 0.0, *most_torque_per_ampere(plant, current)).torque)
+
+    def greatest_torque(self, current: float, speed: float) -> float:
+        """Return the greatest torque within a current limit (A) and the link, at a speed (rad/s); in N·m."""
+        from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
+
+        plant = self.plant()._replace(current_limit=current)
+        torque = greatest_torque(plant, undistorted_limits(plant), speed).torque
+        return torque if isfinite(torque) else 0.0
 
     def plant(self, scales: Scales | None = None) -> PmAcDrive:  # type: ignore[override]
         """Make the plant's parameters, in SI units."""
