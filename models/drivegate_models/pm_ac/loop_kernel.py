@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -91,7 +92,11 @@ def _balance(
     missing = net - resistance * period[ledger.SQUARE] - shaft - period[ledger.DEVICE] - growth
     throughput = period[ledger.EXCHANGED] + abs(shaft) + stored
     counted = max(throughput, _LEAST_SHARE * rated)
-    return abs(missing) / counted if counted > 0.0 else 0.0
+    if counted == 0.0:
+        return 0.0
+    share = abs(missing) / counted
+    # What is not a number must not pass for a balance.
+    return share if share == share else inf
 
 
 @inlined
