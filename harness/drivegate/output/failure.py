@@ -12,7 +12,7 @@ from typing import Any, Final, TypeGuard
 
 import click
 
-from drivegate.output.streams import write_to
+from drivegate.output.streams import leave_unread, write_to
 from drivegate_cases.documents.wording import LONGEST_MESSAGE, one_line, short_line, shortened
 from drivegate_models.errors import HarnessFault, InputError
 
@@ -24,6 +24,7 @@ ERROR_SCHEMA: Final = 1
 
 
 _OF_THE_DISK: Final = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
+_OF_THE_MACHINE: Final = (errno.ENOMEM, errno.EMFILE, errno.ENFILE, errno.EAGAIN)
 
 
 class ExitCode(IntEnum):
@@ -78,6 +79,14 @@ def failure_of(error: BaseException) -> Failure:
             _sentence(f"cannot write{place}: {error.strerror}; make room, or name a place on another disk"),
             ExitCode.REFUSED,
         )
+    if isinstance(error, MemoryError) or is_of_the_machine(error):
+        reason = error.strerror if isinstance(error, OSError) else "not enough memory"
+        return Failure(
+            _sentence(
+                f"the system refuses to continue: {reason}; raise the limit (ulimit -a) or free the resource"
+            ),
+            ExitCode.REFUSED,
+        )
     text = str(error) if isinstance(error, HarnessFault) else f"{type(error).__name__}: {error}"
     return Failure(
         _sentence(
@@ -93,11 +102,20 @@ def is_of_the_disk(error: BaseException) -> TypeGuard[OSError]:
     return isinstance(error, OSError) and error.errno in _OF_THE_DISK
 
 
+def is_of_the_machine(error: BaseException) -> TypeGuard[OSError]:
+    """Return True if the system has run out of memory, processes or open files, which is no fault of drivegate."""
+    return isinstance(error, OSError) and error.errno in _OF_THE_MACHINE
+
+
 def complain(failure: Failure, error: BaseException | None = None) -> None:
     """Tell a failure on standard error."""
-    if error is not None and os.environ.get(DEBUG_VARIABLE) == "1":
-        write_to(sys.stderr, "".join(traceback.format_exception(error)))
-    write_to(sys.stderr, f"error: {failure.message}\n")
+    shown = error is not None and os.environ.get(DEBUG_VARIABLE) == "1"
+    details = "".join(traceback.format_exception(error)) if shown else ""
+    try:
+        write_to(sys.stderr, f"{details}error: {failure.message}\n")
+    except OSError:
+        # A terminal that has gone, or a full disk: the exit code says the same.
+        leave_unread(sys.stderr)
 
 
 def _ends(text: str) -> str:
