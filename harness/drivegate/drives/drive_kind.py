@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from drivegate.containment.messages import AnyController
     from drivegate.runs.record import RunRecord
     from drivegate.runs.scenario import PrepareLoop
+    from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
@@ -120,6 +121,8 @@ class DriveKind:
         From a scenario to the reason why no controller could do what it requires; None where one could.
     simplifications : callable
         Gives the ways in which a scenario can be made simpler.
+    drawn_range : callable
+        From a scenario to the range that those of its family are drawn from, which no simplification leaves.
     usual_candidate : str
         Name of a controller that comes along and runs on such drives.
     record : callable or None
@@ -143,6 +146,7 @@ class DriveKind:
     joint_scenarios: Callable[[DriveDocument, Declaration, int, int, int], tuple[Scenario, ...]]
     unfair_because: Callable[[Scenario], str | None]
     simplifications: Callable[[], tuple[Simplification, ...]]
+    drawn_range: Callable[[Scenario], DrawnRange]
     usual_candidate: str
     record: Callable[[Declaration, Scenario, AnyController, NDArray[Any] | None], RunRecord] | None = None
     behaviour: (
@@ -152,3 +156,7 @@ class DriveKind:
     def is_fair(self, scenario: Scenario) -> bool:
         """Tell whether a candidate may be judged on a scenario."""
         return self.unfair_because(scenario) is None
+
+    def is_as_fair(self, simpler: Scenario, start: Scenario) -> bool:
+        """Return True if a simplified scenario could have been drawn like the one that simplification started from."""
+        return self.drawn_range(start).covers(simpler, start) and self.is_fair(simpler)

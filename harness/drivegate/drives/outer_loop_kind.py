@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from drivegate.candidates.declaration import Declaration
     from drivegate.checks.check import Check
     from drivegate.runs.scenario import PrepareLoop
+    from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
@@ -36,6 +37,7 @@ def outer_loop_kind(
         joint_scenarios=_joint_scenarios,
         unfair_because=_unfair_because,
         simplifications=_simplifications,
+        drawn_range=_drawn_range,
         usual_candidate="reference",
     )
 
@@ -104,3 +106,9 @@ def _simplifications() -> tuple[Simplification, ...]:
     from drivegate.scenarios.simplification import SIMPLIFICATIONS
 
     return SIMPLIFICATIONS
+
+
+def _drawn_range(scenario: Scenario) -> DrawnRange:
+    from drivegate.scenarios.drawn_range import drawn_range
+
+    return drawn_range(scenario)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from drivegate.checks.check import Check
     from drivegate.containment.messages import AnyController
     from drivegate.runs.record import RunRecord
+    from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -75,6 +76,12 @@ def _simplifications() -> tuple[Simplification, ...]:
     return DUTY_SIMPLIFICATIONS
 
 
+def _drawn_range(scenario: Scenario) -> DrawnRange:
+    from drivegate.scenarios.duty.drawn_range import drawn_range
+
+    return drawn_range(scenario)
+
+
 def _record(
     declaration: Declaration, scenario: Scenario, controller: AnyController, kept: NDArray[Any] | None
 ) -> RunRecord:
@@ -112,6 +119,7 @@ PM_AC: Final = DriveKind(
     joint_scenarios=_joint_scenarios,
     unfair_because=_unfair_because,
     simplifications=_simplifications,
+    drawn_range=_drawn_range,
     usual_candidate="foc",
     record=_record,
     behaviour=_behaviour,

@@ -28,6 +28,8 @@ class Section(BaseModel):
         strict=True,
         allow_inf_nan=False,
         validate_default=True,
+        # A table that was copied with other values is checked again where it goes into a document.
+        revalidate_instances="always",
     )
 
 
@@ -37,6 +39,9 @@ class Document(Section):
     A kind of document whose schema has changed sets `schema_current` and translates the previous one in
     `from_previous`.
     """
+
+    # Whole documents were checked as they were made, and are too large to be checked with each of their copies.
+    model_config = ConfigDict(revalidate_instances="never")
 
     schema_current: ClassVar[int] = 1
     schema_version: int = Field(default=0, alias="schema", description="number of the document's schema")

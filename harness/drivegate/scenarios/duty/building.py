@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Final, Literal
 
-from drivegate.scenarios.drive_scale import tidy
+from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.duty.windows import WINDOW_SHARE, run_up_s
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import rounded
@@ -19,18 +19,11 @@ from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS
-from drivegate_models.units import RADIANS_PER_RPM
 
 TORQUE_DIGITS: Final = 4
 """Digits that torques are rounded to."""
 PERIODS_AT_A_TIME: Final = 10
 """Control periods that the lengths of stretches are whole numbers of (1)."""
-
-
-def rated_torque_at(drive: PmAcDocument, speed_rpm: float) -> float:
-    """Give the torque of rated power at a speed, constant below base speed (N·m)."""
-    speed = max(speed_rpm, drive.rating.base_speed_rpm) * RADIANS_PER_RPM
-    return drive.rating.rated_power_w / speed
 
 
 def torque_of(drive: PmAcDocument, speed_rpm: float, share: float) -> float:

@@ -19,6 +19,14 @@ from drivegate.scenarios.duty.building import (
     torque_scenario,
     with_edges,
 )
+from drivegate.scenarios.duty.drawn_range import (
+    BEYOND_SHARE,
+    BRAKING_SHARE,
+    HEAVIEST_FAILURE_SHARE,
+    HEAVIEST_SHARE,
+    SHARE_STEP,
+    TURNING_SHARE,
+)
 from drivegate.scenarios.duty.failures import FAILURE_SPEED_SHARE, FAILURE_TORQUE_SHARE
 from drivegate.scenarios.duty.fixed import START_ANGLES_DEG
 from drivegate.scenarios.title import titled
@@ -34,8 +42,6 @@ Family: TypeAlias = Callable[[PmAcDocument], st.SearchStrategy[Scenario]]
 
 _SEEDS: Final = 10_000
 _PART: Final = 0.005
-SHARE_STEP: Final = 0.05
-"""Step of drawn torques and loads over rated torque (1)."""
 
 
 def _speeds(drive: PmAcDocument, lowest: float, highest: float) -> st.SearchStrategy[float]:
@@ -49,11 +55,12 @@ def _any_speed(drive: PmAcDocument) -> st.SearchStrategy[float]:
 
 
 def _turning(drive: PmAcDocument) -> st.SearchStrategy[float]:
-    return _speeds(drive, 0.1 * drive.rating.base_speed_rpm, drive.rating.highest_speed_rpm)
+    return _speeds(drive, TURNING_SHARE * drive.rating.base_speed_rpm, drive.rating.highest_speed_rpm)
 
 
-def _shares(lowest: int, highest: int) -> st.SearchStrategy[float]:
-    return st.integers(lowest, highest).map(lambda count: round(SHARE_STEP * count, 2))
+def _shares(lowest: float, highest: float) -> st.SearchStrategy[float]:
+    steps = st.integers(round(lowest / SHARE_STEP), round(highest / SHARE_STEP))
+    return steps.map(lambda count: round(SHARE_STEP * count, 2))
 
 
 def torque_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
@@ -68,7 +75,7 @@ def torque_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
         lambda shares, speed: torque_scenario(
             drive, speed, [torque_of(drive, speed, share) for share in shares]
         ),
-        st.tuples(_shares(0, 20), _shares(-10, 20), _shares(0, 20)),
+        st.tuples(_shares(0.0, 1.0), _shares(-BRAKING_SHARE, 1.0), _shares(0.0, 1.0)),
         _any_speed(drive),
     )
 
@@ -84,7 +91,7 @@ def weakening_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     rating = drive.rating
     return st.builds(
         lambda share, speed: torque_scenario(drive, speed, (0.0, torque_of(drive, speed, share), 0.0)),
-        _shares(30, 60),
+        _shares(1.5, BEYOND_SHARE),
         _speeds(drive, 1.02 * rating.base_speed_rpm, rating.highest_speed_rpm),
     )
 
@@ -99,7 +106,7 @@ def _from_below(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
             torque_nm=torque_of(drive, max(first, second), share),
             initial_speed_rpm=min(first, base),
         ),
-        _shares(0, 14),
+        _shares(0.0, 0.7),
         _turning(drive),
         _turning(drive),
     )
@@ -107,7 +114,7 @@ def _from_below(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
         lambda shares, speed: load_step_scenario(
             drive, speed, torque_of(drive, speed, 1.0), shares, initial_speed_rpm=min(speed, base)
         ),
-        st.tuples(_shares(0, 17), _shares(0, 17)),
+        st.tuples(_shares(0.0, HEAVIEST_SHARE), _shares(0.0, HEAVIEST_SHARE)),
         _turning(drive),
     )
     return st.one_of(speeds, loads)
@@ -125,7 +132,7 @@ def speed_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
         lambda share, first, second: speed_scenario(
             drive, (first, second), torque_nm=torque_of(drive, max(first, second), share)
         ),
-        _shares(0, 14),
+        _shares(0.0, 0.7),
         _turning(drive),
         _turning(drive),
     )
@@ -141,7 +148,7 @@ def load_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     """
     return st.builds(
         lambda shares, speed: load_step_scenario(drive, speed, torque_of(drive, speed, 1.0), shares),
-        st.tuples(_shares(0, 17), _shares(0, 17)),
+        st.tuples(_shares(0.0, HEAVIEST_SHARE), _shares(0.0, HEAVIEST_SHARE)),
         _turning(drive),
     )
 
@@ -163,8 +170,8 @@ def start_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
             initial_angle_deg=angle,
         ),
         st.sampled_from(START_ANGLES_DEG),
-        _shares(0, 16),
-        _speeds(drive, 0.1 * drive.rating.base_speed_rpm, drive.rating.base_speed_rpm),
+        _shares(0.0, 0.8),
+        _speeds(drive, TURNING_SHARE * drive.rating.base_speed_rpm, drive.rating.base_speed_rpm),
     )
 
 
@@ -204,7 +211,7 @@ def supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
             drive,
             (1.0, *(round(1.0 + SHARE_STEP * level, 2) for level in levels)),
         ),
-        _shares(0, 16),
+        _shares(0.0, 0.8),
         st.tuples(st.integers(-3, 3), st.integers(-3, 3)),
         _turning(drive),
     )
@@ -277,7 +284,7 @@ def failure_scenarios(
     return st.builds(
         made,
         st.sampled_from(_that_can_fail(detected, references)),
-        _shares(round(FAILURE_TORQUE_SHARE / SHARE_STEP), 12),
+        _shares(FAILURE_TORQUE_SHARE, HEAVIEST_FAILURE_SHARE),
         _speeds(drive, FAILURE_SPEED_SHARE * base, base),
         st.integers(0, 20),
         st.integers(1, 3),

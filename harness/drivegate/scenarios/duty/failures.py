@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from drivegate.scenarios.duty.building import rated_torque_at
+from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import value_from

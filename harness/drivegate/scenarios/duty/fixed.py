@@ -6,17 +6,17 @@ from collections.abc import Collection
 from typing import Final, Literal
 
 from drivegate.scenarios.changes import with_real_sensors, with_scales
-from drivegate.scenarios.drive_scale import tidy
+from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.duty.building import (
     failing,
     load_step_scenario,
-    rated_torque_at,
     speed_scenario,
     supply_step_scenario,
     torque_of,
     torque_scenario,
     with_edges,
 )
+from drivegate.scenarios.duty.drawn_range import BEYOND_SHARE
 from drivegate.scenarios.duty.failures import FAILURE_SPEED_SHARE
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -36,8 +36,6 @@ FAILURE_TIME_SHARE: Final = 0.6
 """When something fails, over the run's length (1)."""
 DEAD_TIME_SPEED_SHARE: Final = 0.08
 """Speed at which dead time is looked at, over base speed (1)."""
-BEYOND_SHARE: Final = 3.0
-"""Torque reference that no drive of this kind can follow in weakening, over the one of rated power there (1)."""
 
 
 def fixed_scenarios(
