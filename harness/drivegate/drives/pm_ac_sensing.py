@@ -9,6 +9,7 @@ import numpy as np
 from drivegate.runs.scenario import plant_converters, plant_encoder, plant_hall
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import ShuntSensors
+from drivegate_models.loop.sensing.encoder import Encoder
 from drivegate_models.pm_ac import failure
 from drivegate_models.pm_ac.sensing import (
     DC_LINK,
@@ -38,17 +39,19 @@ def duty_sensors(scenario: Scenario) -> DutySensors:
     phases = scenario.drive.machine.phases
     # The converter sees the whole link, whose halves the ranges of all kinds of drives are stated for.
     converters = plant_converters(given, generator, np.ones(phases), np.zeros(phases), sources=2)
-    encoder = plant_encoder(scenario, given) if given.position == "encoder" else None
     return real_duty_sensors(
         converters,
         shunt=_SHUNTS[given.shunts],
         window=given.settling_s,
-        encoder=encoder,
+        encoder=_encoder(scenario, given) if given.position == "encoder" else None,
         hall=plant_hall(scenario, given, generator) if given.position == "hall" else None,
-        # The count begins at zero.
-        zero_angle=math.radians(scenario.initial_angle_deg + given.encoder_error_deg)
-        / scenario.drive.machine.pole_pairs,
     )
+
+
+def _encoder(scenario: Scenario, given: ShuntSensors) -> Encoder:
+    """Make an encoder whose count is zero at the shaft's angle 0, but for the error of its alignment."""
+    electrical = math.radians(scenario.initial_angle_deg + given.encoder_error_deg)
+    return plant_encoder(scenario, given, electrical / scenario.drive.machine.pole_pairs)
 
 
 def duty_failure(scenario: Scenario) -> failure.Failure:

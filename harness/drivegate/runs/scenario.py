@@ -138,8 +138,10 @@ def plant_converters(
     )
 
 
-def plant_encoder(scenario: Scenario, given: Mcs96Sensors | ShuntSensors) -> Encoder:
-    """Make the encoder of a scenario, as at its start."""
+def plant_encoder(
+    scenario: Scenario, given: Mcs96Sensors | ShuntSensors, initial_angle: float = 0.0
+) -> Encoder:
+    """Make the encoder of a scenario, as at its start, where its count shows an angle of the shaft (rad)."""
     period = scenario.control_period_s
     glitches = np.array(
         [(seen_at_s(glitch.time_s, period), glitch.counts) for glitch in scenario.glitches], np.float64
@@ -150,6 +152,7 @@ def plant_encoder(scenario: Scenario, given: Mcs96Sensors | ShuntSensors) -> Enc
         clock=given.clock_s,
         control_period=period,
         initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
+        initial_angle=initial_angle,
         glitches=glitches.reshape(-1, 2),
     )
 

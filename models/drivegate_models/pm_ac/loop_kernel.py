@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, pi
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.loop_kernel import PLANT_FAULT
 from drivegate_models.loop.schedule import Course, Schedule, conditions_at, follow
-from drivegate_models.loop.shaft import held_speed, within_a_turn
+from drivegate_models.loop.shaft import held_speed, shown_angle, whole_turns, within_a_turn
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load, load_torque
 from drivegate_models.pm_ac.exchange import DutyExchange, ask_controller, take_command, write_sense
@@ -160,6 +160,8 @@ def run_periods(
     delay = 1 if drive.modulator.update_delay > 0 else 0
     speed = timing.initial_speed
     angle = timing.initial_angle
+    # Whole electrical turns of the shaft's present turn.
+    turns = 0
     change = 0.0
     stored = stored_energy(drive, phases)
     observed = records.run
@@ -175,12 +177,12 @@ def run_periods(
         wanted = follow(torque, room.course_positions, 6, k * length)
         reference = wanted if timing.regulates_torque else conditions.speed_reference
         link = 2.0 * conditions.supply
-        shaft_angle = angle / drive.pole_pairs
+        shaft_angle = shown_angle((angle + 2.0 * pi * turns) / drive.pole_pairs)
         write_sense(exchange, phases.currents, link, reference, k * length, shaft_angle, speed)
         if not sensors.ideal:
             before = alignment_of(drive.modulator.updates, k + 1)
             show_phase_currents(sensors, exchange.sensed_currents, before, room.last, length)
-            show_shaft(sensors, exchange.sense[0], drive.pole_pairs)
+            show_shaft(sensors, exchange.sense[0], k * length)
         is_exact = sensors.ideal or sensors.position == EXACT
         show_failed(failure, k, exchange.sensed_currents, exchange.sense[0], is_exact)
         ask_controller(exchange, k)
@@ -216,7 +218,9 @@ def run_periods(
         opposing = load_torque(load, conditions.load_factor, abs(held))
         begin = (k * length, conditions.speed_reference, speed, angle, link, wanted)
         keep_period(records.trace[k], period, length, phases.rotor_currents, begin, opposing)
-        angle = within_a_turn(angle + drive.pole_pairs * held * length)
+        turned = angle + drive.pole_pairs * held * length
+        turns = (turns + whole_turns(turned)) % drive.pole_pairs
+        angle = within_a_turn(turned)
         if not sensors.ideal:
             _turn_sensors(sensors, failure, k, length, held)
             for leg in range(3):
