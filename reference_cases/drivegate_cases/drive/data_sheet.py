@@ -137,5 +137,6 @@ def check_continuous_current(drive: SheetDrive) -> None:
         raise ValueError(
             f"the key 'rating.continuous_current_a' is {rating.continuous_current_a:g}, which produces at most "
             f"{torque:.3g} N·m, but rated_power_w = {rating.rated_power_w:g} needs {needed:.3g} N·m at "
-            f"{rating.base_speed_rpm:g} rpm; currents are peak values, 1.414 times the rms value of a data sheet"
+            f"{rating.base_speed_rpm:g} rpm; state the peak value, 1.414 times the rms value of a "
+            "data sheet, or leave rated_power_w out"
         )

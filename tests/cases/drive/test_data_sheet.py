@@ -87,7 +87,8 @@ def test_values_that_follow_change_with_what_they_follow_from() -> None:
             "pm-ac-interior",
             {"continuous_current_a": 4.0},
             "'rating.continuous_current_a' is 4, which produces at most 1.21 N·m, but rated_power_w = 500 needs 2.27 "
-            "N·m at 2100 rpm; currents are peak values, 1.414 times the rms value of a data sheet",
+            "N·m at 2100 rpm; state the peak value, 1.414 times the rms value of a data sheet, or leave rated_power_w "
+            "out",
         ),
         (
             "paper-5-phase",
