@@ -257,7 +257,7 @@ def test_a_pm_ac_drive_is_told_by_its_limits_of_current_and_voltage(command, tmp
     [
         ("pm-ac-interior", {"rated_power_w": 900.0}, "rated_power_w = 511"),
         ("pm-ac-interior", {"inertia_kg_m2": 1000.0}, "inertia_kg_m2 = "),
-        ("star-24v-3-phase", {"current_limit_a": 3.0, "hysteresis_band_a": 0.0}, "rated_power_w = "),
+        ("fan-3-phase", {"current_limit_a": 4.0, "hysteresis_band_a": 0.0}, "rated_power_w = "),
     ],
 )
 def test_what_a_check_refuses_is_shown_with_the_value_to_write_and_no_check_is_recommended(
@@ -273,3 +273,20 @@ def test_what_a_check_refuses_is_shown_with_the_value_to_write_and_no_check_is_r
     assert "drivegate check" not in ended.out
     reason = re.split(r"requires: |checked: ", sentence)[-1]
     assert f"a check refuses this drive: {reason}" in ended.out
+
+
+def test_values_that_follow_from_a_data_sheet_are_shown_with_what_they_follow_from(command, tmp_path):
+    mapping = load_drive("pm-ac-interior").to_mapping()
+    mapping["rating"] |= {"continuous_current_a": 5.0, "peak_current_a": 10.0}
+    del mapping["rating"]["rated_power_w"], mapping["rating"]["current_limit_a"]
+    (tmp_path / "sheet.json").write_text(json.dumps(mapping), encoding="utf-8")
+    ended = command("drive", "sheet.json")
+    assert ended.code == 0
+    assert "from the data sheet: current_limit_a = 10 follows from peak_current_a" in ended.out
+    document = command("drive", "sheet.json", "--json").document
+    rows = {row["key"]: row for row in document["following"]}
+    assert rows["rated_power_w"]["value"] == document["rating"]["rated_power_w"]
+    assert (
+        f"rated_power_w = {rows['rated_power_w']['value']:g} follows from continuous_current_a" in ended.out
+    )
+    assert command("drive", "pm-ac-interior", "--json").document["following"] == []
