@@ -11,6 +11,7 @@ from drivegate.scenarios.building import base_speed_scenario, steady_scenario
 from drivegate.scenarios.drawn.beginnings import beginning_scenarios, phase_scenarios, restart_scenarios
 from drivegate.scenarios.drawn.changes import (
     load_step_scenarios,
+    required_point_scenarios,
     speed_step_scenarios,
     supply_scenarios,
     vehicle_scenarios,
@@ -96,7 +97,7 @@ def base_speed_scenarios(
 
 
 FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
-    (steady_scenarios, constant_power_scenarios),
+    (steady_scenarios, constant_power_scenarios, required_point_scenarios),
     (parameter_scenarios,),
     (load_step_scenarios, load_course_scenarios),
     (sensor_scenarios, phase_scenarios),
