@@ -51,7 +51,7 @@ def compile_kernels(kinds: Collection[str]) -> None:
     The kinds are compiled side by side: what one has in common with another is little beside what is its own.
     """
     for refusal in refused_cache_folders():
-        _log.warning("compiled code is not stored in %s", refusal)
+        _log.warning("compiled code is stored elsewhere, since %s", refusal)
     with ThreadPoolExecutor() as together:
         # Taking the results raises what has gone wrong.
         list(together.map(_compile_kind, kinds))

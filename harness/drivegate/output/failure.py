@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import sys
 import traceback
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import Any, Final, TypeGuard
+from typing import Any, Final
 
 import click
 
 from drivegate.output.streams import leave_unread, write_to
+from drivegate_cases.documents.system_failure import refusal_by_system
 from drivegate_cases.documents.wording import LONGEST_MESSAGE, one_line, short_line, shortened
 from drivegate_models.errors import HarnessFault, InputError
 
@@ -21,10 +21,6 @@ DEBUG_VARIABLE: Final = "DRIVEGATE_DEBUG"
 
 ERROR_SCHEMA: Final = 1
 """Version of the document that tells an error."""
-
-
-_OF_THE_DISK: Final = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
-_OF_THE_MACHINE: Final = (errno.ENOMEM, errno.EMFILE, errno.ENFILE, errno.EAGAIN)
 
 
 class ExitCode(IntEnum):
@@ -73,20 +69,9 @@ def failure_of(error: BaseException) -> Failure:
         return Failure(_sentence(error.format_message()), ExitCode.REFUSED)
     if isinstance(error, KeyboardInterrupt) or isinstance(error.__cause__, KeyboardInterrupt):
         return Failure("interrupted", ExitCode.INTERRUPTED)
-    if is_of_the_disk(error):
-        place = f" at {error.filename}" if error.filename else ""
-        return Failure(
-            _sentence(f"cannot write{place}: {error.strerror}; make room, or name a place on another disk"),
-            ExitCode.REFUSED,
-        )
-    if isinstance(error, MemoryError) or is_of_the_machine(error):
-        reason = error.strerror if isinstance(error, OSError) else "not enough memory"
-        return Failure(
-            _sentence(
-                f"the system refuses to continue: {reason}; raise the limit (ulimit -a) or free the resource"
-            ),
-            ExitCode.REFUSED,
-        )
+    refusal = refusal_by_system(error)
+    if refusal is not None:
+        return Failure(_sentence(refusal), ExitCode.REFUSED)
     text = str(error) if isinstance(error, HarnessFault) else f"{type(error).__name__}: {error}"
     return Failure(
         _sentence(
@@ -95,16 +80,6 @@ def failure_of(error: BaseException) -> Failure:
         ),
         ExitCode.HARNESS_FAULT,
     )
-
-
-def is_of_the_disk(error: BaseException) -> TypeGuard[OSError]:
-    """Tell whether a disk is full, read-only or broken, which is no fault of drivegate."""
-    return isinstance(error, OSError) and error.errno in _OF_THE_DISK
-
-
-def is_of_the_machine(error: BaseException) -> TypeGuard[OSError]:
-    """Return True if the system has run out of memory, processes or open files, which is no fault of drivegate."""
-    return isinstance(error, OSError) and error.errno in _OF_THE_MACHINE
 
 
 def complain(failure: Failure, error: BaseException | None = None) -> None:

@@ -152,6 +152,22 @@ def test_a_reader_that_leaves_changes_nothing(words):
     process.stderr.close()
 
 
+def test_a_working_folder_that_is_gone_is_named(tmp_path):
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    command = (
+        "import os; os.rmdir(os.getcwd()); from drivegate.commands.command_line import main; "
+        "main(['check', 'x.py:Y'])"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-P", "-c", command], cwd=gone, capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stderr) == (
+        2,
+        "error: the working folder no longer exists; change to another one with cd\n",
+    )
+
+
 def test_an_error_that_cannot_be_printed_has_its_exit_code():
     with Path("/dev/full").open("w", encoding="utf-8") as full:
         ended = subprocess.run([sys.executable, "-m", "drivegate", "nonsense"], stderr=full, check=False)

@@ -12,7 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from drivegate.containment import judge_process
 from drivegate.containment import temporary_folder as module
+from drivegate.containment.messages import Refused
 from drivegate.containment.temporary_folder import TemporaryFolder, temporary_folder
 from drivegate_models.errors import InputError
 
@@ -86,3 +88,13 @@ def test_a_place_that_cannot_be_written_is_refused_in_one_sentence(
         InputError, match=r"no temporary folder can be made: No such file .* variable TMPDIR$"
     ):
         TemporaryFolder()
+
+
+def test_a_full_disk_in_a_judge_is_refused_and_no_fault_of_drivegate() -> None:
+    class OnAFullDisk:
+        def once(self, job: object) -> None:
+            raise OSError(28, "No space left on device", "kernel.nbc")
+
+    outcome = judge_process._outcome(OnAFullDisk(), None)  # type: ignore[arg-type]
+    assert isinstance(outcome, Refused)
+    assert outcome.sentence.startswith("cannot write at kernel.nbc: No space left on device")
