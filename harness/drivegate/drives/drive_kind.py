@@ -128,6 +128,9 @@ class DriveKind:
     record : callable or None
         Runs a candidate through a scenario for the checks, where that is not the loop of `prepare_loop`; it takes the
         declaration, the scenario, the controller and room for the commands, or None.
+    unseen : callable or None
+        Makes the record of a run that has not been made, from the declaration and the scenario, where it is not that of
+        `prepare_loop`.
     behaviour : callable or None
         From what runs a candidate, the drive, and a scenario that shows steps or None, to what a report tells of the
         candidate beside its checks, where there is such a thing.
@@ -149,6 +152,7 @@ class DriveKind:
     drawn_range: Callable[[Scenario], DrawnRange]
     usual_candidate: str
     record: Callable[[Declaration, Scenario, AnyController, NDArray[Any] | None], RunRecord] | None = None
+    unseen: Callable[[Declaration, Scenario], RunRecord] | None = None
     behaviour: (
         Callable[[Callable[[Scenario], RunRecord], DriveDocument, Scenario | None], dict[str, Any]] | None
     ) = None

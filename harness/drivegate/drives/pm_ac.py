@@ -97,6 +97,12 @@ def _record(
     return DutyRecord(scenario, run, declaration, other_dead_time=other)
 
 
+def _unseen(declaration: Declaration, scenario: Scenario) -> RunRecord:
+    from drivegate.runs.duty.unseen import unseen_duty_record
+
+    return unseen_duty_record(declaration, scenario)
+
+
 def _behaviour(
     run: Callable[[Scenario], RunRecord], drive: DriveDocument, step: Scenario | None
 ) -> dict[str, Any]:
@@ -122,6 +128,7 @@ PM_AC: Final = DriveKind(
     drawn_range=_drawn_range,
     usual_candidate="foc",
     record=_record,
+    unseen=_unseen,
     behaviour=_behaviour,
 )
 """Most brushless drives of the world: three sinusoidal phases behind a two-level bridge."""

@@ -23,16 +23,19 @@ class JointRuns:
         Seed of what the covering array leaves open.
     part, parts : int
         Which part of them, from 0, and how many parts there are.
+    only : tuple of str
+        Checks that are judged; empty for all.
     """
 
     drive: DriveDocument
     seed: int
     part: int
     parts: int
+    only: tuple[str, ...] = ()
 
 
 def run_joint(loaded: JudgedCandidate, plan: JointRuns) -> ShardOutcome:
     """Draw a part of the joint changes and run them as they are."""
     declaration = loaded.candidate.declaration
     scenarios = kind_of(plan.drive).joint_scenarios(plan.drive, declaration, plan.seed, plan.part, plan.parts)
-    return run_fixed(loaded, FixedRuns(scenarios))
+    return run_fixed(loaded, FixedRuns(scenarios, only=plan.only))
