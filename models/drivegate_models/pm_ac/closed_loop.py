@@ -70,6 +70,7 @@ def prepared_duty_loop(
     duration: float,
     initial_speed: float = 0.0,
     initial_angle: float = 0.0,
+    clock_start: float = 0.0,
     torque_reference: Course | None = None,
     sensors: DutySensors | None = None,
     failure: Failure | None = None,
@@ -96,6 +97,8 @@ def prepared_duty_loop(
         Of the shaft (rad/s).
     initial_angle : float
         Electrical, from the first phase's axis to the magnet's (rad).
+    clock_start : float
+        Time that the controller senses in the first step (s).
     torque_reference : Course, optional
         What the controller is given in place of the schedule's speed (N m).
     sensors : DutySensors, optional
@@ -128,6 +131,7 @@ def prepared_duty_loop(
         float(initial_speed),
         float(initial_angle % (2.0 * pi)),
         torque_reference is not None,
+        float(clock_start),
     )
     torque = steady(0.0) if torque_reference is None else torque_reference
     shown = ideal_duty_sensors() if sensors is None else sensors

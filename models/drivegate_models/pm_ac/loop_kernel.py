@@ -57,6 +57,8 @@ class DutyTiming(NamedTuple):
     """Electrical (rad)."""
     regulates_torque: bool
     """Whether the controller is given a torque reference, not that of the speed."""
+    clock_start: float
+    """Time that the controller senses in the first step (s)."""
 
 
 class DutyRoom(NamedTuple):
@@ -178,7 +180,8 @@ def run_periods(
         reference = wanted if timing.regulates_torque else conditions.speed_reference
         link = 2.0 * conditions.supply
         shaft_angle = shown_angle((angle + 2.0 * pi * turns) / drive.pole_pairs)
-        write_sense(exchange, phases.currents, link, reference, k * length, shaft_angle, speed)
+        clock = timing.clock_start + k * length
+        write_sense(exchange, phases.currents, link, reference, clock, shaft_angle, speed)
         if not sensors.ideal:
             before = alignment_of(drive.modulator.updates, k + 1)
             show_phase_currents(sensors, exchange.sensed_currents, before, room.last, length)

@@ -9,17 +9,18 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Self, get_args
 
 from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.documents.overrides import parse_overrides
 from drivegate_cases.documents.packaged import load_named, packaged_names
+from drivegate_cases.documents.wording import shown
 from drivegate_cases.drive.advance import Advance, advance_line
 from drivegate_cases.drive.data_sheet import check_continuous_current, completed, following
 from drivegate_cases.drive.inverter import Inverter
-from drivegate_cases.drive.machine import Machine
+from drivegate_cases.drive.machine import OF_SHAPE, Machine
 from drivegate_cases.drive.provenance import Provenance, check_provenance
 from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.requirements import NO_REQUIREMENTS, Requirements, check_points
@@ -38,6 +39,7 @@ _KIND_NUMBERS: Final = {"half-bridge": 1, "star": 2}
 """The contract's number of each kind of drive."""
 
 _FEWEST_OF_STAR: Final = 3
+_MOST_NAMED: Final = 6
 
 
 class DriveDocument(Document):
@@ -88,6 +90,8 @@ class DriveDocument(Document):
                         raise ValueError(
                             f"the key '{place and place + '.'}{key}' belongs in the table [{table}]"
                         )
+                    if key not in tables and place in cls.tables:
+                        cls._refuse_other_kinds_key(place, key, values.get("kind"))
         return values
 
     @model_validator(mode="before")
@@ -95,6 +99,18 @@ class DriveDocument(Document):
     def _rating_follows_from_its_currents(cls, values: Any) -> Any:
         """Fill in what of the rating follows from the currents of a data sheet."""
         return completed(values, cls.model_validate) if isinstance(values, Mapping) else values
+
+    @classmethod
+    def _refuse_other_kinds_key(cls, place: str, key: str, kind: object) -> None:
+        """Refuse a key that the same table of another kind of drive has."""
+        other = cls.of_kind({"kind": PM_AC}) if cls is DriveDocument else DriveDocument
+        is_known = kind in get_args(cls.model_fields["kind"].annotation)
+        if is_known and other.table_of_key().get(key) == place:
+            own = [name for name in cls.tables[place].model_fields if name not in other.table_of_key()]
+            raise ValueError(
+                f"the key '{place}.{key}' is for other kinds of drives; the kind {shown(kind)} has "
+                f"{', '.join(own[:_MOST_NAMED])}{' and others' * (len(own) > _MOST_NAMED)} instead"
+            )
 
     @field_validator("provenance")
     @classmethod
@@ -209,6 +225,11 @@ class DriveDocument(Document):
     def _with_tables(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """Put keys into their tables, beside what these hold now."""
         tables = self.table_of_key()
+        if "emf_shape" in changes and "emf_shape" in tables:
+            others = {
+                key: absent for key, (shape, absent) in OF_SHAPE.items() if shape != changes["emf_shape"]
+            }
+            changes = others | changes
         top = {key: value for key, value in changes.items() if key not in tables}
         for key, value in changes.items():
             if (table := tables.get(key)) is not None:

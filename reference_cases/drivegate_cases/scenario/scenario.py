@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Final, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -40,6 +40,7 @@ _HIGHEST_VOLTAGE_V = 1e5
 _GREATEST_IMBALANCE = 0.5
 _LATEST_START_S = 1e7
 _STEADY: Profile = ((0.0, 1.0),)
+_LEFT_OUT: Final[Any] = None
 
 
 class Scenario(Document):
@@ -57,9 +58,10 @@ class Scenario(Document):
     )
     duration_s: float = Field(gt=0.0, le=86400.0, description="length of the run, in seconds")
     control_period_s: float = Field(
-        default=LONGEST_CONTROL_PERIOD_S,
+        default=_LEFT_OUT,
         ge=SHORTEST_CONTROL_PERIOD_S,
         le=LONGEST_CONTROL_PERIOD_S,
+        json_schema_extra={"default": LONGEST_CONTROL_PERIOD_S},
         description="time between two steps of the controller, in seconds",
     )
     seed: int = Field(default=0, ge=0, lt=2**63, description="seed of everything random in the run")
@@ -126,16 +128,17 @@ class Scenario(Document):
         drive = info.data.get("drive")
         return sensors if drive is None else fitted(sensors, drive)
 
-    @field_validator("control_period_s")
+    @field_validator("control_period_s", mode="before")
     @classmethod
-    def _period_is_the_modulators(cls, period: float, info: ValidationInfo) -> float:
-        """Take the control period of a drive that has a modulator, which no scenario changes."""
+    def _period_is_the_modulators(cls, period: Any, info: ValidationInfo) -> Any:
+        """Use the control period of a drive that has a modulator, which no scenario changes."""
         drive: DriveDocument | None = info.data.get("drive")
-        if drive is None or (own := drive.control_period_s) is None or period == own:
-            return period
-        if period != LONGEST_CONTROL_PERIOD_S:
-            raise ValueError(f"must be left out or {own:g}, which the drive's carrier gives")
-        return own
+        own = None if drive is None else drive.control_period_s
+        if period is _LEFT_OUT:
+            return LONGEST_CONTROL_PERIOD_S if own is None else own
+        if own is not None and period != own:
+            raise ValueError(f"must be left out or {own!r}, which follows from the drive's carrier")
+        return period
 
     @field_validator("restarts_s")
     @classmethod
@@ -211,7 +214,7 @@ class Scenario(Document):
             for key in ("restarts_s", "current_errors", "dropouts", "glitches"):
                 if getattr(self, key):
                     raise ValueError(
-                        f"the key '{key}' is for other kinds of drives; one of the kind \"{PM_AC}\" does not have it"
+                        f"the key '{key}' is for other kinds of drives; leave it out for one of the kind \"{PM_AC}\""
                     )
 
     def _check_whole_periods(self) -> None:
@@ -289,8 +292,8 @@ class Scenario(Document):
         if "drive" in changes:
             changes.setdefault("sensors", unfitted(self.sensors, self.drive))
             if self.drive.control_period_s is not None:
-                changes.setdefault("control_period_s", LONGEST_CONTROL_PERIOD_S)
-        period = changes.get("control_period_s", self.control_period_s)
+                changes.setdefault("control_period_s", _LEFT_OUT)
+        period = changes.get("control_period_s", self.control_period_s) or LONGEST_CONTROL_PERIOD_S
         if isinstance(drive, DriveDocument):
             period = drive.control_period_s or period
         if period != self.control_period_s:

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Mapping
 from dataclasses import fields
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Final, Literal, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.converter_ranges import ConverterRanges, converter_ranges
@@ -140,6 +140,15 @@ class HallSensors(Section):
     converter_bits: ConverterBits = 10
 
 
+_ACTS_WITH: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
+    "settling_s": ("shunts", ("low-side", "link")),
+    **dict.fromkeys(("encoder_lines", "encoder_error_deg", "speed_window_s"), ("position", ("encoder",))),
+    **dict.fromkeys(("placement_error_deg", "hysteresis_deg"), ("position", ("hall",))),
+    "clock_s": ("position", ("encoder", "hall")),
+}
+"""Keys of shunts that act only with some values of another key."""
+
+
 class ShuntSensors(Section):
     """Shunts, an encoder or Hall switches, and converters, as drives have that are given duty ratios.
 
@@ -179,6 +188,19 @@ class ShuntSensors(Section):
     voltage_range_v: VoltageRange = None
     voltage_noise_v: VoltageNoise = None
     converter_bits: ConverterBits = 12
+
+    @model_validator(mode="after")
+    def _stated_keys_act(self) -> Self:
+        for key, (other, values) in _ACTS_WITH.items():
+            value, chosen = getattr(self, key), getattr(self, other)
+            # A default that is written out, as in a stored scenario, is as good as one that is left out.
+            if chosen not in values and value != type(self).model_fields[key].default:
+                others = "' or '".join(values)
+                raise ValueError(
+                    f"the key '{key}' is {value:g}, but must be left out where '{other}' is '{chosen}'; it acts only "
+                    f"with '{others}'"
+                )
+        return self
 
 
 def _by_kind(value: Any) -> Any:

@@ -138,6 +138,7 @@ def _options(scenario: Scenario, sensors: Any) -> dict[str, Any]:
         "duration": scenario.duration_s,
         "initial_speed": scenario.initial_speed_rpm * RADIANS_PER_RPM,
         "initial_angle": math.radians(scenario.initial_angle_deg),
+        "clock_start": scenario.clock_start_s,
         "torque_reference": torque,
         "sensors": sensors,
     }

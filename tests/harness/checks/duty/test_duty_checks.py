@@ -322,9 +322,13 @@ def test_sensors_without_errors_show_the_plant_as_it_is(
     run: Run, interior: PmAcDocument, shunts: str, position: str
 ) -> None:
     keys: dict[str, Any] = {"current_gain_spread": 0.0, "current_offset_a": 0.0, "current_noise_a": 0.0}
-    keys |= {"voltage_noise_v": 0.0, "converter_bits": 24, "encoder_lines": 100_000}
-    keys |= {"placement_error_deg": 0.0, "hysteresis_deg": 0.0, "shunts": shunts, "position": position}
-    record = run(through(interior, **keys))
+    keys |= {"voltage_noise_v": 0.0, "converter_bits": 24, "shunts": shunts, "position": position}
+    without_errors = {
+        "encoder": {"encoder_lines": 100_000},
+        "hall": {"placement_error_deg": 0.0, "hysteresis_deg": 0.0},
+        "exact": {},
+    }
+    record = run(through(interior, **keys, **without_errors[position]))
     ideal = run(through(interior).replaced(sensors="ideal"))
     for seen, true in zip(record.steady, ideal.steady, strict=True):
         assert seen.torque == pytest.approx(true.torque, rel=5e-3)
