@@ -29,6 +29,7 @@ from drivegate_models.pm_ac.failure import (
 from drivegate_models.pm_ac.loop_records import DutyRecords, keep_period
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, stored_energy
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, alignment_of, drifted
+from drivegate_models.pm_ac.rectifying import settle_rectifying
 from drivegate_models.pm_ac.sensing import (
     EXACT,
     DutySensors,
@@ -67,11 +68,11 @@ class DutyRoom(NamedTuple):
     course_positions: NDArray[np.int64]
     period: NDArray[np.float64]
     ratios: NDArray[np.float64]
-    """Duty ratios to act, shape (2, 3): now, and after the delay."""
+    """Duty ratios to act, shape (2, 3): now, and after the delay; zeros before the first answer."""
     legs: NDArray[np.int64]
-    """States of the legs likewise."""
+    """States of the legs likewise, `LEG_OFF` before the first answer."""
     last: NDArray[np.float64]
-    """Duty ratios of the period just ended, shape (3,)."""
+    """Duty ratios of the period just ended, shape (3,), as `low_side_ratio` returns them."""
 
 
 @inlined
@@ -110,8 +111,28 @@ def _turn_sensors(sensors: DutySensors, failure: Failure, step: int, length: flo
     turn_shaft_sensors(sensors, step, step * length, length, shown)
 
 
+@inlined
+def _settle_before_start(
+    drive: PmAcDrive, phases: PmAcPhases, load: Load, schedule: Schedule, timing: DutyTiming, room: DutyRoom
+) -> int:
+    """Bring the machine to its steady state with the legs off, at the speed at which the run begins."""
+    begin = conditions_at(schedule, room.course_positions, 0.0)
+    speed = begin.speed_reference if load.kind == LOCKED else timing.initial_speed
+    return settle_rectifying(
+        drifted(drive, begin.resistance_factor, begin.emf_factor),
+        phases,
+        timing.initial_angle,
+        speed,
+        2.0 * begin.supply,
+        timing.control_period,
+        room.ratios[0],
+        room.legs[0],
+        room.period,
+    )
+
+
 @unallocating
-def run_periods(
+def _run_on(
     drive: PmAcDrive,
     phases: PmAcPhases,
     load: Load,
@@ -124,38 +145,7 @@ def run_periods(
     failure: Failure,
     records: DutyRecords,
 ) -> tuple[int, int]:
-    """Run a controller against the plant.
-
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    phases : PmAcPhases
-        State of machine, bridge and modulator.
-    load : Load
-        What the drive turns.
-    schedule : Schedule
-        What happens; its supply is half of the link's voltage, and its speed the reference.
-    torque : Course
-        Reference of the torque (N m).
-    exchange : DutyExchange
-        The controller, and the records shared with it.
-    timing : DutyTiming
-        Control period and start.
-    room : DutyRoom
-        Room for computations.
-    sensors : DutySensors
-        What the controller sees through.
-    failure : Failure
-        What fails.
-    records : DutyRecords
-        Filled in.
-
-    Returns
-    -------
-    status, steps : int
-        `COMPLETED` or why the run ended early, and the control periods that were run.
-    """
+    """Run the control periods of a run whose machine is in its first state, as `run_periods` does."""
     length = timing.control_period
     period = room.period
     inertia = drive.inertia + load.inertia
@@ -238,3 +228,59 @@ def run_periods(
     observed[0].steps = timing.steps
     observed[0].speed_final = speed
     return COMPLETED, timing.steps
+
+
+@unallocating
+def run_periods(
+    drive: PmAcDrive,
+    phases: PmAcPhases,
+    load: Load,
+    schedule: Schedule,
+    torque: Course,
+    exchange: DutyExchange,
+    timing: DutyTiming,
+    room: DutyRoom,
+    sensors: DutySensors,
+    failure: Failure,
+    records: DutyRecords,
+) -> tuple[int, int]:
+    """Run a controller against the plant.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    phases : PmAcPhases
+        State of machine, bridge and modulator.
+    load : Load
+        What the drive turns.
+    schedule : Schedule
+        What happens; its supply is half of the link's voltage, and its speed the reference.
+    torque : Course
+        Reference of the torque (N m).
+    exchange : DutyExchange
+        The controller, and the records shared with it.
+    timing : DutyTiming
+        Control period and start.
+    room : DutyRoom
+        Room for computations.
+    sensors : DutySensors
+        What the controller sees through.
+    failure : Failure
+        What fails.
+    records : DutyRecords
+        Filled in.
+
+    Returns
+    -------
+    status, steps : int
+        `COMPLETED` or why the run ended early, and the control periods that were run.
+
+    Notes
+    -----
+    The legs are off until the first answer acts. The machine begins in the steady state that it has then: without
+    current, or with that of the diodes. What leads to this state is no part of the run.
+    """
+    if _settle_before_start(drive, phases, load, schedule, timing, room):
+        return PLANT_FAULT, 0
+    return _run_on(drive, phases, load, schedule, torque, exchange, timing, room, sensors, failure, records)

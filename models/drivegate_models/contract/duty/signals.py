@@ -63,7 +63,7 @@ class DutySense(NamedTuple):
 
 
 class DutyCommand(NamedTuple):
-    """What a controller answers; it acts `update_delay` periods later.
+    """What a controller answers; it acts `update_delay` periods later, and all legs are off until the first one acts.
 
     Attributes
     ----------

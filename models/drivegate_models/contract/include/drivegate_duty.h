@@ -3,7 +3,8 @@
  *
  * Once per control period the controller senses the phase currents, the angle and the speed of the shaft and the
  * voltage of the dc link, and answers with the duty ratios of the three upper switches. They act update_delay control
- * periods later. Modulator, dead time and gates belong to the plant.
+ * periods later. All legs are off until the first answer acts, so a machine that already turns carries no current then,
+ * unless its EMF exceeds the link and the diodes rectify. Modulator, dead time and gates belong to the plant.
  *
  * A candidate exports drivegate_abi_version and drivegate_state_size, which drivegate.h declares, and the two functions
  * at the end of this file in place of drivegate_reset and drivegate_step. A whole controller may be as small as this,
