@@ -12,7 +12,7 @@ from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of, mean_time
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
 from drivegate_cases.scenario.sensors import has_encoder, real_sensors
 
 TEXTS: Final = ("requirement", "limit", "scenarios", "formula", "why")
@@ -89,17 +89,24 @@ def duty_numbers(drive: PmAcDocument) -> dict[str, str]:
         "weakening": _percent(limits.weakening_share),
         "direct_error": f"{limits.direct_error_a:.4g} A",
         "peak": f"{limits.peak_current_a:.4g} A",
-        "braking": f"{limits.braking_torque_nm:.4g} N·m",
+        "weakening_voltage": _percent(limits.weakening_voltage),
+        "braking": _percent(limits.braking),
         "current_excess": _percent(limits.current_excess),
         "loss_excess": _percent(limits.loss_excess),
         "overshoot": _percent(limits.overshoot),
         "coupling": _percent(limits.coupled_current),
-        "safe_time": f"{tidy(_KILO * limits.safe_state_s):g} ms",
+        "safe_time": _safe_time(limits),
         "failure_torque": f"{limits.failure_torque_nm:.4g} N·m",
         "dead_time_ripple": f"{limits.dead_time_ripple:g}",
         "modulation_ripple": f"{limits.modulation_ripple:g}",
         "rise": f"90 % within {tidy(_KILO * limits.rise_time_s):g} ms and what the voltage takes",
     }
+
+
+def _safe_time(limits: DutyLimits) -> str:
+    """Write the time to the safe state, and that with a locked rotor where it is another one."""
+    every, locked = (f"{_KILO * time:.4g} ms" for time in (limits.safe_state_s, limits.safe_state_locked_s))
+    return every if every == locked else f"{every} ({locked} with a locked rotor)"
 
 
 def _percent(share: float) -> str:

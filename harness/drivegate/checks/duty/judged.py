@@ -35,9 +35,14 @@ def worst(margins: Iterable[Margin | None]) -> Margin | None:
     return min(known, key=lambda margin: margin.value, default=None)
 
 
-def is_within_reach(record: DutyRecord, window: DutyWindow, torque: float) -> bool:
-    """Tell whether a torque lies as far below the greatest possible as weakening is allowed to stay."""
-    greatest = greatest_at(plant_of(record), window.speed, window.link).torque
+def greatest_required(record: DutyRecord, speed: float, link: float) -> float:
+    """Return the greatest torque with the voltage that a controller must use (N·m); NaN where there is none."""
+    return greatest_at(plant_of(record), speed, record.limits.weakening_voltage * link).torque
+
+
+def is_within_reach(record: DutyRecord, speed: float, link: float, torque: float) -> bool:
+    """Return True if a controller must reach a torque at a speed and a link voltage."""
+    greatest = greatest_required(record, speed, link)
     return isfinite(greatest) and abs(torque) <= record.limits.weakening_share * greatest
 
 

@@ -27,11 +27,12 @@ from drivegate.scenarios.duty.drawn_range import (
     SHARE_STEP,
     TURNING_SHARE,
 )
-from drivegate.scenarios.duty.failures import FAILURE_SPEED_SHARE, FAILURE_TORQUE_SHARE
+from drivegate.scenarios.duty.failures import FAILURE_TORQUE_SHARE
 from drivegate.scenarios.duty.fixed import START_ANGLES_DEG
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.failure_kind import FAILURE_KINDS, PHASED, FailureKind
 from drivegate_cases.scenario.reference import Reference
 from drivegate_cases.scenario.scenario import Scenario

@@ -6,7 +6,8 @@ from typing import Final
 
 from drivegate.scenarios.drawn_range import NONE, DrawnRange, Interval
 from drivegate.scenarios.drive_scale import rated_torque_at
-from drivegate.scenarios.duty.failures import FAILURE_SPEED_SHARE, FAILURE_TORQUE_SHARE
+from drivegate.scenarios.duty.failures import FAILURE_TORQUE_SHARE
+from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import ShuntSensors

@@ -6,12 +6,11 @@ from typing import Final
 
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
 
-FAILURE_SPEED_SHARE: Final = 0.2
-"""Least speed at which something fails, over base speed: below, a phase takes too long to be missed (1)."""
 FAILURE_TORQUE_SHARE: Final = 0.3
 """Least torque under which something fails, over rated torque: without a current no phase or sensor is missed (1)."""
 _ROUNDING: Final = 0.01

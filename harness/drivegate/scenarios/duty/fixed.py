@@ -17,9 +17,9 @@ from drivegate.scenarios.duty.building import (
     with_edges,
 )
 from drivegate.scenarios.duty.drawn_range import BEYOND_SHARE
-from drivegate.scenarios.duty.failures import FAILURE_SPEED_SHARE
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario

@@ -31,6 +31,8 @@ from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
 from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import ShuntSensors
+from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
+from drivegate_models.units import RADIANS_PER_RPM
 
 DRIVES = [drive for name in drive_names() if isinstance(drive := load_drive(name), PmAcDocument)]
 INTERIOR = next(drive for drive in DRIVES if drive.name == "pm-ac-interior")
@@ -121,6 +123,31 @@ def test_nobody_is_judged_on_a_failure_that_may_not_show(
     run = held if reference == "torque" else speed_scenario(INTERIOR, (speed,), torque_nm=torque)
     found = unfair_because(failing(run, "open-phase", 0.5 * run.duration_s))
     assert found is None if reason is None else reason in str(found)
+
+
+def test_a_start_whose_diodes_drive_too_much_current_is_set_aside() -> None:
+    top = INTERIOR.rating.highest_speed_rpm
+    start = torque_scenario(INTERIOR, top, (0.0,))
+    assert unfair_because(start) is None, "the diodes conduct, but within the limit"
+    weak = start.replaced(drive=INTERIOR.replaced(peak_current_percent=100.0, current_limit_a=2.0))
+    reason = "it begins so fast that the current through the diodes alone exceeds the limit of OVC-1"
+    assert unfair_because(weak) == reason
+    free = speed_scenario(weak.drive, (top,), initial_speed_rpm=top)  # type: ignore[arg-type]
+    assert unfair_because(free) == reason
+    ramped = speed_scenario(weak.drive, (top,), initial_speed_rpm=0.0)  # type: ignore[arg-type]
+    assert unfair_because(ramped) != reason
+
+
+def test_a_load_that_only_the_whole_voltage_can_drive_is_unfair() -> None:
+    """Between both limits of a drive whose torque falls steeply with the voltage."""
+    msl = next(drive for drive in DRIVES if drive.name == "pm-ac-msl")
+    top = msl.rating.highest_speed_rpm
+    plant = msl.plant()
+    greatest = greatest_torque(plant, undistorted_limits(plant), top * RADIANS_PER_RPM).torque
+    run = speed_scenario(msl, (top,), torque_nm=round(0.9 * greatest, 3))
+    assert unfair_because(run) is not None
+    strict = msl.replaced(weakening_voltage_percent=100.0)
+    assert unfair_because(run.replaced(drive=strict)) is None
 
 
 def test_an_unknown_plant_is_not_taken_over_at_full_speed() -> None:
