@@ -14,7 +14,6 @@ from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.failure_kind import PHASED
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_cases.scenario.sensors import SHUNTS
 from drivegate_models.units import RADIANS_PER_RPM
 
 PLAIN_RUN: Final = "the plain run"
@@ -102,13 +101,15 @@ def _sensors(scenario: Mapping[str, Any]) -> Iterator[str]:
     sensors, seed = scenario["sensors"], scenario.get("seed", 0)
     kind = sensors if isinstance(sensors, str) else sensors["kind"]
     if kind != "ideal":
-        switches = " with Hall switches" if kind == "shunts" and _position(sensors) == "hall" else ""
+        switches = " with Hall switches" if kind == "shunts" and _position(scenario) == "hall" else ""
         yield f"{kind} sensors{switches}" + (f" of seed {seed}" if seed else "")
 
 
-def _position(sensors: Any) -> str:
-    """Name what gives angle and speed of a shaft seen with shunts."""
-    return str(SHUNTS.position if isinstance(sensors, str) else sensors.get("position", SHUNTS.position))
+def _position(scenario: Mapping[str, Any]) -> str:
+    """Return what shows angle and speed of a shaft seen with shunts."""
+    sensors, stated = scenario["sensors"], (scenario["drive"].get("sensing") or {}).get("position", "exact")
+    own = "encoder" if stated == "exact" else stated
+    return str(own if isinstance(sensors, str) else sensors.get("position", own))
 
 
 def _speed(scenario: Mapping[str, Any]) -> Iterator[str]:

@@ -205,10 +205,14 @@ class Scenario(Document):
             raise ValueError(
                 f'the key \'failure\' is for drives of the kind "{PM_AC}", but this one\'s kind is "{self.drive.kind}"'
             )
-        if self.failure is not None and self.failure.kind == "lost-edge" and not has_edges(self.sensors):
+        if (
+            self.failure is not None
+            and self.failure.kind == "lost-edge"
+            and not has_edges(self.sensors, self.drive)
+        ):
             raise ValueError(
-                "the failure 'lost-edge' needs the sensors 'shunts' with the position 'encoder' or 'hall', since a "
-                "position that is shown as it is has no edges"
+                "the failure 'lost-edge' needs the sensors 'shunts' with the position 'encoder' or 'hall', or a drive "
+                "whose [sensing] states one of them, since an exact position has no edges"
             )
         if self.drive.kind == PM_AC:
             for key in ("restarts_s", "current_errors", "dropouts", "glitches"):

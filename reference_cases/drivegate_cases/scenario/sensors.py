@@ -2,14 +2,16 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import asdict
 from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.drive.converter_ranges import ConverterRanges, converter_ranges
+from drivegate_cases.drive.converter_ranges import converter_ranges
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.sensing import Position
 
 EncoderLines = Annotated[int, Field(ge=1, le=1_000_000, description="lines of the quadrature encoder a turn")]
 """Lines of an encoder."""
@@ -167,8 +169,10 @@ class ShuntSensors(Section):
         le=1e-3,
         description="time that a current must have flowed through a shunt to be seen, in seconds",
     )
-    position: Literal["exact", "encoder", "hall"] = Field(
-        default="encoder", description="what gives angle and speed of the shaft"
+    position: Position | None = Field(
+        default=None,
+        description="what shows angle and speed of the shaft, by default what the drive's `[sensing]` states, or else "
+        "an encoder",
     )
     encoder_lines: EncoderLines = 1024
     encoder_error_deg: float = Field(
@@ -221,7 +225,6 @@ SHUNTS = ShuntSensors(kind="shunts")
 PLAIN: Final[Mapping[str, Sensors]] = {plain.kind: plain for plain in (IDEAL, MCS96, HALL, SHUNTS)}
 """The sensors of each kind with all their defaults."""
 _PHASES_OF_HALL = 3
-_OF_CONVERTERS = tuple(field.name for field in fields(ConverterRanges))
 
 
 def real_sensors(drive: DriveDocument) -> Sensors:
@@ -240,9 +243,22 @@ def has_encoder(sensors: Sensors) -> bool:
     return isinstance(sensors, Mcs96Sensors)
 
 
-def has_edges(sensors: Sensors) -> bool:
-    """Tell whether a controller of duty ratios sees the shaft by the edges of an encoder or of Hall switches."""
-    return isinstance(sensors, ShuntSensors) and sensors.position != "exact"
+def stated_position(drive: DriveDocument) -> Position:
+    """Return what a drive shows of the shaft in every run."""
+    return drive.position if isinstance(drive, PmAcDocument) else "exact"
+
+
+def position_of(sensors: Sensors, drive: DriveDocument) -> Position:
+    """Return what shows the shaft to a controller of duty ratios."""
+    stated = stated_position(drive)
+    if not isinstance(sensors, ShuntSensors):
+        return stated
+    return sensors.position or ("encoder" if stated == "exact" else stated)
+
+
+def has_edges(sensors: Sensors, drive: DriveDocument) -> bool:
+    """Return True if a controller of duty ratios sees the shaft by the edges of an encoder or of Hall switches."""
+    return position_of(sensors, drive) != "exact"
 
 
 def counted_s(sensors: Mcs96Sensors | HallSensors | ShuntSensors, electrical_speed: float) -> float:
@@ -261,6 +277,9 @@ def refusal(sensors: Sensors, drive: DriveDocument) -> str | None:
     if (drive.kind == PM_AC) != isinstance(sensors, ShuntSensors):
         own = "ideal or shunts" if drive.kind == PM_AC else "ideal, mcs96 or hall"
         return f"the sensors '{sensors.kind}' are for other kinds of drives; one of the kind \"{drive.kind}\" has {own}"
+    stated = stated_position(drive)
+    if isinstance(sensors, ShuntSensors) and stated not in ("exact", position_of(sensors, drive)):
+        return f"its 'position' is '{sensors.position}', but the drive's [sensing] states '{stated}' for every run"
     phases = drive.machine.phases
     if not isinstance(sensors, HallSensors) or phases == _PHASES_OF_HALL:
         return None
@@ -268,18 +287,23 @@ def refusal(sensors: Sensors, drive: DriveDocument) -> str | None:
 
 
 def fitted(sensors: Sensors, drive: DriveDocument) -> Sensors:
-    """Take the ranges and errors of the drive's converters where none are stated."""
-    if isinstance(sensors, IdealSensors):
-        return sensors
-    missing = [key for key in _OF_CONVERTERS if getattr(sensors, key) is None]
-    ranges = converter_ranges(drive)
-    return sensors.model_copy(update={key: getattr(ranges, key) for key in missing})
+    """Take what follows from the drive where nothing is stated."""
+    own = _of_drive(sensors, drive)
+    return sensors.model_copy(
+        update={key: value for key, value in own.items() if getattr(sensors, key) is None}
+    )
 
 
 def unfitted(sensors: Sensors, drive: DriveDocument) -> Sensors:
-    """Leave out the ranges and errors that are those of the drive's converters."""
+    """Leave out what follows from the drive."""
+    own = _of_drive(sensors, drive)
+    same = [key for key, value in own.items() if getattr(sensors, key) == value]
+    return sensors.model_copy(update=dict.fromkeys(same))
+
+
+def _of_drive(sensors: Sensors, drive: DriveDocument) -> dict[str, Any]:
+    """Return the ranges and errors of the drive's converters, and what shows its shaft."""
     if isinstance(sensors, IdealSensors):
-        return sensors
-    ranges = converter_ranges(drive)
-    own = [key for key in _OF_CONVERTERS if getattr(sensors, key) == getattr(ranges, key)]
-    return sensors.model_copy(update=dict.fromkeys(own))
+        return {}
+    own = asdict(converter_ranges(drive))
+    return own | {"position": position_of(SHUNTS, drive)} if isinstance(sensors, ShuntSensors) else own

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Final, Literal
+from typing import Final
 
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.duty.windows import WINDOW_SHARE, run_up_s
@@ -13,6 +13,7 @@ from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_cases.drive.pm_ac.sensing import Position
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
@@ -120,7 +121,12 @@ def failing(run: Scenario, kind: FailureKind, time_s: float, phase: int = 1) -> 
     return titled(run.replaced(failure={"kind": kind, "time_s": time, "phase": phase}))
 
 
-def with_edges(run: Scenario, position: Literal["encoder", "hall"], seed: int) -> Scenario:
+def edge_positions(drive: PmAcDocument) -> tuple[Position, ...]:
+    """Return what may show edges of the shaft that can be lost: what the drive states, or else any kind."""
+    return ("encoder", "hall") if drive.position == "exact" else (drive.position,)
+
+
+def with_edges(run: Scenario, position: Position, seed: int) -> Scenario:
     """See the shaft of a run by the edges of an encoder, or of Hall switches."""
     sensors = SHUNTS.model_copy(update={"position": position})
     return titled(run.replaced(sensors=sensors, seed=seed))

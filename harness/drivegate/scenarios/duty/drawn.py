@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import tidy
 from drivegate.scenarios.duty.building import (
+    edge_positions,
     failing,
     load_step_scenario,
     speed_scenario,
@@ -276,7 +277,7 @@ def failure_scenarios(
         run = held if reference == "torque" else speed_scenario(drive, (speed,), torque_nm=torque)
         if kind == "lost-edge":
             # The number of a phase, which an edge has none of, tells whose edge it is.
-            seen = with_edges(run, "encoder" if phase == 1 else "hall", seed)
+            seen = with_edges(run, edge_positions(drive)[0 if phase == 1 else -1], seed)
         else:
             seen = with_real_sensors(run, seed) if seed else run
         time = (0.5 + _PART * part) * run.duration_s

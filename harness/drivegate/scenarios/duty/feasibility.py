@@ -14,9 +14,10 @@ from drivegate_cases.drive.data_sheet import USABLE_SHARE
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.drive.scales import NOMINAL
-from drivegate_cases.scenario.load import LockedLoad
+from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import stated_position
 from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.machine import ledger
 from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
@@ -39,11 +40,20 @@ def unfair_because(scenario: Scenario) -> str | None:
         return unnoticed
     if _rectified_current(scenario) > duty_limits_of(_document(scenario)).peak_current_a:
         return "it begins so fast that the current through the diodes alone exceeds the limit of OVC-1"
+    if _rests_by_hall_switches(scenario):
+        return "Hall switches show the angle of a shaft at rest no closer than 30 electrical degrees"
     if isinstance(scenario.load, LockedLoad):
         return None
     if not all(_is_driven(scenario, dwell) for dwell in duty_dwells(scenario)):
         return "at one of its operating points no currents within the limits give the torque"
     return None
+
+
+def _rests_by_hall_switches(scenario: Scenario) -> bool:
+    """Return True if a torque is requested at standstill of a drive that has Hall switches alone."""
+    is_dynamometer = isinstance(scenario.load, DynamometerLoad)
+    at_rest = is_dynamometer and any(speed == 0.0 for _, speed in scenario.speed_rpm)
+    return at_rest and stated_position(scenario.drive) == "hall"
 
 
 def _is_driven(scenario: Scenario, dwell: DutyDwell) -> bool:

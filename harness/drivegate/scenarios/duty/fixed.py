@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Final, Literal
+from typing import Final
 
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.duty.building import (
+    edge_positions,
     failing,
     load_step_scenario,
     speed_scenario,
@@ -30,8 +31,6 @@ START_SPEED_SHARE: Final = 0.2
 """Speed of a start over base speed (1)."""
 START_TORQUE_SHARE: Final = 0.5
 """Load of a start over rated torque (1)."""
-POSITIONS: Final[tuple[Literal["encoder", "hall"], ...]] = ("encoder", "hall")
-"""What gives edges that can be lost."""
 FAILURE_TIME_SHARE: Final = 0.6
 """When something fails, over the run's length (1)."""
 DEAD_TIME_SPEED_SHARE: Final = 0.08
@@ -74,7 +73,7 @@ def _failures(drive: PmAcDocument) -> list[Scenario]:
     torques = [torque_scenario(drive, speed, (torque_of(drive, speed, 0.5),)) for speed in (slow, base)]
     sensed = [*torques, *(with_real_sensors(run, 1) for run in torques)]
     kinds: tuple[FailureKind, ...] = ("open-phase", "stuck-current", "lost-position")
-    by_edges = [with_edges(run, position, 1) for run in torques for position in POSITIONS]
+    by_edges = [with_edges(run, position, 1) for run in torques for position in edge_positions(drive)]
     turning = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5))
     start = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5), initial_speed_rpm=0.0)
     return [

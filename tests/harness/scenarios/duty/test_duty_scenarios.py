@@ -174,6 +174,7 @@ def test_a_scenario_can_be_made_simpler_down_to_one_torque() -> None:
 def position(run: Scenario) -> str:
     """Return what gives the position in a run with shunts."""
     assert isinstance(run.sensors, ShuntSensors)
+    assert run.sensors.position is not None
     return run.sensors.position
 
 
