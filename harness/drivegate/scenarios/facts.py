@@ -13,7 +13,7 @@ from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.failure_kind import PHASED
-from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
 PLAIN_RUN: Final = "the plain run"
@@ -92,9 +92,10 @@ def _load(scenario: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _control_period(scenario: Mapping[str, Any]) -> Iterator[str]:
-    """Tell of a control period that is not the drive's own."""
-    if scenario["drive"]["kind"] != PM_AC:
-        yield from _other("control_period_s", scenario["control_period_s"])
+    """Name a control period that the scenario chooses; that of a PM AC drive follows from its carrier."""
+    period = scenario["control_period_s"]
+    if scenario["drive"]["kind"] != PM_AC and period != LONGEST_CONTROL_PERIOD_S:
+        yield f"control period s {period:g}"
 
 
 def _sensors(scenario: Mapping[str, Any]) -> Iterator[str]:

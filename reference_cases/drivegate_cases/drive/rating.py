@@ -36,14 +36,14 @@ class Rating(Section):
     rated_power_w: float = Field(
         gt=0.0,
         le=1e9,
-        description="rated power at the shaft, in watts; where it is left out, 92 % of the power that "
-        "continuous_current_a produces at every speed from base speed to the highest",
+        description="rated power at the shaft, in watts; by default 92 % of what continuous_current_a produces from "
+        "base speed to the highest",
     )
     current_limit_a: float = Field(
         gt=0.0,
         le=1e5,
-        description="greatest current reference, in ampere, peak value of a phase; where it is left out, "
-        "peak_current_a, or continuous_current_a if that is left out too",
+        description="greatest current reference, in ampere, peak value of a phase; by default peak_current_a, or else "
+        "continuous_current_a",
     )
     continuous_current_a: float | None = Field(
         default=None,

@@ -195,16 +195,24 @@ class ShuntSensors(Section):
 
     @model_validator(mode="after")
     def _stated_keys_act(self) -> Self:
-        for key, (other, values) in _ACTS_WITH.items():
-            value, chosen = getattr(self, key), getattr(self, other)
-            # A default that is written out, as in a stored scenario, is as good as one that is left out.
-            if chosen not in values and value != type(self).model_fields[key].default:
-                others = "' or '".join(values)
-                raise ValueError(
-                    f"the key '{key}' is {value:g}, but must be left out where '{other}' is '{chosen}'; it acts only "
-                    f"with '{others}'"
-                )
+        if (idle := _key_without_effect(self)) is not None:
+            raise ValueError(idle)
         return self
+
+
+def _key_without_effect(sensors: ShuntSensors) -> str | None:
+    """Return the sentence that refuses a key which does not act with the values of the others."""
+    for key, (other, values) in _ACTS_WITH.items():
+        value, chosen = getattr(sensors, key), getattr(sensors, other)
+        # A default that is written out, as in a stored scenario, is as good as one that is left out. What is left to
+        # the drive is known once the sensors are fitted to it.
+        if chosen is not None and chosen not in values and value != type(sensors).model_fields[key].default:
+            others = "' or '".join(values)
+            return (
+                f"the key '{key}' is {value:g}, but must be left out where '{other}' is '{chosen}'; it acts only "
+                f"with '{others}'"
+            )
+    return None
 
 
 def _by_kind(value: Any) -> Any:
@@ -280,6 +288,8 @@ def refusal(sensors: Sensors, drive: DriveDocument) -> str | None:
     stated = stated_position(drive)
     if isinstance(sensors, ShuntSensors) and stated not in ("exact", position_of(sensors, drive)):
         return f"its 'position' is '{sensors.position}', but the drive's [sensing] states '{stated}' for every run"
+    if isinstance(sensors, ShuntSensors):
+        return _key_without_effect(sensors)
     phases = drive.machine.phases
     if not isinstance(sensors, HallSensors) or phases == _PHASES_OF_HALL:
         return None

@@ -121,7 +121,7 @@ def test_a_rating_without_any_current_or_power_names_what_is_missing(refusal: Ca
     message = refusal(parsed, "pm-ac-interior", "rated_power_w", "current_limit_a")
     assert "'rating.rated_power_w' is missing" in message
     assert "'rating.current_limit_a' is missing" in message
-    assert "peak_current_a, or continuous_current_a" in message
+    assert "peak_current_a, or else continuous_current_a" in message
 
 
 def test_a_current_that_produces_no_power_at_the_highest_speed_is_refused(

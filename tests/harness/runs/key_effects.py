@@ -245,6 +245,7 @@ _DRIVE: Final[dict[str, Effect]] = {
     "drive.inverter.counter_levels": Runs(50),
     "drive.inverter.dead_time_s": Runs(5e-6),
     "drive.inverter.minimum_pulse_s": Runs(2e-5),
+    "drive.sensing.position": Runs("hall"),
     "drive.rating.base_speed_rpm": Nameplate(1500.0),
     "drive.rating.highest_speed_rpm": Nameplate(5000.0),
     "drive.rating.overspeed_rpm": Plans(9999.0),
@@ -274,6 +275,7 @@ _DRIVE: Final[dict[str, Effect]] = {
             "least_current_percent": 3.0,
             "least_loss_percent": 3.0,
             "weakening_torque_percent": 83.0,
+            "weakening_voltage_percent": 83.0,
             "direct_current_percent": 13.0,
             "braking_torque_percent": 33.0,
             "safe_state_ms": 33.0,
@@ -305,6 +307,7 @@ _OTHERS_ALONE: Final = {
     "sensors[shunts]": ("sensors", "'shunts'", "mcs96"),
     "load[dynamometer]": ("'dynamometer'", '"pm-ac"'),
     "failure": ("failure", '"pm-ac"'),
+    "drive.sensing": ("drive.sensing", "unknown"),
 }
 _REFUSED_TABLES: Final[dict[str, dict[str, tuple[str, ...]]]] = {
     "half-bridge": _OTHERS_ALONE,

@@ -37,7 +37,7 @@ from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.failure_kind import FAILURE_KINDS, PHASED, FailureKind
 from drivegate_cases.scenario.reference import Reference
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_cases.scenario.sensors import SHUNTS
+from drivegate_cases.scenario.sensors import SHUNTS, position_of
 
 Family: TypeAlias = Callable[[PmAcDocument], st.SearchStrategy[Scenario]]
 """From a drive to scenarios of one kind."""
@@ -226,13 +226,16 @@ def sensor_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     -------
     SearchStrategy
         Of scenarios with steps of the speed or of the load at 10 % of base speed and more, seen through shunts in line
-        or below the lower switches, the latter up to base speed, and an encoder of 256 to 4096 lines.
+        or below the lower switches, the latter up to base speed, and an encoder of 256 to 4096 lines or what the
+        drive states.
     """
+    has_encoder = position_of(SHUNTS, drive) == "encoder"
     return st.builds(
         lambda run, shunts, lines, seed: titled(
             run.replaced(
                 sensors=SHUNTS.model_copy(
-                    update={"shunts": _possible(drive, run, shunts), "encoder_lines": lines}
+                    update={"shunts": _possible(drive, run, shunts)}
+                    | ({"encoder_lines": lines} if has_encoder else {})
                 ),
                 seed=seed,
             )
