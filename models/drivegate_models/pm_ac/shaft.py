@@ -48,21 +48,3 @@ def speed_change(
     if speed < 0.0:
         return min(backward, -speed) if driving <= opposing else backward
     return max(forward, 0.0) + min(backward, 0.0)
-
-
-def shaft_angles(electrical: NDArray[np.float64], pole_pairs: int) -> NDArray[np.float64]:
-    """Return the shaft's angles from the electrical ones of control periods that follow each other.
-
-    Parameters
-    ----------
-    electrical : ndarray, shape (n,)
-        Electrical angles of a run from its start, within one cycle (rad).
-    pole_pairs : int
-        Pole pairs of the machine.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Angles of the shaft, within one turn (rad).
-    """
-    return (np.unwrap(electrical) / pole_pairs) % (2.0 * np.pi)

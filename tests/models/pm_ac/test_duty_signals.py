@@ -16,10 +16,9 @@ from tests.models.pm_ac.test_sensing import HALL_STATES, converters, encoder, ha
 
 from drivegate_models.contract.duty.records import DUTY_SENSE
 from drivegate_models.loop.schedule import Course, Schedule, steady
-from drivegate_models.machine.rotor_frame import phase_currents
+from drivegate_models.machine.rotor_frame import phase_currents, shaft_angles
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, make_pm_ac_drive
 from drivegate_models.pm_ac.sensing import DutySensors, real_duty_sensors
-from drivegate_models.pm_ac.shaft import shaft_angles
 
 TURN: Final = 2.0 * pi
 STEPS: Final = 720

@@ -19,8 +19,7 @@ from drivegate.runs.record import RunRecord
 from drivegate.runs.timed_steps import TIMED_STEPS
 from drivegate_models.contract.duty.records import DUTY_SENSE
 from drivegate_models.loop.given_duty_steps import given_duty_steps, make_duty_steps
-from drivegate_models.machine.rotor_frame import phase_currents
-from drivegate_models.pm_ac.shaft import shaft_angles
+from drivegate_models.machine.rotor_frame import phase_currents, shaft_angles
 
 _ROUNDS: Final = 5
 
