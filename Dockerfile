@@ -13,10 +13,10 @@ COPY harness /source/harness
 COPY reports /source/reports
 RUN python -m pip install --no-cache-dir /source pytest && rm -rf /source
 
-# Compiled once, here. On a processor of another kind it is compiled anew, so that the folder stays open to all.
+# Compiled once, here, and closed to all others: who runs the image copies it, and compiles again on another processor.
 ENV DRIVEGATE_CACHE=/var/cache/drivegate HOME=/tmp
 RUN python -c "from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds; compile_kernels(uncompiled_kinds())" \
-    && chmod -R a+rwX /var/cache/drivegate
+    && chmod -R a+rX,go-w /var/cache/drivegate
 
 USER 65534:65534
 WORKDIR /work

@@ -13,11 +13,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from pydantic.fields import FieldInfo
+
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import told_on
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
-from drivegate.contracts.current.coverage import (
+from drivegate.contracts.coverage import (
     JUDGED,
     NOT_VARIED,
     SENSED,
@@ -33,6 +35,7 @@ from drivegate.drives.drawn_kinds import DRAWN_KINDS
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.rating import FOLLOWING
 from drivegate_cases.scenario.sensors import PLAIN
 
 DOCS: Final = Path(__file__).parent
@@ -207,12 +210,16 @@ def drive_keys(kind: str) -> str:
     document = DriveDocument.of_kind({"kind": kind}) if kind else DriveDocument
     tables = document.tables
     rows = [
-        (f"`{prefix}{key}`", _plain(field.description or ""), _left_out(field.is_required(), field.default))
+        (f"`{prefix}{key}`", _plain(field.description or ""), _left_out_of_drive(key, field))
         for prefix, model in (("", document), *((f"{name}.", table) for name, table in tables.items()))
         for key, field in model.model_fields.items()
         if key not in DriveDocument.tables and field.alias is None
     ]
     return _table(("key", "is", "left out"), rows)
+
+
+def _left_out_of_drive(key: str, field: FieldInfo) -> str:
+    return "follows" if key in FOLLOWING else _left_out(field.is_required(), field.default)
 
 
 def _left_out(required: bool, default: object) -> str:

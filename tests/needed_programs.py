@@ -1,12 +1,12 @@
-"""Tests that need a program which no Python package brings are left out where it is missing, and that is said."""
+"""Tests that need a program which no Python package brings are left out, and named, where it does not work."""
 
 from __future__ import annotations
 
 import shutil
 from functools import cache
-from pathlib import Path
 
 import pytest
+from tests.working_programs import works
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 TOLD = {
@@ -17,11 +17,11 @@ TOLD = {
 
 @cache
 def found(program: str) -> str | None:
-    """Find a program; the first browser that there is."""
+    """Find a program that works; the first browser that does."""
     if program != "browser":
-        return shutil.which(program)
-    installed = next(filter(None, map(shutil.which, BROWSERS)), None)
-    return installed or _browser_of_playwright()
+        return shutil.which(program) if works(program) else None
+    installed = next(filter(works, BROWSERS), None)
+    return _browser_of_playwright() if installed is None else shutil.which(installed)
 
 
 def _browser_of_playwright() -> str | None:
@@ -29,7 +29,7 @@ def _browser_of_playwright() -> str | None:
 
     with sync_playwright() as playwright:
         path = playwright.chromium.executable_path
-    return path if Path(path).is_file() else None
+    return path if works(path) else None
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -77,7 +77,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
     if missing and not config.getoption("--require-programs"):
         for told in missing:
             terminalreporter.write_line(
-                f"left out: every test that needs {told}, which is not here", yellow=True
+                f"left out: every test that needs {told}, which is missing or does not work", yellow=True
             )
         terminalreporter.write_line(
             "with it installed, `tox -e programs` runs these tests alone", yellow=True

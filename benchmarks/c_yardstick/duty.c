@@ -264,7 +264,7 @@ static void advance(const task *k, double angle, double speed, const double rati
 /* Run the loop; return the worst residual of the energy in a period over its throughput. */
 DRIVEGATE_EXPORT double duty_yardstick_run(const task *k, double *totals, double *rows) {
     double d = 0.0, q = 0.0, angle = 0.0, speed = k->speed, change = 0.0, worst = 0.0, stored = 0.0, sensed[3] = {0.0};
-    double ratios[2][3] = {{0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}};
+    double ratios[2][3] = {{0.0}};
     drivegate_duty_sense sense = {.struct_size = sizeof sense, .phase_currents = sensed, .hall = -1, .encoder_count = -1};
     for (int64_t n = 0; n < k->steps; n++) {
         sense.time = n * k->period;
@@ -277,7 +277,9 @@ DRIVEGATE_EXPORT double duty_yardstick_run(const task *k, double *totals, double
         memcpy(ratios[1], command.duty_ratios, sizeof ratios[1]);
         double period[ENTRIES] = {0.0};
         const double held = speed + 0.5 * change;
-        advance(k, angle, held, ratios[0], &d, &q, period);
+        /* Until the first answer acts all legs are off: no current flows, and the shaft supplies the core loss. */
+        const double flux = k->pole_pairs * k->flux, drag = n ? 0.0 : 1.5 * k->core * flux * flux * held;
+        if (n) advance(k, angle, held, ratios[0], &d, &q, period);
         const double now = 0.75 * (k->direct * d * d + k->quadrature * q * q), shaft = held * period[IMPULSE];
         const double net = period[UPPER] + period[LOWER];
         const double missing = net - k->resistance * period[SQUARE] - shaft - (now - stored);
@@ -297,7 +299,7 @@ DRIVEGATE_EXPORT double duty_yardstick_run(const task *k, double *totals, double
         angle -= 2 * PI * floor(angle * (0.5 / PI));
         const double c = cos(angle), s = sin(angle), ia = c * d - s * q, ib = s * d + c * q;
         for (int leg = 0; leg < 3; leg++) sensed[leg] = of_phase(leg, ia, ib);
-        const double driving = period[IMPULSE] / k->period - k->viscous * speed;
+        const double driving = period[IMPULSE] / k->period - drag - k->viscous * speed;
         change = (driving - k->load - k->friction) * k->period / k->inertia;
         speed += change;
         memcpy(ratios[0], ratios[1], sizeof ratios[0]);

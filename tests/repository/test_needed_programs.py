@@ -1,4 +1,4 @@
-"""What a machine without a browser or the Rust compiler is told by the two commands that run the tests."""
+"""The two commands that run the tests, on a machine without a working browser or Rust compiler."""
 
 from __future__ import annotations
 
@@ -53,16 +53,52 @@ def test_what_cannot_run_is_left_out_and_told(suite: Path) -> None:
     assert "`tox -e programs`" in shown
 
 
-def test_nothing_is_left_out_where_everything_is_there(suite: Path, tmp_path: Path) -> None:
-    programs = tmp_path / "programs"
-    programs.mkdir()
+# A compiler that compiles, as far as `works` looks, and a browser that starts.
+WORKING = """#!/bin/sh
+for word; do [ "$last" = -o ] && : > "$word"; last=$word; done
+"""
+BROKEN = "#!/bin/sh\necho 'error: no override and no default toolchain set' >&2\nexit 1\n"
+
+
+def programs(tmp_path: Path, content: str) -> Path:
+    folder = tmp_path / "programs"
+    folder.mkdir()
     for name in ("rustc", "chromium"):
-        (programs / name).write_text("#!/bin/sh\n", encoding="utf-8")
-        (programs / name).chmod(0o755)
-    code, shown = told(suite, path=programs)
+        (folder / name).write_text(content, encoding="utf-8")
+        (folder / name).chmod(0o755)
+    return folder
+
+
+def test_nothing_is_left_out_where_everything_is_there(suite: Path, tmp_path: Path) -> None:
+    path = programs(tmp_path, WORKING)
+    code, shown = told(suite, path=path)
     assert (code, "3 passed in" in shown, "left out" in shown) == (0, True, False), shown
-    code, shown = told(suite, "--require-programs", path=programs)
+    code, shown = told(suite, "--require-programs", path=path)
     assert (code, "2 passed, 1 deselected" in shown) == (0, True), shown
+
+
+def test_a_program_that_does_not_work_counts_as_missing(suite: Path, tmp_path: Path) -> None:
+    path = programs(tmp_path, BROKEN)
+    code, shown = told(suite, path=path)
+    assert (code, "1 passed, 2 deselected" in shown) == (0, True), shown
+    assert shown.count("which is missing or does not work") == 2
+    code, shown = told(suite, "--require-programs", path=path)
+    assert (code, "this test needs the Rust compiler (rustc)" in shown) == (1, True), shown
+
+
+def test_continuous_integration_installs_what_does_not_work(tmp_path: Path) -> None:
+    (tmp_path / "cc").write_text("#!/bin/sh\nexit 0\n", encoding="utf-8")
+    (tmp_path / "cc").chmod(0o755)
+    path = programs(tmp_path, BROKEN)
+    ended = subprocess.run(
+        [sys.executable, str(ROOT / "tests" / "working_programs.py"), "cc", "rustc", "chromium"],
+        env={"PATH": f"{tmp_path}:{path}"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert ended.stdout.split() == ["cc", "rustc", "chromium"], "a compiler that writes nothing does not work"
+    assert "tests/working_programs.py" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 
 def test_what_is_requested_by_name_fails_in_one_sentence(suite: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import tempfile
 import time
 from pathlib import Path
 from shlex import quote
@@ -72,6 +71,7 @@ def bench_outcome(
     output: Path | None,
 ) -> Outcome:
     """Measure what is chosen from a plan; compare and keep it where requested."""
+    from drivegate.containment.temporary_folder import temporary_folder
     from drivegate.studies.bench.plan import chosen
     from drivegate.studies.bench.record import bench_document, compared_with, load_now, read_bench, save_bench
     from drivegate.studies.bench.workbench import Workbench
@@ -84,8 +84,8 @@ def bench_outcome(
     from datetime import UTC, datetime
 
     began, started, load_before = time.monotonic(), datetime.now(UTC), load_now()
-    with tempfile.TemporaryDirectory(prefix="drivegate-bench-") as scratch:
-        rows = _measured(plan, Workbench(Path(scratch), quick))
+    with temporary_folder() as scratch:
+        rows = _measured(plan, Workbench(scratch, quick))
     document = bench_document(
         rows,
         command=_command(program, quick, cold, names),

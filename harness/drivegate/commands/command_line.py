@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -102,6 +103,13 @@ def command_line(context: click.Context) -> None:
         raise click.UsageError(f"a command is missing; there are {', '.join(COMMANDS)}", context)
 
 
+def _interrupt_when_ended() -> None:
+    """Answer the signals that end a process in an orderly way as Ctrl-C is answered, unless they are ignored."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, signal.default_int_handler)
+
+
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and leave the process with its exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
@@ -109,4 +117,5 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     def work() -> object:
         return command_line.main(words, prog_name="drivegate", standalone_mode=False)
 
+    _interrupt_when_ended()
     sys.exit(conducted(work, as_json=wants_json(words)))

@@ -38,9 +38,8 @@ DEFAULT_OUTPUT = "drivegate-comparison"
 @click.option(
     "--seed",
     type=click.IntRange(0, 2**63 - 1),
-    default=0,
-    show_default=True,
-    help="Seed of noise and of drawn plants.",
+    show_default="0",
+    help="Seed of noise, of drawn plants, and of the checks' search.",
 )
 @click.option(
     "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
@@ -53,10 +52,9 @@ DEFAULT_OUTPUT = "drivegate-comparison"
 )
 @click.option(
     "--cycle",
-    default="ece-15",
-    show_default=True,
+    show_default="ece-15",
     metavar="NAME|FILE",
-    help="A drive cycle that comes along, or a CSV file with time_s and speed_km_h.",
+    help="A built-in drive cycle, or a CSV file with time_s and speed_km_h; not for drives of duty ratios.",
 )
 @json_option
 def command(
@@ -64,10 +62,10 @@ def command(
     output: Path,
     drives: tuple[str, ...],
     effort: str,
-    seed: int,
+    seed: int | None,
     workers: int | None,
     checks: bool,
-    cycle: str,
+    cycle: str | None,
 ) -> Outcome:
     """Compare every CANDIDATE over the same operating points, disturbances, noise and drive cycle.
 

@@ -11,6 +11,7 @@ import click
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import chosen_drive, json_option, settings_option
 from drivegate.drives.kinds import DEFAULT_DRIVE
+from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -42,8 +43,8 @@ def command(
     """Show what a drive can do: one that comes along, or a TOML or JSON file.
 
     Torque and power at the current limit over speed, the angles that give rated power and what they cost, the line of
-    initial angles that follows, and what the drive's times mean for a controller. A rating that no controller can meet
-    is named with the nearest that can be met.
+    initial angles that follows, and what the drive's times mean for a controller. What a check
+    refuses of the drive is printed with the value that it accepts, and the exit code is then 2 as well.
 
     With --fit it shows instead which constants explain measured or published torques, with the uncertainty of each.
     """
@@ -76,7 +77,7 @@ def command(
 
         show_drive(console, document, quote(drive), required(chosen))
 
-    return Outcome(document, show)
+    return Outcome(document, show, ExitCode.REFUSED if document["unreachable"] else ExitCode.PASSED)
 
 
 def _fitted(chosen: DriveDocument, measured: Path, keep: tuple[str, ...], name: str) -> Outcome:

@@ -44,7 +44,7 @@ def command(file: Path, formats: tuple[str, ...], output: Path, sign: Path | Non
     the result's verdict.
     """
     from drivegate.output.report_folder import ReportFolder
-    from drivegate.output.result_reports import read_result, report_formats, write_result
+    from drivegate.output.result_reports import read_result, report_formats, write_reports_again
 
     chosen = report_formats(formats)
     result = read_result(file)
@@ -54,8 +54,7 @@ def command(file: Path, formats: tuple[str, ...], output: Path, sign: Path | Non
 
         result = signed(result, read_private_key(sign))
     with ReportFolder(output) as folder:
-        written = write_result(result, folder.staging, chosen)
-        written.require_all("made")
+        written = write_reports_again(result, file, folder.staging, chosen)
         folder.commit()
     document = {
         "schema": SCHEMA,

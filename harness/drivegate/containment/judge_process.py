@@ -20,6 +20,7 @@ from drivegate.containment.messages import Broken, Faulted, Finished, Job, Outco
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.parent_death import end_with_parent
 from drivegate.containment.stall_watch import WorkerLimits
+from drivegate_cases.documents.system_failure import refusal_by_system
 from drivegate_models.errors import HarnessFault, InputError
 
 _KILLED = "a process of the harness that watched the candidate was killed"
@@ -141,8 +142,9 @@ def _outcome(judge: Judge, job: Job[Any]) -> Outcome:
         result = judge.once(job)
     except InputError as error:
         return Refused(str(error))
-    except Exception:
-        return Broken(traceback.format_exc())
+    except Exception as error:
+        refusal = refusal_by_system(error)
+        return Broken(traceback.format_exc()) if refusal is None else Refused(refusal)
     return Faulted(result) if isinstance(result, Fault) else Finished(result)
 
 

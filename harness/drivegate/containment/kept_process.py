@@ -2,11 +2,9 @@
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from contextlib import suppress
 from enum import StrEnum
@@ -15,6 +13,7 @@ from pathlib import Path
 import psutil
 
 from drivegate.containment.environment import worker_environment
+from drivegate.containment.temporary_folder import TemporaryFolder
 
 _BOOTSTRAP = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
@@ -41,11 +40,11 @@ class KeptProcess:
         self, role: Role, folder: Path | None, descriptors: tuple[int, ...], *, output: int | None = None
     ) -> None:
         self._owner = os.getpid()
-        self._temporary = Path(tempfile.mkdtemp(prefix="drivegate-"))
+        self._temporary = TemporaryFolder()
         self._reported = b""
         # The import path is that of the harness, whatever the folder holds.
         paths = json.dumps([str(Path(place).absolute()) for place in sys.path])
-        arguments = [role.value, str(self._temporary), *map(str, descriptors)]
+        arguments = [role.value, str(self._temporary.path), *map(str, descriptors)]
         contained = role is Role.CANDIDATE
         try:
             self._keeper = subprocess.Popen(
@@ -56,11 +55,11 @@ class KeptProcess:
                 pass_fds=descriptors,
                 start_new_session=True,
                 cwd=folder if folder is not None and folder.is_dir() else None,
-                env=worker_environment(os.environ, self._temporary) if contained else None,
+                env=worker_environment(os.environ, self._temporary.path) if contained else None,
                 bufsize=0,
             )
         except BaseException:
-            shutil.rmtree(self._temporary, ignore_errors=True)
+            self._temporary.remove()
             raise
         assert self._keeper.stdout is not None
         os.set_blocking(self._keeper.stdout.fileno(), False)
@@ -107,7 +106,7 @@ class KeptProcess:
         self._listen()
         if self._keeper.stdout is not None:
             self._keeper.stdout.close()
-        shutil.rmtree(self._temporary, ignore_errors=True)
+        self._temporary.remove()
 
     def _listen(self) -> None:
         with suppress(OSError, ValueError):

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from drivegate.checks.record import Record
     from drivegate.containment.messages import AnyController
     from drivegate.contracts.trace import RecordedTrace
+    from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
@@ -55,6 +56,10 @@ class Contract:
     """Return the reason why no controller can do what a scenario requires; None where one can."""
     simplifications: Callable[[], tuple[Simplification, ...]]
     """Return the ways in which a scenario can be simplified, in the order in which they are tried."""
+    drawn_range: Callable[[Scenario], DrawnRange]
+    """Return the range that scenarios of a family are drawn from, which no simplification leaves."""
+    unseen: Callable[[Declaration, Scenario], Record]
+    """Return the record of a run that was not made: reading what only the run shows raises `checks.unseen.NotRun`."""
     record: Callable[..., Record]
     """Run a controller for the checks: plant's loop, declaration, scenario, controller, `trace_every`, `kept`."""
     judged_window: Callable[[Check, Record, Margin | None], tuple[float, float]]
@@ -95,3 +100,7 @@ class Contract:
     def is_fair(self, scenario: Scenario) -> bool:
         """Return True if a candidate may be judged on a scenario."""
         return self.unfair_because(scenario) is None
+
+    def is_as_fair(self, simpler: Scenario, start: Scenario) -> bool:
+        """Return True if a simplified scenario could have been drawn like the one that simplification started from."""
+        return self.drawn_range(start).covers(simpler, start) and self.is_fair(simpler)

@@ -101,6 +101,8 @@ class DriveKind:
     """Name of the contract of its controllers."""
     default_drive: str
     """Name of the packaged drive that stands for this kind."""
+    compiling_s: int
+    """Time to compile its kernels on 2 processors, as measured (s)."""
     prepare_loop: Callable[[], Callable[..., Any]]
     """Return the function that prepares a run of a controller against the plant."""
     angles: AngleStudies | None = None

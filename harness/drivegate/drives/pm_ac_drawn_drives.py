@@ -18,8 +18,6 @@ from drivegate_cases.drive.pm_ac.inverter import UPDATES
 from drivegate_cases.drive.provenance import Provenance
 from drivegate_models.units import RADIANS_PER_RPM
 
-RISE_PERIODS: Final = 12.0
-"""Control periods of a torque step to 90 %, as the packaged drives have it (1)."""
 _PHASE: Final = sqrt(3.0)
 _APPARENT: Final = 1.5
 
@@ -140,7 +138,6 @@ def _document(name: str, source: Random) -> PmAcDocument:
                 "rated_power_w": power,
                 "current_limit_a": limit,
             },
-            "requirements": {"rise_periods": RISE_PERIODS},
         }
     )
     return drawn.replaced(provenance=_provenance(drawn))
@@ -195,5 +192,4 @@ def _provenance(drive: PmAcDocument) -> Provenance:
     """Tell of each value what was drawn, and within which bounds."""
     told = told_bounds(_DRAWN_AS, PM_AC_BOUNDS, pm_ac_per_unit_values(drive))
     told["inverter"]["carrier"] = f"drawn: double in {DOUBLE:.0%} of the drives, single in the others"
-    told["requirements"] = {"rise_periods": "assumed: as the packaged drives have it"}
     return told

@@ -9,7 +9,6 @@ import numpy as np
 
 from drivegate.contracts.duty.efficiency import efficiency_map, known
 from drivegate.contracts.duty.trajectories import trajectories
-from drivegate.drives.pm_ac_reach import unreachable_duty
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_models.pm_ac.fundamental import SIX_STEPS, base_speed
@@ -36,7 +35,6 @@ def pm_ac_envelope(drive: PmAcDocument) -> dict[str, Any]:
     limits = undistorted_limits(plant)
     begin = base_speed(plant, *limits)
     end = constant_power_end(plant, limits, rating.rated_power_w)
-    missing = unreachable_duty(drive)
     return {
         "rating": {
             "base_speed_rpm": rating.base_speed_rpm,
@@ -52,7 +50,6 @@ def pm_ac_envelope(drive: PmAcDocument) -> dict[str, Any]:
         "magnet_current_a": plant.magnet_flux / plant.direct_inductance,
         "voltage_used_up_at_rpm": begin / RADIANS_PER_RPM,
         "rated_power_up_to_rpm": end / RADIANS_PER_RPM if isfinite(end) else None,
-        "unreachable": [] if missing is None else [{"key": "rated_power_w", "message": missing}],
         "points": [_point(drive, limits, speed) for speed in _speeds(drive)],
         "trajectories": trajectories(drive),
         "efficiency_map": efficiency_map(drive),

@@ -33,5 +33,6 @@ def pm_ac_required(drive: PmAcDocument) -> str:
     """Tell what is required of the controllers of a drive, in its own numbers."""
     return (
         "required: speed within {k1} (k1) or torque within {torque_error}, steps with at most {overshoot} of overshoot "
-        "and {rise}, at least {weakening} of the greatest torque in weakening, phase currents up to {peak}"
+        "and {rise}, in weakening at least {weakening} of the greatest torque with {weakening_voltage} of the voltage, "
+        "phase currents up to {peak}"
     ).format_map(duty_numbers(drive))

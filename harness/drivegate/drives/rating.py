@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
 from typing import Final
 
@@ -49,8 +49,8 @@ class RatedDrive:
 
     Attributes
     ----------
-    name : str
-        Name of the drive.
+    document : DriveDocument
+        The drive as a document.
     oracle : Oracle
         What such a drive can do at best.
     constants : Drive
@@ -65,7 +65,7 @@ class RatedDrive:
         Whether the document's band is in the constants, or none was given.
     """
 
-    name: str
+    document: DriveDocument
     oracle: Oracle
     constants: Drive
     ideal: Drive
@@ -77,9 +77,10 @@ class RatedDrive:
         """Give the torque of rated power at a speed (rad/s), constant below base speed (N·m)."""
         return self.oracle.demanded_torque(self.constants, speed, self.rating.base_speed, self.rating.power)
 
-    def limited_to(self, current: float) -> RatedDrive:
-        """Give the same drive with another current limit (A)."""
-        return replace(self, constants=self.constants._replace(current_limit=current))
+    @property
+    def name(self) -> str:
+        """Name of the drive."""
+        return self.document.name
 
 
 def rated_drive(document: DriveDocument) -> RatedDrive:
@@ -98,7 +99,7 @@ def rated_drive(document: DriveDocument) -> RatedDrive:
     own = document.plant()
     has_band = _chops(own, base_speed) <= MOST_CHOPS
     return RatedDrive(
-        name=document.name,
+        document=document,
         oracle=oracle,
         constants=own if has_band else ideal,
         ideal=ideal,

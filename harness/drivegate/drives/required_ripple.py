@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import ceil, degrees, inf, isfinite, nan, radians
 from typing import Final
 
+from drivegate.drives.power_reach import setting_words
 from drivegate.drives.rating import RatedDrive
+from drivegate_cases.documents.rounding import rounded_to_digits
+from drivegate_cases.drive.limits import POINT_POWER_SHARE
 from drivegate_models.units import RADIANS_PER_RPM
 
 _STEP: Final = radians(0.25)
 _MOST_STEPS: Final = 80
+_BELOW_GREATEST: Final = 0.999
+"""Share of the greatest torque that is offered, since a point's torque is rounded (1)."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,8 @@ class UnreachableRipple:
         Excess of the current sum that CNV-2 allows (1).
     greatest_torque : float
         Greatest torque at the speed (N·m).
+    follows_rating : bool
+        Whether the point follows from rated power, rather than being stated.
     """
 
     speed_rpm: float
@@ -42,17 +50,36 @@ class UnreachableRipple:
     advance: float
     tolerance: float
     greatest_torque: float
+    follows_rating: bool
+
+    @property
+    def accepted(self) -> tuple[Mapping[str, float], ...]:
+        """The change that a check accepts, by its key; none where the drive delivers no torque at the point."""
+        if isfinite(self.least):
+            return ({"ripple_percent": self.nearest_percent},)
+        torque = rounded_to_digits(_BELOW_GREATEST * self.greatest_torque, up=False)
+        if torque == 0.0:
+            return ()
+        if self.follows_rating:
+            power = torque * self.speed_rpm * RADIANS_PER_RPM / POINT_POWER_SHARE
+            return ({"rated_power_w": rounded_to_digits(power, up=False)},)
+        return ({"torque_n_m": torque},)
 
     def sentence(self) -> str:
-        """Tell what is out of reach, and the nearest that is not."""
+        """Return what is out of reach, and the value that a check accepts."""
         point = f"{self.torque_nm:.3g} N·m at {self.speed_rpm:g} rpm"
+        accepted = "".join(f"; a check accepts {setting_words(changes)}" for changes in self.accepted)
         if not isfinite(self.least):
-            given = max(self.greatest_torque, 0.0)
-            return f"the required point of {point} is out of reach: this drive gives {given:.3g} N·m there at best"
+            follows = " (2.6 % above rated power)" if self.follows_rating else ""
+            most = max(self.greatest_torque, 0.0)
+            return (
+                f"the required point of {point}{follows} is out of reach: this drive delivers at most {most:.3g} N·m "
+                f"there{accepted}"
+            )
         return (
             f"a torque ripple below {100.0 * self.limit:g} % is required for {point}, but within "
-            f"{100.0 * self.tolerance:g} % of the least current sum it is {100.0 * self.least:.1f} % at best, at "
-            f"{degrees(self.advance):.1f}°; what can be met is requirements.ripple_percent = {self.nearest_percent}"
+            f"{100.0 * self.tolerance:g} % of the minimum current sum it is at least {100.0 * self.least:.1f} %, at "
+            f"{degrees(self.advance):.1f}°{accepted}"
         )
 
     @property
@@ -71,6 +98,7 @@ class UnreachableRipple:
             "least_ripple_percent": 100.0 * self.least if found else None,
             "nearest_ripple_percent": self.nearest_percent if found else None,
             "greatest_torque_nm": self.greatest_torque,
+            "accepted": [dict(changes) for changes in self.accepted],
         }
 
 
@@ -103,6 +131,7 @@ def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
                     advance=advance,
                     tolerance=limits.optimum_tolerance,
                     greatest_torque=drive.oracle.greatest_torque_at_limit(drive.constants, speed).torque,
+                    follows_rating=not drive.document.requirements.point,
                 )
             )
     return tuple(found)

@@ -205,7 +205,7 @@ def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Ite
         made = item.runs if isinstance(outcome, Fault) else len(outcome.runs)
         planned += made - item.runs
         done += made
-        yield RunDone(done, planned, item.label, _worst(progress.all_runs))
+        yield RunDone(done, planned, item.label, _worst(progress.all_runs, progress.focus))
         progress.stopped = progress.stops_here and item is not work[-1]
         if progress.stopped or (progress.time_is_up and done < planned):
             progress.complete = False
@@ -318,12 +318,15 @@ def _fixed_margins(run: JudgedRun) -> FixedMargins:
     return FixedMargins(str(run.scenario["name"]), run.scenario, margins)
 
 
-def _worst(runs: Sequence[JudgedRun]) -> str:
+def _worst(runs: Sequence[JudgedRun], focus: Focus) -> str:
     margins: list[Margin] = [
         margin
         for run in runs
         for margin in run.margins
-        if margin.check in _TELLING and not margin.advisory and not (margin.met and margin.value == 0.0)
+        if margin.check in _TELLING
+        and focus.judges(margin.check)
+        and not margin.advisory
+        and not (margin.met and margin.value == 0.0)
     ]
     if not margins:
         return ""

@@ -23,12 +23,15 @@ class JointRuns:
         Seed of what the covering array leaves open.
     part, parts : int
         Which part of them, from 0, and how many parts there are.
+    only : tuple of str
+        Checks that are judged; empty for all.
     """
 
     drive: DriveDocument
     seed: int
     part: int
     parts: int
+    only: tuple[str, ...] = ()
 
 
 def run_joint(loaded: JudgedCandidate, plan: JointRuns) -> ShardOutcome:
@@ -37,4 +40,4 @@ def run_joint(loaded: JudgedCandidate, plan: JointRuns) -> ShardOutcome:
     scenarios = contract_of(plan.drive).joint_scenarios(
         plan.drive, declaration, plan.seed, plan.part, plan.parts
     )
-    return run_fixed(loaded, FixedRuns(scenarios))
+    return run_fixed(loaded, FixedRuns(scenarios, only=plan.only))

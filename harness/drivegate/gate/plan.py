@@ -91,21 +91,21 @@ def planned_work(
     fixed = contract_of(drive).fixed_scenarios(drive, declaration)
     examples = EXAMPLES[effort]
     shards = [
-        DrawnRuns(drive, seed * SHARDS + shard, examples, search=search, climbed=focus.only)
+        DrawnRuns(drive, seed * SHARDS + shard, examples, search=search, only=focus.only)
         for shard in range(SHARDS)
     ]
     work = [
-        *(_stored(stored, Origin.LAST_FAILED) for stored in focus.first),
-        _as_they_are(fixed[:2], Origin.FIXED, repeat=True),
-        *(_as_they_are((scenario,), Origin.FIXED) for scenario in fixed[2:]),
-        *(_stored(stored, Origin.CORPUS) for stored in corpus),
-        *(_as_they_are((scenario,), Origin.BASELINE) for scenario in _not_among(fixed, baseline)),
+        *(_stored(stored, Origin.LAST_FAILED, focus) for stored in focus.first),
+        _as_they_are(fixed[:2], Origin.FIXED, focus, repeat=True),
+        *(_as_they_are((scenario,), Origin.FIXED, focus) for scenario in fixed[2:]),
+        *(_stored(stored, Origin.CORPUS, focus) for stored in corpus if _is_judged(stored, focus)),
+        *(_as_they_are((scenario,), Origin.BASELINE, focus) for scenario in _not_among(fixed, baseline)),
         *_scripts(drive, declaration, seed, SCRIPTS[effort]),
         *(
             Work(Job(run_drawn, drawn), examples, f"shard {number}", Origin.DRAWN)
             for number, drawn in enumerate(shards, start=1)
         ),
-        *_joint(drive, seed, JOINT[effort]),
+        *_joint(drive, seed, JOINT[effort], focus),
         # Last, so that fewer processes are at work beside it.
         Work(Job(time_steps, TimedSteps(fixed[0])), 1, fixed[0].name, Origin.TIMED),
     ]
@@ -122,10 +122,15 @@ def _serves(origin: Origin, focus: Focus) -> bool:
     return bool(others if origin is Origin.FIXED else others - {REPEATED})
 
 
-def _stored(stored: Counterexample, origin: Origin) -> Work:
+def _is_judged(stored: Counterexample, focus: Focus) -> bool:
+    """Return False for a script where its check is not judged; what else is needed shows where it is run."""
+    return not isinstance(stored.scenario, Script) or focus.judges(_OF_ONE_CHECK[Origin.SCRIPTS])
+
+
+def _stored(stored: Counterexample, origin: Origin, focus: Focus) -> Work:
     if isinstance(stored.scenario, Script):
         return Work(Job(run_stored_script, stored.scenario), 1, stored.scenario.name, origin)
-    return _as_they_are((stored.scenario,), origin, repeat=stored.check == REPEATED)
+    return _as_they_are((stored.scenario,), origin, focus, repeat=stored.check == REPEATED)
 
 
 def run_stored_script(loaded: JudgedCandidate, script: Script) -> ShardOutcome:
@@ -145,7 +150,7 @@ def _scripts(drive: DriveDocument, declaration: Declaration, seed: int, examples
     return [Work(job, count, "scripts", Origin.SCRIPTS)]
 
 
-def _joint(drive: DriveDocument, seed: int, times: int) -> list[Work]:
+def _joint(drive: DriveDocument, seed: int, times: int, focus: Focus) -> list[Work]:
     """Plan runs of joint changes, all parts of every pass over the covering array."""
     rows = contract_of(drive).joint_rows()
     if rows == 0:
@@ -153,7 +158,7 @@ def _joint(drive: DriveDocument, seed: int, times: int) -> list[Work]:
     most = -(-rows // SHARDS) + 1
     return [
         Work(
-            Job(run_joint, JointRuns(drive, seed * times + number, part, SHARDS)),
+            Job(run_joint, JointRuns(drive, seed * times + number, part, SHARDS, focus.only)),
             most,
             f"joint {number * SHARDS + part + 1}",
             Origin.DRAWN,
@@ -163,9 +168,17 @@ def _joint(drive: DriveDocument, seed: int, times: int) -> list[Work]:
     ]
 
 
-def _as_they_are(scenarios: tuple[Scenario, ...], origin: Origin, *, repeat: bool = False) -> Work:
+def _as_they_are(
+    scenarios: tuple[Scenario, ...], origin: Origin, focus: Focus, *, repeat: bool = False
+) -> Work:
     # What is kept was found on a run that was made; of a drive of one's own, nobody knows yet what it can do.
-    job = Job(run_fixed, FixedRuns(scenarios, repeat=repeat, only_fair=origin is Origin.FIXED))
+    plan = FixedRuns(
+        scenarios,
+        repeat=repeat and focus.judges(REPEATED),
+        only_fair=origin is Origin.FIXED,
+        only=focus.only,
+    )
+    job = Job(run_fixed, plan)
     return Work(job, len(scenarios), scenarios[-1].name, origin)
 
 

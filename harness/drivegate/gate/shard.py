@@ -6,17 +6,20 @@ import json
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from random import Random
 from typing import Any, Final
 
-from hypothesis import HealthCheck, Phase, assume, given, seed, settings, target
+from hypothesis import HealthCheck, Phase, assume, find, given, seed, settings, target
 from hypothesis import strategies as st
-from hypothesis.errors import Unsatisfiable
+from hypothesis.errors import NoSuchExample, Unsatisfiable
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import CandidateFault
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome, judged
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import all_checks, contract_of
+from drivegate.contracts.needed_runs import is_needed
 from drivegate.contracts.parting import room_for_commands
 from drivegate.drives.repeating import with_repetitions
 from drivegate.drives.running import recorded
@@ -33,6 +36,7 @@ _SEARCHED: Final = (
 _GREATEST_SCORE: Final = 1e6
 _SAFE: Final = 0.95
 _TICKETS: Final = 2**48
+_LOOKED_AT: Final = 100
 
 
 @dataclass(frozen=True)
@@ -47,11 +51,14 @@ class FixedRuns:
         Whether the first of them is run again afterwards, on the same instance and on a new one.
     only_fair : bool
         Whether those that no controller could do on their drive are set aside.
+    only : tuple of str
+        Checks that are judged; empty for all. Scenarios that are not repeated are left out where none of them looks.
     """
 
     scenarios: tuple[Scenario, ...]
     repeat: bool = False
     only_fair: bool = False
+    only: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -68,15 +75,15 @@ class DrawnRuns:
         Number of scenarios to run at most.
     search : bool
         Whether to climb toward small margins; if not, scenarios are drawn at random throughout.
-    climbed : tuple of str
-        Checks whose margins are climbed; empty for all required ones.
+    only : tuple of str
+        Checks that are judged; empty for all. The shard is left out where none of them judges what it draws.
     """
 
     drive: DriveDocument
     seed: int
     examples: int
     search: bool = True
-    climbed: tuple[str, ...] = ()
+    only: tuple[str, ...] = ()
 
 
 def content_key(scenario: Mapping[str, Any]) -> str:
@@ -88,6 +95,9 @@ def content_key(scenario: Mapping[str, Any]) -> str:
 def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
     """Run scenarios as they are."""
     scenarios, infeasible = _fair(plan.scenarios) if plan.only_fair else (plan.scenarios, ())
+    if not plan.repeat:
+        declaration = loaded.candidate.declaration
+        scenarios = tuple(one for one in scenarios if is_needed(one, declaration, plan.only))
     if not scenarios:
         return ShardOutcome((), infeasible)
     controller = loaded.controller()
@@ -163,10 +173,12 @@ class _Collector:
 
 
 def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
-    """Draw scenarios, and climb toward the smallest margin."""
+    """Draw scenarios, and climb toward the smallest margin of any check, so that all checks see the same runs."""
+    declaration = loaded.candidate.declaration
+    drawn = contract_of(plan.drive).drawn_scenarios(plan.drive, declaration, plan.seed)
+    if plan.only and not _draws_needed(plan, drawn, declaration):
+        return ShardOutcome(())
     collector = _Collector(loaded, plan.drive, plan.examples // 2 if plan.search else plan.examples)
-    climbed = frozenset(plan.climbed) - _NEVER_SEARCHED or _SEARCHED
-    drawn = collector.contract.drawn_scenarios(plan.drive, loaded.candidate.declaration, plan.seed)
 
     @seed(plan.seed)
     @settings(
@@ -183,7 +195,7 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
         margins = collector.margins(ticket, scenario) if collector.fault is None else ()
         # What tells nothing new does not count as an example.
         assume(margins is not None)
-        for label, score in _scores(margins or (), climbed).items():
+        for label, score in _scores(margins or ()).items():
             target(score, label=label)
 
     with from_the_seed_alone(), suppress(Unsatisfiable):
@@ -193,14 +205,34 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
     return ShardOutcome(tuple(collector.runs), tuple(collector.infeasible))
 
 
-def _scores(margins: Iterable[Margin], climbed: frozenset[str] = _SEARCHED) -> dict[str, float]:
+def _draws_needed(plan: DrawnRuns, drawn: st.SearchStrategy[Scenario], declaration: Declaration) -> bool:
+    """Return True if one of many scenarios that a shard could draw is needed."""
+    looked_at = settings(
+        max_examples=max(_LOOKED_AT, plan.examples),
+        database=None,
+        deadline=None,
+        phases=(Phase.generate,),
+        suppress_health_check=list(HealthCheck),
+    )
+    with from_the_seed_alone(), suppress(NoSuchExample):
+        find(
+            drawn,
+            lambda scenario: is_needed(scenario, declaration, plan.only),
+            settings=looked_at,
+            random=Random(plan.seed),
+        )
+        return True
+    return False
+
+
+def _scores(margins: Iterable[Margin]) -> dict[str, float]:
     """Give what the search climbs: by family of checks, such as CNV, the least required margin, upside down.
 
     What is nowhere near its limit is left out, or its small changes would be climbed as well.
     """
     scores: dict[str, float] = {}
     for margin in margins:
-        if margin.check in climbed and not margin.advisory and margin.value < _SAFE:
+        if margin.check in _SEARCHED and not margin.advisory and margin.value < _SAFE:
             family = margin.check.partition("-")[0]
             score = -max(min(margin.value, _GREATEST_SCORE), -_GREATEST_SCORE)
             scores[family] = max(scores.get(family, score), score)

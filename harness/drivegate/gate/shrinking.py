@@ -11,10 +11,9 @@ from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import check_of, contract_of
-from drivegate.contracts.current.scenarios.simplification import simplified
 from drivegate.drives.running import recorded
 from drivegate.gate.shard import content_key
-from drivegate.scenarios.simplification import Simplification
+from drivegate.scenarios.simplification import Simplification, simplified
 from drivegate.scenarios.size import size_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.documents.document import parse_document
@@ -35,11 +34,15 @@ class ShrinkPlan:
         Identifier of the check.
     budget : int
         Number of runs that may be spent.
+    worst : float or None
+        Least margin that the check is reported with, which no simpler scenario may fall below; that of the scenario
+        itself where None.
     """
 
     scenario: Mapping[str, Any]
     check: str
     budget: int = 60
+    worst: float | None = None
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,10 @@ class Shrunk:
 
 
 def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:
-    """Make a scenario simpler for as long as it breaks the same check; the same plan gives the same answer."""
+    """Make a scenario simpler for as long as it is as fair, and breaks the same check by no more than is reported.
+
+    The same plan gives the same answer.
+    """
     if plan.scenario.get("kind") == "script":
         return None
     scenario = parse_document(plan.scenario, Scenario, "the scenario")
@@ -73,6 +79,7 @@ def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:
     margin = trials.failure(scenario)
     if margin is None:
         return None
+    trials.worst = margin.value if plan.worst is None else min(margin.value, plan.worst)
     simplest, margin = _simplest(scenario, margin, trials)
     if simplest is not scenario:
         simplest = titled(simplest)
@@ -88,7 +95,9 @@ class _Trials:
         self._controller = loaded.controller()
         self._check = check_of(scenario.drive.contract, plan.check)
         self._budget = plan.budget
+        self._start = scenario
         self._known: set[str] = set()
+        self.worst = -math.inf
         self.runs = 0
 
     @property
@@ -97,7 +106,7 @@ class _Trials:
         return self.runs >= self._budget
 
     def failure(self, scenario: Scenario) -> Margin | None:
-        """Run a scenario, and give the margin if the check fails."""
+        """Run a scenario, and return the margin if the check fails, and no worse than it is reported."""
         self._known.add(content_key(scenario.to_mapping()))
         self.runs += 1
         try:
@@ -108,13 +117,16 @@ class _Trials:
             # Another failure than the one looked for.
             return None
         margin = self._check.evaluate(record)
-        return margin if margin is not None and not margin.met and not margin.advisory else None
+        if margin is None or margin.met or margin.advisory or margin.value < self.worst:
+            return None
+        return margin
 
     def is_due(self, scenario: Scenario) -> bool:
-        """Tell whether a scenario has not been run yet, and the candidate is made for its speeds."""
+        """Return True if a scenario was not run yet, suits the candidate's speeds, and is as fair as the first."""
         lowest, highest = self._loaded.candidate.declaration.speed_range_rpm or (0.0, math.inf)
         declared = all(lowest <= speed <= highest for _, speed in scenario.speed_rpm)
-        return declared and content_key(scenario.to_mapping()) not in self._known
+        is_new = content_key(scenario.to_mapping()) not in self._known
+        return declared and is_new and contract_of(scenario.drive).is_as_fair(scenario, self._start)
 
 
 def _simplest(scenario: Scenario, margin: Margin, trials: _Trials) -> tuple[Scenario, Margin]:
@@ -147,5 +159,5 @@ def _simpler(
 def _candidates(scenario: Scenario, simplification: Simplification, trials: _Trials) -> Iterator[Scenario]:
     for fields in simplification(scenario):
         simpler = simplified(scenario, fields)
-        if simpler is not None and trials.is_due(simpler) and contract_of(simpler.drive).is_fair(simpler):
+        if simpler is not None and trials.is_due(simpler):
             yield simpler

@@ -33,11 +33,14 @@ class FailedRun:
         Its margin.
     run : JudgedRun
         The run.
+    worst : float or None
+        Least margin that the check is reported with.
     """
 
     check: str
     margin: Margin
     run: JudgedRun
+    worst: float | None = None
 
     def shrinks(self) -> bool:
         """Tell whether it is worth while to look for a simpler one."""
@@ -45,7 +48,7 @@ class FailedRun:
 
     def job(self, effort: str) -> Job[Shrunk | None]:
         """Plan the search for a simpler one."""
-        return Job(run_shrink, ShrinkPlan(self.run.scenario, self.check, BUDGET[effort]))
+        return Job(run_shrink, ShrinkPlan(self.run.scenario, self.check, BUDGET[effort], self.worst))
 
 
 def simplest_failures(outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun]) -> list[FailedRun]:
@@ -55,7 +58,7 @@ def simplest_failures(outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun
         if outcome.counterexample is not None and outcome.subject == "candidate":
             broken = [item for item in considered(outcome.id, runs) if not item[0].met]
             margin, run = min(broken, key=lambda item: size_of(item[1].scenario))
-            failures.append(FailedRun(outcome.id, margin, run))
+            failures.append(FailedRun(outcome.id, margin, run, outcome.margin))
     return failures
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Collection, Iterable
 from concurrent.futures import ThreadPoolExecutor
 
@@ -17,19 +18,23 @@ from drivegate.drives.running import recorded
 from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.compilation.kernels import choose_cache_folder
+from drivegate_models.compilation.kernels import refused_cache_folders, required_cache_folder
 from drivegate_models.errors import HarnessFault
 from drivegate_models.units import RADIANS_PER_RPM
+
+_log = logging.getLogger("drivegate")
 
 MARKER = "all-kernels"
 """Begin of the names of files in the cache folder, each of which tells that every kernel of a kind is compiled."""
 
 
 def uncompiled_kinds(drives: Iterable[DriveDocument | None] = (None,)) -> tuple[str, ...]:
-    """Find the kinds of some drives, the default one's for None, whose kernels are still to be compiled."""
-    folder = choose_cache_folder()
-    if folder is None:
-        return ()
+    """Find the kinds of some drives, the default one's for None, whose kernels are still to be compiled.
+
+    Without a folder for compiled code this is refused: processes that each compile for themselves may differ in the
+    last digit, and two plants would part.
+    """
+    folder = required_cache_folder()
     kinds = dict.fromkeys(DEFAULT_KIND.name if drive is None else drive.kind for drive in drives)
     return tuple(kind for kind in kinds if not (folder / f"{MARKER}-{kind}").exists())
 
@@ -46,11 +51,12 @@ def compile_kernels(kinds: Collection[str]) -> None:
 
     The kinds are compiled side by side: what one has in common with another is little beside what is its own.
     """
+    for refusal in refused_cache_folders():
+        _log.warning("compiled code is stored elsewhere, since %s", refusal)
     with ThreadPoolExecutor() as together:
         # Taking the results raises what has gone wrong.
         list(together.map(_compile_kind, kinds))
-    folder = choose_cache_folder()
-    assert folder is not None, "kernels without a folder are never to be compiled"
+    folder = required_cache_folder()
     for kind in kinds:
         (folder / f"{MARKER}-{kind}").touch()
 

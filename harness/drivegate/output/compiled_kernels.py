@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable
 
+from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
 from drivegate.output.streams import write_to
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -17,5 +18,11 @@ def with_compiled_kernels(drives: Iterable[DriveDocument]) -> None:
     """
     kinds = uncompiled_kinds(drives)
     if kinds:
-        write_to(sys.stderr, "compiling the kernels, which is done once and takes about half a minute\n")
+        write_to(sys.stderr, f"{_announcement(kinds)}\n")
         compile_kernels(kinds)
+
+
+def _announcement(kinds: Iterable[str]) -> str:
+    """Say what is compiled and how long it takes; kinds are compiled at the same time."""
+    times = " and ".join(f"about {DRIVE_KINDS[kind].compiling_s} s for {kind} drives" for kind in kinds)
+    return f"compiling the kernels, which is done once and takes {times} on 2 processors"

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from drivegate.output.streams import leave_unread
 from drivegate_cases.documents.wording import one_line
 
 WIDTH_OF_A_FILE: Final = 160
@@ -31,11 +32,20 @@ STYLES: Final = {
 """Style of a verdict; whatever is not in it is a fault."""
 
 
+class _ConsoleWithoutReader(Console):
+    """A console that prints nothing more once its reader has gone; the command and its exit code do not change."""
+
+    def on_broken_pipe(self) -> None:
+        """Print nothing more."""
+        self.quiet = True
+        leave_unread(self.file)
+
+
 def console_for(stream: TextIO) -> Console:
     """Make a console that takes text as it is: no markup, no emoji, no highlighting."""
     has_width = stream.isatty() or "COLUMNS" in os.environ
     # Only tables are wrapped: a path or a command on more than one line could not be copied.
-    return Console(
+    return _ConsoleWithoutReader(
         file=stream,
         markup=False,
         emoji=False,
@@ -66,5 +76,5 @@ def table(*columns: str, right: tuple[str, ...] = (), title: str | None = None) 
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """Write a number for a table."""
-    return "–" if value is None or value != value else f"{value:.{digits}f}"
+    """Write a number for a table; what rounds to zero has no sign."""
+    return "–" if value is None or value != value else f"{value:z.{digits}f}"

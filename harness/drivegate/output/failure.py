@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import sys
 import traceback
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import Any, Final, TypeGuard
+from typing import Any, Final
 
 import click
 
-from drivegate.output.streams import write_to
-from drivegate_cases.documents.wording import one_line
+from drivegate.output.streams import leave_unread, write_to
+from drivegate_cases.documents.system_failure import refusal_by_system
+from drivegate_cases.documents.wording import LONGEST_MESSAGE, one_line, short_line, shortened
 from drivegate_models.errors import HarnessFault, InputError
 
 DEBUG_VARIABLE: Final = "DRIVEGATE_DEBUG"
@@ -21,9 +21,6 @@ DEBUG_VARIABLE: Final = "DRIVEGATE_DEBUG"
 
 ERROR_SCHEMA: Final = 1
 """Version of the document that tells an error."""
-
-
-_OF_THE_DISK: Final = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
 
 
 class ExitCode(IntEnum):
@@ -43,7 +40,7 @@ class Failure:
     Attributes
     ----------
     message : str
-        One sentence on one line.
+        One sentence on one line; what exceeds `LONGEST_MESSAGE` is left out in its middle, between place and remedy.
     exit_code : int
         The exit code.
     """
@@ -51,13 +48,17 @@ class Failure:
     message: str
     exit_code: int
 
+    def __post_init__(self) -> None:
+        """Shorten the message, whoever wrote it."""
+        object.__setattr__(self, "message", shortened(self.message, LONGEST_MESSAGE))
+
     def document(self) -> dict[str, Any]:
         """Write the failure as plain data."""
         return {"schema": ERROR_SCHEMA, "error": {"message": self.message, "exit_code": int(self.exit_code)}}
 
     def about(self, name: str) -> Failure:
         """Say first what the failure is about."""
-        return replace(self, message=f"{one_line(name)}: {self.message}")
+        return replace(self, message=f"{short_line(name)}: {self.message}")
 
 
 def failure_of(error: BaseException) -> Failure:
@@ -68,12 +69,9 @@ def failure_of(error: BaseException) -> Failure:
         return Failure(_sentence(error.format_message()), ExitCode.REFUSED)
     if isinstance(error, KeyboardInterrupt) or isinstance(error.__cause__, KeyboardInterrupt):
         return Failure("interrupted", ExitCode.INTERRUPTED)
-    if is_of_the_disk(error):
-        place = f" at {error.filename}" if error.filename else ""
-        return Failure(
-            _sentence(f"cannot write{place}: {error.strerror}; make room, or name a place on another disk"),
-            ExitCode.REFUSED,
-        )
+    refusal = refusal_by_system(error)
+    if refusal is not None:
+        return Failure(_sentence(refusal), ExitCode.REFUSED)
     text = str(error) if isinstance(error, HarnessFault) else f"{type(error).__name__}: {error}"
     return Failure(
         _sentence(
@@ -84,16 +82,15 @@ def failure_of(error: BaseException) -> Failure:
     )
 
 
-def is_of_the_disk(error: BaseException) -> TypeGuard[OSError]:
-    """Tell whether a disk is full, read-only or broken, which is no fault of drivegate."""
-    return isinstance(error, OSError) and error.errno in _OF_THE_DISK
-
-
 def complain(failure: Failure, error: BaseException | None = None) -> None:
     """Tell a failure on standard error."""
-    if error is not None and os.environ.get(DEBUG_VARIABLE) == "1":
-        write_to(sys.stderr, "".join(traceback.format_exception(error)))
-    write_to(sys.stderr, f"error: {failure.message}\n")
+    shown = error is not None and os.environ.get(DEBUG_VARIABLE) == "1"
+    details = "".join(traceback.format_exception(error)) if shown else ""
+    try:
+        write_to(sys.stderr, f"{details}error: {failure.message}\n")
+    except OSError:
+        # A terminal that has gone, or a full disk: the exit code says the same.
+        leave_unread(sys.stderr)
 
 
 def _ends(text: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import re
 import secrets
 import shutil
 from contextlib import suppress
@@ -59,6 +60,7 @@ class ReportFolder:
                 parent.mkdir()
                 self._made.insert(0, parent)
             self._take_lock()
+            self._recover()
             self.staging.mkdir()
         except OSError as error:
             self._leave()
@@ -89,6 +91,19 @@ class ReportFolder:
             else:
                 # Its last holder removed the file between our opening and locking it.
                 os.close(descriptor)
+
+    def _recover(self) -> None:
+        """Remove what a killed process has left, and put an earlier report back that it had moved away.
+
+        Whoever has the lock is the only one who writes here.
+        """
+        name = re.escape(self.place.name)
+        for left in self.place.parent.iterdir():
+            if re.fullmatch(rf"\.{name}\.[0-9a-f]{{12}}\.(partial|former)", left.name):
+                if left.suffix == ".former" and not self.place.exists():
+                    left.rename(self.place)
+                else:
+                    shutil.rmtree(left, ignore_errors=True)
 
     @property
     def _lock_file(self) -> Path:
@@ -149,7 +164,7 @@ def _own_files(folder: Path) -> list[str]:
     try:
         mark = json.loads((folder / MARK).read_text(encoding="utf-8"))
         return [str(name) for name in mark["files"]]
-    except (OSError, ValueError, TypeError, KeyError):
+    except (OSError, ValueError, RecursionError, TypeError, KeyError):
         return []
 
 

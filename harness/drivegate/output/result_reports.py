@@ -17,8 +17,9 @@ from drivegate.output.report_writers import (
     write_reports,
 )
 from drivegate.output.result_file import write_result_files
+from drivegate.results.result import content_hash
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
-from drivegate_models.errors import InputError
+from drivegate_models.errors import HarnessFault, InputError
 
 OWN_FORMATS: Final[Mapping[str, WriteReport]] = {
     "annotations": write_annotations,
@@ -32,6 +33,23 @@ def write_result(result: dict[str, Any], folder: Path, formats: Mapping[str, Loa
     """Write a result, its counterexamples and reports into a folder."""
     write_result_files(result, folder)
     return write_reports(result, folder, formats)
+
+
+def write_reports_again(
+    result: dict[str, Any], path: Path, folder: Path, formats: Mapping[str, LoadWriter]
+) -> WrittenReports:
+    """Write the reports of a result that was read from a file, which somebody may have altered."""
+    try:
+        written = write_result(result, folder, formats)
+        written.require_all("made")
+    except (HarnessFault, LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
+        if content_hash(result) == result["provenance"].get("content_hash"):
+            raise
+        raise InputError(
+            f"{shown_path(path)} was altered after drivegate wrote it, and no report can be made from it now: "
+            f"{one_line(str(error))}; name an unaltered result"
+        ) from error
+    return written
 
 
 def all_formats() -> dict[str, LoadWriter]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
-from typing import TextIO
+from typing import IO, TextIO
 
 
 def write_to(stream: TextIO | None, text: str) -> None:
@@ -18,7 +18,7 @@ def write_to(stream: TextIO | None, text: str) -> None:
         leave_unread(stream)
 
 
-def leave_unread(stream: TextIO) -> None:
+def leave_unread(stream: IO[str]) -> None:
     """Let what is still buffered go nowhere, so that the interpreter ends in peace."""
     with suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)

@@ -25,7 +25,8 @@ def resolved_scenario(value: Any) -> Any:
     return _resolved(value, Scenario, "the scenario")
 
 
-def _resolved_script_or_scenario(value: Any) -> Any:
+def resolved_script_or_scenario(value: Any) -> Any:
+    """Read a scenario, or a script, that is part of another document in full."""
     if isinstance(value, Mapping) and value.get("kind") == "script":
         return _resolved(value, Script, "the script")
     return resolved_scenario(value)
@@ -78,7 +79,7 @@ class Counterexample(Document):
         default=None, description="table with the drive's name, kind and hash"
     )
     versions: dict[str, Any] = Field(default_factory=dict, description="versions that it was found with")
-    scenario: Annotated[Scenario | Script, BeforeValidator(_resolved_script_or_scenario)] = Field(
+    scenario: Annotated[Scenario | Script, BeforeValidator(resolved_script_or_scenario)] = Field(
         description="table with the whole scenario or script"
     )
 

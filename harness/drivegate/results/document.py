@@ -4,16 +4,35 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, ConfigDict, Field
 
 from drivegate.results.behaviour_section import BehaviourSection
+from drivegate.results.counterexample import resolved_script_or_scenario
 from drivegate.results.envelope_section import EnvelopeSection
 from drivegate.results.result import RESULT_SCHEMA
-from drivegate_cases.documents.document import Document, Section
+from drivegate_cases.documents.document import Document, Section, parse_document
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_models.errors import InputError
+
+
+def _of_a_drive(table: dict[str, Any]) -> dict[str, Any]:
+    try:
+        parse_document(table, DriveDocument, "the drive")
+    except InputError as error:
+        raise ValueError(str(error)) from error
+    return table
+
+
+def _of_a_scenario(table: dict[str, Any]) -> dict[str, Any]:
+    resolved_script_or_scenario(table)
+    return table
+
 
 Number = Annotated[float | None, Field(description="null where it is no finite number")]
 Text = str
 Table = dict[str, Any]
+DriveTable = Annotated[Table, AfterValidator(_of_a_drive)]
+ScenarioTable = Annotated[Table, AfterValidator(_of_a_scenario)]
 
 
 class CandidateSection(Section):
@@ -36,7 +55,7 @@ class DriveSection(Section):
         default=None,
         description="the string that named it on the command line; null where a manifest or nothing did",
     )
-    document: Table | None = Field(
+    document: DriveTable | None = Field(
         default=None, description="the drive, fully resolved; null in results of earlier versions"
     )
 
@@ -76,8 +95,8 @@ class CheckSection(Section):
     measured: Text = Field(description="what the least margin was measured as")
     runs: int = Field(ge=0, description="number of runs that decide")
     message: Text = Field(description="the outcome in one sentence")
-    scenario: Table | None = Field(description="worst scenario, fully resolved")
-    counterexample: Table | None = Field(description="simplest scenario that breaks the check")
+    scenario: ScenarioTable | None = Field(description="worst scenario, fully resolved")
+    counterexample: ScenarioTable | None = Field(description="simplest scenario that breaks the check")
     found: FoundSection | None = Field(default=None, description="what the counterexample gave")
     waiver: Table | None = Field(default=None, description="the waiver for the check")
     margins: tuple[Number, ...] = Field(default=(), description="margins of all runs that decide, in order")
@@ -107,7 +126,7 @@ class FixedSection(Section):
     """A fixed scenario and its margins, with which later results are compared."""
 
     name: Text = Field(description="name of the scenario")
-    scenario: Table = Field(description="the scenario, fully resolved")
+    scenario: ScenarioTable = Field(description="the scenario, fully resolved")
     margins: dict[str, Number] = Field(description="margins by check")
 
 
@@ -145,6 +164,31 @@ class FocusSection(Section):
     only: tuple[Text, ...] = Field(default=(), description="checks that were judged; empty for all")
     stopped_at_first: bool = Field(
         default=False, description="whether the check ended with the first failure"
+    )
+
+
+class MeasuredSection(Section):
+    """The numbers of a check that depend on the machine."""
+
+    margin: Number = Field(description="least margin")
+    measured: Text = Field(description="what the least margin was measured as")
+
+
+class ProvenanceSection(Section):
+    """What computed the result; further keys name further versions."""
+
+    model_config = ConfigDict(extra="allow")
+    drivegate: Text = Field(description="version of drivegate")
+    content_hash: Text | None = Field(default=None, description="hash of all but times and signature")
+
+
+class TimingSection(Section):
+    """Times, and what else depends on the machine."""
+
+    model_config = ConfigDict(extra="allow")
+    seconds: float = Field(default=0.0, ge=0.0, description="duration of the check, in seconds")
+    checks: dict[str, MeasuredSection] = Field(
+        default_factory=dict, description="numbers of the checks that depend on the machine, by identifier"
     )
 
 
@@ -199,8 +243,8 @@ class ResultDocument(Document):
         description="how a controller of duty ratios behaves in plain runs; null for other controllers, where not all "
         "was judged, and in results of earlier versions",
     )
-    provenance: Table = Field(description="versions, commit and content hash")
-    timing: Table = Field(
+    provenance: ProvenanceSection = Field(description="versions, commit and content hash")
+    timing: TimingSection = Field(
         description="times and what else depends on the machine; not part of the content hash"
     )
     signature: SignatureSection | None = Field(

@@ -6,6 +6,7 @@ from typing import Any
 
 from drivegate.scenarios.drive_scale import scale_of, tidy, whole_tenths
 from drivegate.scenarios.title import titled
+from drivegate_cases.scenario.control_periods import on_whole_periods
 from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
 from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
@@ -130,5 +131,6 @@ def with_drift(
 
 def _with_change(scenario: Scenario, over_at_s: float, **changes: Any) -> Scenario:
     """Apply a change that is over at a time, and leave a whole steady stretch behind it."""
-    long_enough = whole_tenths(over_at_s + scale_of(scenario.drive).dwell_s)
+    tenths = whole_tenths(over_at_s + scale_of(scenario.drive).dwell_s)
+    long_enough = on_whole_periods(tenths, scenario.control_period_s)
     return titled(scenario.replaced(duration_s=max(scenario.duration_s, long_enough), **changes))

@@ -229,11 +229,17 @@ def _scale_of_text(text: str) -> DriveScale:
     return scale_of(parse_document(json.loads(text), DriveDocument, "the scenario's drive"))
 
 
+def rated_torque_at(drive: DriveDocument, speed_rpm: float) -> float:
+    """Return the torque of rated power at a speed, constant below base speed (N·m)."""
+    speed = max(speed_rpm, drive.rating.base_speed_rpm) * RADIANS_PER_RPM
+    return drive.rating.rated_power_w / speed
+
+
 def tidy(value: float) -> float:
     """Take off what binary fractions add to sums of decimal ones."""
     return round(value, 9)
 
 
 def whole_tenths(time_s: float) -> float:
-    """Give the next whole tenth of a second, which is a whole number of control periods of any length drawn."""
+    """Return the next whole tenth of a second, which is a whole number of all usual control periods."""
     return math.ceil(round(time_s * 10.0, 6)) / 10.0

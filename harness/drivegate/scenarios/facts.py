@@ -12,8 +12,7 @@ from drivegate_cases.drive.drive_document import PM_AC
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.failure_kind import PHASED
-from drivegate_cases.scenario.scenario import Scenario
-from drivegate_cases.scenario.sensors import SHUNTS
+from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
 PLAIN_RUN: Final = "the plain run"
@@ -88,22 +87,25 @@ def _load(scenario: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _control_period(scenario: Mapping[str, Any]) -> Iterator[str]:
-    """Tell of a control period that is not the drive's own."""
-    if scenario["drive"]["kind"] != PM_AC:
-        yield from _other("control_period_s", scenario["control_period_s"])
+    """Name a control period that the scenario chooses; that of a PM AC drive follows from its carrier."""
+    period = scenario["control_period_s"]
+    if scenario["drive"]["kind"] != PM_AC and period != LONGEST_CONTROL_PERIOD_S:
+        yield f"control period s {period:g}"
 
 
 def _sensors(scenario: Mapping[str, Any]) -> Iterator[str]:
     sensors, seed = scenario["sensors"], scenario.get("seed", 0)
     kind = sensors if isinstance(sensors, str) else sensors["kind"]
     if kind != "ideal":
-        switches = " with Hall switches" if kind == "shunts" and _position(sensors) == "hall" else ""
+        switches = " with Hall switches" if kind == "shunts" and _position(scenario) == "hall" else ""
         yield f"{kind} sensors{switches}" + (f" of seed {seed}" if seed else "")
 
 
-def _position(sensors: Any) -> str:
-    """Name what gives angle and speed of a shaft seen with shunts."""
-    return str(SHUNTS.position if isinstance(sensors, str) else sensors.get("position", SHUNTS.position))
+def _position(scenario: Mapping[str, Any]) -> str:
+    """Return what shows angle and speed of a shaft seen with shunts."""
+    sensors, stated = scenario["sensors"], (scenario["drive"].get("sensing") or {}).get("position", "exact")
+    own = "encoder" if stated == "exact" else stated
+    return str(own if isinstance(sensors, str) else sensors.get("position", own))
 
 
 def _speed(scenario: Mapping[str, Any]) -> Iterator[str]:

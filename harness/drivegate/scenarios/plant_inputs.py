@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate_cases.scenario.control_periods import seen_at_s
 from drivegate_cases.scenario.load import (
     GRAVITY,
     ConstantPowerLoad,
@@ -55,18 +57,20 @@ def plant_load(scenario: Scenario) -> load.Load:
 def plant_schedule(scenario: Scenario) -> Schedule:
     """Give what happens in a scenario as the plant takes it."""
     load_unit = _PERCENT if isinstance(scenario.load, VehicleLoad) else 1.0
+    course = partial(plant_course, scenario)
     return Schedule(
-        speed=_course(scenario.speed_rpm, RADIANS_PER_RPM),
-        load=_course(scenario.load_profile, load_unit),
-        supply=_course(scenario.supply_profile),
-        imbalance=_course(scenario.imbalance_profile),
-        resistance=_course(scenario.resistance_profile),
-        emf=_course(scenario.emf_profile),
+        speed=course(scenario.speed_rpm, RADIANS_PER_RPM),
+        load=course(scenario.load_profile, load_unit),
+        supply=course(scenario.supply_profile),
+        imbalance=course(scenario.imbalance_profile),
+        resistance=course(scenario.resistance_profile),
+        emf=course(scenario.emf_profile),
     )
 
 
-def _course(profile: Profile, unit: float = 1.0) -> Course:
-    times, values = profile_arrays(profile)
+def plant_course(scenario: Scenario, profile: Profile, unit: float = 1.0) -> Course:
+    """Give one of a scenario's profiles as the plant takes it."""
+    times, values = profile_arrays(profile, scenario.control_period_s)
     return Course(times, values * unit)
 
 
@@ -92,15 +96,21 @@ def plant_converters(
     )
 
 
-def plant_encoder(scenario: Scenario, given: Mcs96Sensors | ShuntSensors) -> Encoder:
-    """Make the encoder of a scenario, as at its start."""
-    glitches = np.array([(glitch.time_s, glitch.counts) for glitch in scenario.glitches], np.float64)
+def plant_encoder(
+    scenario: Scenario, given: Mcs96Sensors | ShuntSensors, initial_angle: float = 0.0
+) -> Encoder:
+    """Make the encoder of a scenario, as at its start, where its count shows an angle of the shaft (rad)."""
+    period = scenario.control_period_s
+    glitches = np.array(
+        [(seen_at_s(glitch.time_s, period), glitch.counts) for glitch in scenario.glitches], np.float64
+    )
     return turning_encoder(
         lines=given.encoder_lines,
         speed_window=given.speed_window_s,
         clock=given.clock_s,
-        control_period=scenario.control_period_s,
+        control_period=period,
         initial_speed=scenario.initial_speed_rpm * RADIANS_PER_RPM,
+        initial_angle=initial_angle,
         glitches=glitches.reshape(-1, 2),
     )
 

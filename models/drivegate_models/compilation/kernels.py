@@ -2,8 +2,8 @@
 
 numba's own cache does not notice an edit in a function of another file, and finds no place to write in a
 read-only installation without a home folder. So the cache folder carries a key made of the sources of this
-package, of the target, and of the versions that compile them, and falls back to a temporary folder. numba also
-looks code up by the place of its source; here a module's name takes that place, so that one folder serves every
+package, of the target, and of the versions that compile them; `cache_folder` chooses where it is. numba also looks
+code up by the place of its source; here a module's name takes that place, so that one folder serves every
 installation of the same versions. Folders that nothing has used for a month go.
 
 It also counts the files of one function up: two processes that compile two functions made by one factory at the
@@ -14,28 +14,23 @@ So a file is named here after what it holds.
 from __future__ import annotations
 
 import contextlib
-import getpass
 import hashlib
 import importlib.metadata
 import os
 import platform
-import re
 import shutil
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+from drivegate_models.compilation.cache_folder import CACHE_VARIABLE, KEY, NUMBA_VARIABLE, choose_folder
 from drivegate_models.compilation.target import adopt_target, choose_target, requested_target
-
-CACHE_VARIABLE = "DRIVEGATE_CACHE"
-"""Environment variable that overrides the folder in which compiled kernels are kept."""
+from drivegate_models.errors import InputError
 
 _KEPT_SECONDS = 30 * 24 * 3600.0
-_KEY = re.compile("[0-9a-f]{16}")
 _OWN_PACKAGES = ("drivegate_models", "drivegate")
 
 
@@ -58,50 +53,45 @@ def cache_key() -> str:
     return digest.hexdigest()[:16]
 
 
-def _is_writable(folder: Path) -> bool:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
-
-
-def _candidate_folders() -> list[Path]:
-    folders = []
-    chosen = os.environ.get(CACHE_VARIABLE)
-    if chosen:
-        folders.append(Path(chosen))
-    user_cache = os.environ.get("XDG_CACHE_HOME")
-    if user_cache:
-        folders.append(Path(user_cache) / "drivegate")
-    with contextlib.suppress(RuntimeError):
-        folders.append(Path.home() / ".cache" / "drivegate")
-    try:
-        user = getpass.getuser()
-    except (OSError, KeyError, ImportError):
-        user = str(os.getuid()) if hasattr(os, "getuid") else "user"
-    folders.append(Path(tempfile.gettempdir()) / f"drivegate-{user}")
-    return folders
-
-
 def choose_cache_folder() -> Path | None:
-    """Return the first writable folder for compiled kernels, or None where nothing can be written."""
-    key = cache_key()
-    for folder in _candidate_folders():
-        if _is_writable(folder / key):
-            return folder / key
-    return None
+    """Return the folder for compiled kernels, or None if there is no safe folder that can be written."""
+    return choose_folder(cache_key()).folder
+
+
+def required_cache_folder() -> Path:
+    """Return the folder for compiled kernels.
+
+    Returns
+    -------
+    Path
+        The folder, which exists.
+
+    Raises
+    ------
+    InputError
+        If there is no safe folder that can be written.
+    """
+    choice = choose_folder(cache_key())
+    if choice.folder is None:
+        raise InputError(
+            f"there is no folder for compiled code: {'; '.join(choice.refusals)}; name a folder of your own, which "
+            f"nobody else can write, in the environment variable {CACHE_VARIABLE}"
+        )
+    return choice.folder
+
+
+def refused_cache_folders() -> tuple[str, ...]:
+    """List the folders that come earlier than the one for compiled kernels, each with why it is not used."""
+    return choose_folder(cache_key()).refusals
 
 
 def _configure() -> bool:
     """Point numba at the cache folder; return whether compiled kernels can be kept."""
-    if "NUMBA_CACHE_DIR" in os.environ:
-        return True
     folder = choose_cache_folder()
     if folder is None:
+        os.environ.pop(NUMBA_VARIABLE, None)
         return False
-    os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    os.environ[NUMBA_VARIABLE] = str(folder)
     _prune(folder)
     return True
 
@@ -112,7 +102,7 @@ def _prune(used: Path) -> None:
         os.utime(used)
         oldest = time.time() - _KEPT_SECONDS
         for folder in used.parent.iterdir():
-            if _KEY.fullmatch(folder.name) and folder.stat().st_mtime < oldest:
+            if KEY.fullmatch(folder.name) and folder.stat().st_mtime < oldest:
                 shutil.rmtree(folder, ignore_errors=True)
 
 
@@ -126,7 +116,7 @@ from numba.core import caching  # noqa: E402
 # numba has read the variables already where something else imported it first.
 adopt_target(vars(numba.config))
 if KEEPS_CACHE:
-    vars(numba.config)["CACHE_DIR"] = os.environ["NUMBA_CACHE_DIR"]
+    vars(numba.config)["CACHE_DIR"] = os.environ[NUMBA_VARIABLE]
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
 

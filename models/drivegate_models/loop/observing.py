@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -117,10 +118,11 @@ def observe_energy(
     shaft = speed * period[ledger.IMPULSE]
     spent = resistance * period[ledger.SQUARE] + shaft + period[ledger.DEVICE] + (after - before)
     throughput = exchanged + before + after
-    if throughput > 0.0:
+    # What is not a number must not pass for a balance, hence the comparisons the other way round.
+    if not throughput <= 0.0:
         mismatch = abs(exchanged - 2.0 * period[ledger.RETURNED] - spent) / throughput
-        if mismatch > run.exchange_error:
-            run.exchange_error = mismatch
+        if not mismatch <= run.exchange_error:
+            run.exchange_error = mismatch if mismatch == mismatch else inf
     run.shaft_energy += shaft
     run.input_energy += ledger.source_energy(period)
 

@@ -13,6 +13,23 @@ from drivegate_models.machine import ledger
 
 
 @inlined
+def whole_turns(angle: float) -> int:
+    """Return how many whole turns lie below an angle.
+
+    Parameters
+    ----------
+    angle : float
+        The angle (rad).
+
+    Returns
+    -------
+    int
+        Below zero for a negative angle (1).
+    """
+    return floor(angle * (0.5 / pi))
+
+
+@inlined
 def within_a_turn(angle: float) -> float:
     """Return an angle less whole turns.
 
@@ -26,7 +43,25 @@ def within_a_turn(angle: float) -> float:
     float
         The same in [0, 2 pi) but for rounding.
     """
-    return angle - 2.0 * pi * floor(angle * (0.5 / pi))
+    return angle - 2.0 * pi * whole_turns(angle)
+
+
+@inlined
+def shown_angle(angle: float) -> float:
+    """Return an angle of the shaft as controllers are shown it.
+
+    Parameters
+    ----------
+    angle : float
+        Angle of the shaft, whole turns included (rad).
+
+    Returns
+    -------
+    float
+        The same in [0, 2 pi), whatever is rounded.
+    """
+    within = within_a_turn(angle)
+    return within if 0.0 <= within < 2.0 * pi else 0.0
 
 
 @inlined

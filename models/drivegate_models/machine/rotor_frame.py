@@ -95,3 +95,21 @@ def phase_currents(
         for leg in range(3):
             currents[row, leg] = phase_current(frame, leg)
     return currents
+
+
+def shaft_angles(electrical: NDArray[np.float64], pole_pairs: int) -> NDArray[np.float64]:
+    """Return the shaft's angles from the electrical ones of control periods that follow each other.
+
+    Parameters
+    ----------
+    electrical : ndarray, shape (n,)
+        Electrical angles of a run from its start, within one cycle (rad).
+    pole_pairs : int
+        Pole pairs of the machine.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Angles of the shaft, within one turn (rad).
+    """
+    return (np.unwrap(electrical) / pole_pairs) % (2.0 * np.pi)

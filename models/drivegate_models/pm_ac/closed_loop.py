@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.schedule import Course, Schedule, steady
 from drivegate_models.machine import ledger
@@ -18,7 +19,7 @@ from drivegate_models.pm_ac.loop_kernel import DutyRoom, DutyTiming, run_periods
 from drivegate_models.pm_ac.loop_records import DutyRecords, make_records
 from drivegate_models.pm_ac.plant.advance import make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
-from drivegate_models.pm_ac.sensing import DutySensors, ideal_duty_sensors
+from drivegate_models.pm_ac.sensing import DutySensors, ideal_duty_sensors, low_side_ratio
 
 
 class DutyRun(NamedTuple):
@@ -70,6 +71,7 @@ def prepared_duty_loop(
     duration: float,
     initial_speed: float = 0.0,
     initial_angle: float = 0.0,
+    clock_start: float = 0.0,
     torque_reference: Course | None = None,
     sensors: DutySensors | None = None,
     failure: Failure | None = None,
@@ -96,6 +98,8 @@ def prepared_duty_loop(
         Of the shaft (rad/s).
     initial_angle : float
         Electrical, from the first phase's axis to the magnet's (rad).
+    clock_start : float
+        Time that the controller senses in the first step (s).
     torque_reference : Course, optional
         What the controller is given in place of the schedule's speed (N m).
     sensors : DutySensors, optional
@@ -110,7 +114,8 @@ def prepared_duty_loop(
     Returns
     -------
     PreparedDutyLoop
-        The run. Before the first answer acts, the duty ratios are all 1/2.
+        The run. All legs are off until the first answer acts. A machine whose EMF exceeds the link begins in the
+        steady state in which its diodes rectify.
     """
     steps = round(duration / control_period)
     exchange = make_exchange(steps, step_address, state_address, progress, kept)
@@ -118,9 +123,9 @@ def prepared_duty_loop(
     room = DutyRoom(
         np.zeros(7, np.int64),
         np.zeros(ledger.ENTRIES),
-        np.full((2, 3), 0.5),
-        np.ones((2, 3), np.int64),
-        np.full(3, 0.5),
+        np.zeros((2, 3)),
+        np.full((2, 3), LEG_OFF, np.int64),
+        np.full(3, low_side_ratio(0.0, LEG_OFF)),
     )
     timing = DutyTiming(
         float(control_period),
@@ -128,6 +133,7 @@ def prepared_duty_loop(
         float(initial_speed),
         float(initial_angle % (2.0 * pi)),
         torque_reference is not None,
+        float(clock_start),
     )
     torque = steady(0.0) if torque_reference is None else torque_reference
     shown = ideal_duty_sensors() if sensors is None else sensors

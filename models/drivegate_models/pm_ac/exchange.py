@@ -86,7 +86,7 @@ def write_sense(
     reference : float
         Of speed (rad/s) or torque (N m).
     time : float
-        (s).
+        What the controller's clock shows (s).
     angle, speed : float
         Of the shaft (rad, rad/s).
     """

@@ -22,7 +22,7 @@ from drivegate_models.loop.sensing.converters import (
 )
 from drivegate_models.loop.sensing.encoder import (
     Encoder,
-    encoder_count,
+    count_within_a_turn,
     encoder_speed,
     lose_count,
     no_encoder,
@@ -30,13 +30,14 @@ from drivegate_models.loop.sensing.encoder import (
 )
 from drivegate_models.loop.sensing.hall import (
     Hall,
-    hall_angle,
     hall_bits,
+    hall_shaft_angle,
     hall_speed,
     lose_switching,
     no_hall,
     turn_hall,
 )
+from drivegate_models.loop.shaft import shown_angle
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING
 
 IN_LINE: Final = 0
@@ -51,7 +52,7 @@ EXACT: Final = 0
 ENCODER: Final = 1
 """An encoder counts edges and times them."""
 HALL: Final = 2
-"""Three Hall switches, whose timer gives angle and speed of a shaft that turns forward."""
+"""Three Hall switches, whose timer measures angle and speed."""
 
 
 class Shunts(NamedTuple):
@@ -76,9 +77,8 @@ class DutySensors(NamedTuple):
     position: int
     """`EXACT`, `ENCODER` or `HALL`."""
     encoder: Encoder
+    """Its count is zero where the angle that it shows is zero."""
     hall: Hall
-    zero_angle: float
-    """Angle of the shaft where the encoder's count is zero, an error of its alignment included (rad)."""
 
 
 def ideal_duty_sensors() -> DutySensors:
@@ -96,7 +96,6 @@ def ideal_duty_sensors() -> DutySensors:
         EXACT,
         no_encoder(),
         no_hall(),
-        0.0,
     )
 
 
@@ -107,7 +106,6 @@ def real_duty_sensors(
     window: float = 0.0,
     encoder: Encoder | None = None,
     hall: Hall | None = None,
-    zero_angle: float = 0.0,
 ) -> DutySensors:
     """Make sensors with errors.
 
@@ -123,8 +121,6 @@ def real_duty_sensors(
         What gives angle and speed.
     hall : Hall, optional
         What gives them instead; without both they are shown as they are.
-    zero_angle : float
-        Angle of the shaft where the encoder's count is zero (rad).
 
     Returns
     -------
@@ -139,7 +135,6 @@ def real_duty_sensors(
         position,
         no_encoder() if encoder is None else encoder,
         no_hall() if hall is None else hall,
-        float(zero_angle),
     )
 
 
@@ -230,7 +225,7 @@ def show_phase_currents(
 
 
 @inlined
-def show_shaft(sensors: DutySensors, sense: Any, pole_pairs: float) -> None:
+def show_shaft(sensors: DutySensors, sense: Any, now: float) -> None:
     """Replace link voltage, angle and speed in a Sense by what is seen of them.
 
     Parameters
@@ -239,19 +234,19 @@ def show_shaft(sensors: DutySensors, sense: Any, pole_pairs: float) -> None:
         The sensors; their noise goes on.
     sense : record of DUTY_SENSE
         With true values, replaced.
-    pole_pairs : float
-        Of the machine (1).
+    now : float
+        Time since the run began, by which the timer of Hall edges runs (s).
     """
     sense.supply_voltage = converted_supply(sensors.converters, sense.supply_voltage)
     if sensors.position == ENCODER:
-        count = encoder_count(sensors.encoder)
+        count = count_within_a_turn(sensors.encoder)
         sense.encoder_count = count
         # The middle between the two edges that it can be.
-        sense.angle = sensors.zero_angle + (count + 0.5) * sensors.encoder.edge_angle
+        sense.angle = shown_angle((count + 0.5) * sensors.encoder.edge_angle)
         sense.speed = encoder_speed(sensors.encoder)
     elif sensors.position == HALL:
         sense.hall = hall_bits(sensors.hall)
-        sense.angle = hall_angle(sensors.hall, sense.time) / pole_pairs
+        sense.angle = shown_angle(hall_shaft_angle(sensors.hall, now))
         sense.speed = hall_speed(sensors.hall)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from drivegate_cases.documents.file_bytes import file_bytes
-from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
+from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path, with_point
 from drivegate_models.errors import InputError
 
 _LARGEST_FILE_BYTES: Final = 4 * 1024 * 1024
@@ -46,12 +46,14 @@ def read_columns(
     rows = csv.reader(io.StringIO(_text_of(path, required, where, what)))
     try:
         header = [name.strip().lower() for name in next(rows, [])]
+        _check_separator(header, required, where)
         columns = [(name, _column(name, header, required, where), True) for name in required]
         columns += [(name, header.index(name), False) for name in optional if name in header]
         places = {name: place for place, name in enumerate((*required, *optional))}
         numbers = []
         for row in rows:
             if any(cell.strip() for cell in row):
+                _check_cells(row, header, rows.line_num, where)
                 values = [nan] * len(places)
                 for name, column, needed in columns:
                     values[places[name]] = _number(row, column, name, rows.line_num, where, needed)
@@ -74,6 +76,26 @@ def _text_of(path: Path, required: Sequence[str], where: str, what: str) -> str:
         ) from error
 
 
+def _check_separator(header: list[str], required: Sequence[str], where: str) -> None:
+    """Refuse a file whose columns other characters separate, as spreadsheets of many countries write it."""
+    for separator, name in ((";", "semicolons"), ("\t", "tabs")):
+        cells = [cell.strip() for cell in ",".join(header).split(separator)]
+        if any(column in cells for column in required) and len(cells) > len(header):
+            raise InputError(
+                f"{where} separates its columns by {name}, but must have commas, and decimal points in its numbers: "
+                f"{','.join(required)}"
+            )
+
+
+def _check_cells(row: list[str], header: list[str], line: int, where: str) -> None:
+    """Refuse cells without a column, as decimal commas make them."""
+    if any(cell.strip() for cell in row[len(header) :]):
+        raise InputError(
+            f"{where} has {len(row)} cells in line {line}, but {len(header)} columns in its first line; numbers must "
+            "have a decimal point, since a comma ends a cell"
+        )
+
+
 def _column(name: str, header: list[str], required: Sequence[str], where: str) -> int:
     if name in header:
         return header.index(name)
@@ -93,5 +115,12 @@ def _number(row: list[str], column: int, name: str, line: int, where: str, neede
     except ValueError:
         value = nan
     if not isfinite(value):
-        raise InputError(f"{where}: '{name}' is {shown(cell)} in line {line}, but must be a number")
+        raise InputError(
+            f"{where}: '{name}' is {shown(cell)} in line {line}, but must be a number{_pointed(cell)}"
+        )
     return value
+
+
+def _pointed(cell: str) -> str:
+    right = with_point(cell)
+    return f" with a decimal point, {right}" if right else ""

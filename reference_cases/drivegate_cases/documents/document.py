@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 
 from drivegate_cases.documents.problems import described
 from drivegate_cases.documents.reading import read_mapping
-from drivegate_cases.documents.wording import one_line, shown
+from drivegate_cases.documents.wording import LONGEST_MESSAGE, shown, shown_path
 from drivegate_models.errors import InputError
 
 DocumentT = TypeVar("DocumentT", bound="Document")
@@ -28,6 +28,8 @@ class Section(BaseModel):
         strict=True,
         allow_inf_nan=False,
         validate_default=True,
+        # A table that was copied with other values is checked again where it goes into a document.
+        revalidate_instances="always",
     )
 
 
@@ -37,6 +39,9 @@ class Document(Section):
     A kind of document whose schema has changed sets `schema_current` and translates the previous one in
     `from_previous`.
     """
+
+    # Whole documents were checked as they were made, and are too large to be checked with each of their copies.
+    model_config = ConfigDict(revalidate_instances="never")
 
     schema_current: ClassVar[int] = 1
     schema_version: int = Field(default=0, alias="schema", description="number of the document's schema")
@@ -85,7 +90,7 @@ def parse_document(
     """Check plain data as a document of a given kind."""
     if not isinstance(mapping, Mapping):
         raise InputError(
-            f"{one_line(where)} holds {shown(mapping)}, but must hold a table of keys and values"
+            f"{shown_path(where)} holds {shown(mapping)}, but must hold a table of keys and values"
         )
     values = dict(mapping)
     chosen: Any = model.of_kind(values)
@@ -97,7 +102,7 @@ def parse_document(
 
 
 def _supported_schema(number: object, model: type[Document], where: str) -> int:
-    place = one_line(where)
+    place = shown_path(where)
     current = model.schema_current
     oldest = max(1, current - 1)
     supported = f"{oldest} or {current}" if oldest < current else f"{current}"
@@ -123,7 +128,8 @@ def _validated(
     try:
         return model.model_validate(values, context={"folder": folder})
     except ValidationError as error:
-        raise InputError(f"{one_line(where)}: {described(error, model)}") from error
+        place = f"{shown_path(where)}: "
+        raise InputError(place + described(error, model, LONGEST_MESSAGE - len(place))) from error
 
 
 def _frozen(value: Any) -> Any:

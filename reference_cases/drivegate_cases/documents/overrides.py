@@ -4,7 +4,8 @@ import json
 from collections.abc import Collection, Sequence
 from typing import Any
 
-from drivegate_cases.documents.wording import nearest, one_line, shown
+from drivegate_cases.documents.extent import excess_of
+from drivegate_cases.documents.wording import nearest, short_line, shown
 from drivegate_models.errors import InputError
 
 
@@ -17,10 +18,13 @@ def parse_overrides(pairs: Sequence[str], known: Collection[str]) -> dict[str, A
             raise InputError(f"--set {shown(pair)} is not a setting, which is written KEY=VALUE")
         if key not in known:
             raise InputError(
-                f"--set {one_line(pair)}: the key '{one_line(key)}' is unknown, "
+                f"--set {short_line(pair)}: the key '{short_line(key)}' is unknown, "
                 f"the nearest known key is '{nearest(key, known)}'"
             )
         values[key] = _value(text)
+        excess = excess_of(values[key])
+        if excess:
+            raise InputError(f"--set {key}: the value {excess}")
     return values
 
 

@@ -3,25 +3,38 @@
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from types import UnionType
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Any, Final, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from drivegate_cases.documents.wording import nearest, one_line, shown
+from drivegate_cases.documents.wording import nearest, one_line, short_line, shortened, shown, with_point
 
 Location = Sequence[int | str]
 
-_LONGEST_LIST = 8
+_LONGEST_KEY: Final = 100
+_LONGEST_REST: Final = len("; and 1000000 more")
 
 
-def described(error: ValidationError, model: type[BaseModel]) -> str:
-    """Report every error of a document, joined by semicolons."""
-    parts = [_described_one(details, model) for details in error.errors(include_url=False)]
-    reported = list(dict.fromkeys(parts))
-    if len(reported) > _LONGEST_LIST:
-        reported = [*reported[:_LONGEST_LIST], f"and {len(reported) - _LONGEST_LIST} more of this kind"]
+def described(error: ValidationError, model: type[BaseModel], longest: int = 240) -> str:
+    """Report the errors of a document in so many characters, joined by semicolons; the last ones are only counted.
+
+    Missing keys come last: their places are easy to find, and a misspelt key may be the reason.
+    """
+    errors = sorted(error.errors(include_url=False), key=lambda details: details["type"] == "missing")
+    reported: list[str] = []
+    room = longest
+    for place, details in enumerate(errors):
+        part = _described_one(details, model)
+        if part in reported:
+            continue
+        least = 0 if place == len(errors) - 1 else _LONGEST_REST
+        if reported and len(part) + least > room:
+            reported.append(f"and {len(errors) - place} more")
+            break
+        reported.append(shortened(part, max(room - least, 0)))
+        room -= len(part) + len("; ")
     return "; ".join(reported)
 
 
@@ -39,7 +52,7 @@ def key_name(path: Location) -> str:
             text += f"[{step}]"
         else:
             text += f".{step}" if text else step
-    return one_line(text)
+    return short_line(text, _LONGEST_KEY)
 
 
 def _report_unknown(details: ErrorDetails, path: Location, model: type[BaseModel]) -> str:
@@ -87,6 +100,9 @@ def _report_wrong_value(details: ErrorDetails, path: Location, _: type[BaseModel
     requirement = _REQUIREMENTS.get(details["type"])
     if requirement is None:
         requirement = re.sub(r"^\w+ should", "must", one_line(details["msg"]))
+    if details["type"] in ("float_type", "int_type") and isinstance(details["input"], str):
+        right = with_point(details["input"])
+        requirement += f" with a decimal point, {right}" if right else ""
     place = f"the key '{key_name(path)}'" if path else "the document"
     return f"{place} is {shown(details['input'])}, but {requirement}"
 

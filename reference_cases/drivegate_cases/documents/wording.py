@@ -2,17 +2,25 @@
 
 import difflib
 import json
+import re
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Final
 
-_LONGEST_VALUE = 60
-_LARGE = 10000.0
+LONGEST_MESSAGE: Final = 400
+"""Most characters of an error message."""
+_LONGEST_VALUE: Final = 60
+_LONGEST_PATH: Final = 160
+_LONGEST_COMPARED: Final = 100
+_LARGE: Final = 10000.0
+_COMMA_NUMBER: Final = re.compile(r"[+-]?\d[\d.]*,\d+(?:[eE][+-]?\d+)?")
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Find the known name that resembles a given one most."""
     by_lower_case = {candidate.lower(): candidate for candidate in known}
-    closest = difflib.get_close_matches(name.lower(), sorted(by_lower_case), n=1, cutoff=0.0)
+    compared = shortened(name, _LONGEST_COMPARED).lower()
+    closest = difflib.get_close_matches(compared, sorted(by_lower_case), n=1, cutoff=0.0)
     return by_lower_case[closest[0]] if closest else None
 
 
@@ -26,6 +34,14 @@ def figure(value: float) -> str:
     return f"{value:.4g}" if not abs(value) >= _LARGE else f"{value:.0f}"
 
 
+def with_point(text: str) -> str | None:
+    """Write a number with a decimal comma as one with a point; None for any other text."""
+    number = text.strip()
+    if not _COMMA_NUMBER.fullmatch(number):
+        return None
+    return number.replace(".", "").replace(",", ".")
+
+
 def one_line(text: str) -> str:
     """Make any text printable on one line."""
     return "".join(
@@ -34,16 +50,29 @@ def one_line(text: str) -> str:
     )
 
 
+def shortened(text: str, longest: int) -> str:
+    """Cut the middle out of a long text, since its start and its end say most about it."""
+    if len(text) <= longest:
+        return text
+    end = (longest - 1) // 2
+    return f"{text[: longest - 1 - end]}…{text[len(text) - end :]}"
+
+
+def short_line(text: str, longest: int = _LONGEST_VALUE) -> str:
+    """Make any text printable on one line, and short."""
+    # Of a very long text only the ends are made printable, and escapes may make them longer.
+    return shortened(one_line(shortened(text, longest)), longest)
+
+
 def shown(value: object) -> str:
     """Write a value of a document the way the document would, shortened where it is long."""
     if isinstance(value, dict):
         return "a table"
     if isinstance(value, int) and not isinstance(value, bool) and value.bit_length() > 128:
         return f"an integer of {value.bit_length()} bits"
-    text = json.dumps(value, ensure_ascii=False, default=str)
-    return one_line(text if len(text) <= _LONGEST_VALUE else text[:_LONGEST_VALUE] + "…")
+    return short_line(json.dumps(value, ensure_ascii=False, default=str))
 
 
 def shown_path(path: str | Path) -> str:
     """Write the name of a file so that it fits into one line."""
-    return one_line(str(path)) or "''"
+    return short_line(str(path), _LONGEST_PATH) or "''"

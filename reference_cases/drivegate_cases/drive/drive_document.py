@@ -9,16 +9,18 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Self, get_args
 
 from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.documents.overrides import parse_overrides
 from drivegate_cases.documents.packaged import load_named, packaged_names
+from drivegate_cases.documents.wording import shown
 from drivegate_cases.drive.advance import Advance, advance_line
+from drivegate_cases.drive.data_sheet import check_continuous_current, completed, following
 from drivegate_cases.drive.inverter import Inverter
-from drivegate_cases.drive.machine import Machine
+from drivegate_cases.drive.machine import OF_SHAPE, Machine
 from drivegate_cases.drive.provenance import Provenance, check_provenance
 from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.requirements import NO_REQUIREMENTS, Requirements, check_points
@@ -37,6 +39,7 @@ _KIND_NUMBERS: Final = {"half-bridge": 1, "star": 2}
 """The contract's number of each kind of drive."""
 
 _FEWEST_OF_STAR: Final = 3
+_MOST_NAMED: Final = 6
 
 
 class DriveDocument(Document):
@@ -87,7 +90,27 @@ class DriveDocument(Document):
                         raise ValueError(
                             f"the key '{place and place + '.'}{key}' belongs in the table [{table}]"
                         )
+                    if key not in tables and place in cls.tables:
+                        cls._refuse_other_kinds_key(place, key, values.get("kind"))
         return values
+
+    @model_validator(mode="before")
+    @classmethod
+    def _rating_follows_from_its_currents(cls, values: Any) -> Any:
+        """Fill in what of the rating follows from the currents of a data sheet."""
+        return completed(values, cls.model_validate) if isinstance(values, Mapping) else values
+
+    @classmethod
+    def _refuse_other_kinds_key(cls, place: str, key: str, kind: object) -> None:
+        """Refuse a key that the same table of another kind of drive has."""
+        other = cls.of_kind({"kind": PM_AC}) if cls is DriveDocument else DriveDocument
+        is_known = kind in get_args(cls.model_fields["kind"].annotation)
+        if is_known and other.table_of_key().get(key) == place:
+            own = [name for name in cls.tables[place].model_fields if name not in other.table_of_key()]
+            raise ValueError(
+                f"the key '{place}.{key}' is for other kinds of drives; the kind {shown(kind)} has "
+                f"{', '.join(own[:_MOST_NAMED])}{' and others' * (len(own) > _MOST_NAMED)} instead"
+            )
 
     @field_validator("provenance")
     @classmethod
@@ -113,6 +136,7 @@ class DriveDocument(Document):
     @model_validator(mode="after")
     def _tables_fit_together(self) -> Self:
         self.check_tables()
+        check_continuous_current(self)
         return self
 
     def check_tables(self) -> None:
@@ -201,6 +225,11 @@ class DriveDocument(Document):
     def _with_tables(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """Put keys into their tables, beside what these hold now."""
         tables = self.table_of_key()
+        if "emf_shape" in changes and "emf_shape" in tables:
+            others = {
+                key: absent for key, (shape, absent) in OF_SHAPE.items() if shape != changes["emf_shape"]
+            }
+            changes = others | changes
         top = {key: value for key, value in changes.items() if key not in tables}
         for key, value in changes.items():
             if (table := tables.get(key)) is not None:
@@ -218,6 +247,9 @@ class DriveDocument(Document):
         )
         values = {key.rpartition(".")[2]: value for key, value in given.items()}
         mapping = self.to_mapping() | self._with_tables(values)
+        # What follows from other values follows from the new ones.
+        left_out = set(following(self)) - set(values)
+        mapping["rating"] = {key: value for key, value in mapping["rating"].items() if key not in left_out}
         sources = {table: dict(sentences) for table, sentences in self.provenance.items()}
         for key in values:
             if key in tables:
@@ -225,6 +257,18 @@ class DriveDocument(Document):
         return parse_document(
             mapping | {"provenance": sources}, DriveDocument, "--set " + " --set ".join(pairs)
         )
+
+    def torque_of_current(self, current: float) -> float:
+        """Return the most torque of a peak phase current (A) while the voltage is ample (N·m)."""
+        conducting = self.machine.phases * self.inverter.window_deg / 180.0
+        return conducting * self.machine.emf_constant_v_s_per_rad * current
+
+    def greatest_torque(self, current: float, speed: float) -> float:
+        """Return the greatest torque within a current limit (A) and the supply, at a speed (rad/s); in N·m."""
+        from drivegate_models.steady.oracle import greatest_torque_at_limit
+
+        ideal = self.plant()._replace(current_limit=current, hysteresis_band=0.0)
+        return float(greatest_torque_at_limit(ideal, speed).torque)
 
     def plant(self, scales: Scales | None = None) -> AnyDrive:
         """Make the plant's parameters, in SI units."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
-from drivegate_cases.documents.rounding import significant
+from drivegate_cases.documents.rounding import decimal_exponent, significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.requirements import RequiredPoint
 from drivegate_models.units import RADIANS_PER_RPM
@@ -134,10 +134,14 @@ def time_unit(drive: DriveDocument) -> float:
     float
         The unit (s).
     """
+    return max(nearest_step(wanted_time_unit(drive), _STEPS_OF_TIME), SHORTEST_TIME_UNIT_S)
+
+
+def wanted_time_unit(drive: DriveDocument) -> float:
+    """Return the time that `time_unit` rounds to a step (s)."""
     speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
     electrical = 2.0 * math.pi / (drive.machine.pole_pairs * speed)
-    wanted = max(MECHANICAL_TIMES * mechanical_time(drive), ELECTRICAL_PERIODS * electrical)
-    return max(nearest_step(wanted, _STEPS_OF_TIME), SHORTEST_TIME_UNIT_S)
+    return max(MECHANICAL_TIMES * mechanical_time(drive), ELECTRICAL_PERIODS * electrical)
 
 
 def mean_time(drive: DriveDocument) -> float:
@@ -171,11 +175,6 @@ def nearest_step(value: float, steps: tuple[str, ...] = _STEPS) -> float:
     exponent = decimal_exponent(value)
     nearby = [float(f"{step}e{exponent}") for step in steps] + [float(f"1e{exponent + 1}")]
     return min(nearby, key=lambda step: max(step / value, value / step))
-
-
-def decimal_exponent(value: float) -> int:
-    """Give the power of ten of a number's first digit, without a logarithm, which differs between processors."""
-    return int(f"{value:.17e}".partition("e")[2])
 
 
 def rounded(value: float, digits: int) -> float:

@@ -1,6 +1,7 @@
 """The table `[machine]` of a drive: its windings, their back-EMF, and the shaft."""
 
-from typing import Literal, Self
+from collections.abc import Mapping
+from typing import Any, Final, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -14,6 +15,12 @@ from drivegate_cases.drive.machine_values import (
     Resistance,
     ViscousFriction,
 )
+
+OF_SHAPE: Final[Mapping[str, tuple[str, Any]]] = {
+    "emf_flat_deg": ("trapezoid", None),
+    "emf_table": ("table", ()),
+}
+"""Keys of one shape of the EMF alone: the shape, and the key's value for any other."""
 
 
 class Machine(Section):
@@ -58,4 +65,9 @@ class Machine(Section):
             )
         if self.emf_shape == "table" and not self.emf_table:
             raise ValueError("the key 'emf_table' is missing, but must be given for the shape \"table\"")
+        for key, (shape, absent) in OF_SHAPE.items():
+            if self.emf_shape != shape and getattr(self, key) != absent:
+                raise ValueError(
+                    f"the key '{key}' is for the shape \"{shape}\", but the key 'emf_shape' is \"{self.emf_shape}\""
+                )
         return self

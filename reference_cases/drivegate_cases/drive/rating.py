@@ -1,8 +1,8 @@
 """The table `[rating]` of a drive: what it is made for."""
 
-from typing import Final, Self
+from typing import Any, Final, Self
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from drivegate_cases.documents.document import Section
 from drivegate_models.units import RADIANS_PER_RPM
@@ -10,9 +10,19 @@ from drivegate_models.units import RADIANS_PER_RPM
 GREATEST_TORQUE_NM: Final = 1e6
 """Greatest torque of rated power at base speed that is taken for one (N·m)."""
 
+FOLLOWING: Final = ("rated_power_w", "current_limit_a")
+"""Keys that follow from the currents of a data sheet where they are left out."""
+
+
+def _without_following(schema: dict[str, Any]) -> None:
+    """Let editors accept a table that leaves out what follows from other keys."""
+    schema["required"] = [key for key in schema["required"] if key not in FOLLOWING]
+
 
 class Rating(Section):
     """Power, current and the speeds between which the power is constant."""
+
+    model_config = ConfigDict(json_schema_extra=_without_following)
 
     base_speed_rpm: float = Field(
         gt=0.0, le=1e6, description="speed at which constant power begins, in turns a minute"
@@ -23,8 +33,31 @@ class Rating(Section):
     overspeed_rpm: float = Field(
         gt=0.0, le=1e6, description="highest speed of all, beyond that of constant power, in turns a minute"
     )
-    rated_power_w: float = Field(gt=0.0, le=1e9, description="rated power at the shaft, in watts")
-    current_limit_a: float = Field(gt=0.0, le=1e5, description="greatest current reference, in ampere")
+    rated_power_w: float = Field(
+        gt=0.0,
+        le=1e9,
+        description="rated power at the shaft, in watts; by default 92 % of what continuous_current_a produces from "
+        "base speed to the highest",
+    )
+    current_limit_a: float = Field(
+        gt=0.0,
+        le=1e5,
+        description="greatest current reference, in ampere, peak value of a phase; by default peak_current_a, or else "
+        "continuous_current_a",
+    )
+    continuous_current_a: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=1e5,
+        description="continuous (rated) current of a data sheet, in ampere, peak value of a phase: 1.414 times the "
+        "rms value",
+    )
+    peak_current_a: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=1e5,
+        description="greatest current of a data sheet, in ampere, peak value of a phase: 1.414 times the rms value",
+    )
 
     @model_validator(mode="after")
     def _speeds_rise(self) -> Self:
@@ -38,7 +71,20 @@ class Rating(Section):
                 f"the key 'overspeed_rpm' is {self.overspeed_rpm:g}, but must be at least the "
                 f"highest speed of {self.highest_speed_rpm:g} rpm"
             )
+        self._check_currents()
         return self._with_a_torque_in_range()
+
+    def _check_currents(self) -> None:
+        """Refuse a current above the peak current, which bounds all others."""
+        if self.peak_current_a is None:
+            return
+        for key in ("continuous_current_a", "current_limit_a"):
+            current = getattr(self, key)
+            if current is not None and current > self.peak_current_a:
+                raise ValueError(
+                    f"the key '{key}' is {current:g}, but must be at most the peak current, and peak_current_a is "
+                    f"{self.peak_current_a:g}"
+                )
 
     def _with_a_torque_in_range(self) -> Self:
         torque = self.rated_power_w / (self.base_speed_rpm * RADIANS_PER_RPM)

@@ -1,11 +1,11 @@
 """What fails during a run of a PM AC drive."""
 
-import math
 from typing import Self
 
 from pydantic import Field, model_validator
 
 from drivegate_cases.documents.document import Section
+from drivegate_cases.scenario.control_periods import first_period_from
 from drivegate_cases.scenario.failure_kind import PHASED, FailureKind
 
 
@@ -24,8 +24,7 @@ class Failure(Section):
 
     def first_period(self, control_period_s: float) -> int:
         """Return the number of the first control period that begins with it."""
-        # A time that is whole periods but for rounding is the start of that period.
-        return math.ceil(round(self.time_s / control_period_s, 6))
+        return first_period_from(self.time_s, control_period_s)
 
     @model_validator(mode="after")
     def _only_a_phase_has_a_number(self) -> Self:

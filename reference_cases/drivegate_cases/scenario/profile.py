@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_cases.drive.scales import Scales
+from drivegate_cases.scenario.control_periods import seen_at_s
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario
@@ -47,9 +48,12 @@ class Dwell:
         return self.end - self.start
 
 
-def profile_arrays(points: Profile) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Lay a profile out for compiled code."""
-    table = np.array(points, dtype=np.float64).reshape(-1, 2)
+def profile_arrays(
+    points: Profile, control_period_s: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lay a profile out for compiled code, its times as the loop sees them."""
+    seen = [(seen_at_s(time, control_period_s), value) for time, value in points]
+    table = np.array(seen, dtype=np.float64).reshape(-1, 2)
     return np.ascontiguousarray(table[:, 0]), np.ascontiguousarray(table[:, 1])
 
 

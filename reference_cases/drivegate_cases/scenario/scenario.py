@@ -1,9 +1,8 @@
 """A run as plain data: drive, plant, supply, speed reference, load, duration and seed."""
 
-import math
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Final, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -12,6 +11,7 @@ from drivegate_cases.documents.packaged import load_named, packaged_names
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
 from drivegate_cases.drive.drive_reference import DriveReference
 from drivegate_cases.drive.scales import Scales
+from drivegate_cases.scenario.control_periods import on_whole_periods, period_start_s, whole_periods
 from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
 from drivegate_cases.scenario.failure import Failure
 from drivegate_cases.scenario.load import (
@@ -40,6 +40,7 @@ _HIGHEST_VOLTAGE_V = 1e5
 _GREATEST_IMBALANCE = 0.5
 _LATEST_START_S = 1e7
 _STEADY: Profile = ((0.0, 1.0),)
+_LEFT_OUT: Final[Any] = None
 
 
 class Scenario(Document):
@@ -57,9 +58,10 @@ class Scenario(Document):
     )
     duration_s: float = Field(gt=0.0, le=86400.0, description="length of the run, in seconds")
     control_period_s: float = Field(
-        default=LONGEST_CONTROL_PERIOD_S,
+        default=_LEFT_OUT,
         ge=SHORTEST_CONTROL_PERIOD_S,
         le=LONGEST_CONTROL_PERIOD_S,
+        json_schema_extra={"default": LONGEST_CONTROL_PERIOD_S},
         description="time between two steps of the controller, in seconds",
     )
     seed: int = Field(default=0, ge=0, lt=2**63, description="seed of everything random in the run")
@@ -126,16 +128,17 @@ class Scenario(Document):
         drive = info.data.get("drive")
         return sensors if drive is None else fitted(sensors, drive)
 
-    @field_validator("control_period_s")
+    @field_validator("control_period_s", mode="before")
     @classmethod
-    def _period_is_the_modulators(cls, period: float, info: ValidationInfo) -> float:
-        """Take the control period of a drive that has a modulator, which no scenario changes."""
+    def _period_is_the_modulators(cls, period: Any, info: ValidationInfo) -> Any:
+        """Use the control period of a drive that has a modulator, which no scenario changes."""
         drive: DriveDocument | None = info.data.get("drive")
-        if drive is None or (own := drive.control_period_s) is None or period == own:
-            return period
-        if period != LONGEST_CONTROL_PERIOD_S:
-            raise ValueError(f"must be left out or {own:g}, which the drive's carrier gives")
-        return own
+        own = None if drive is None else drive.control_period_s
+        if period is _LEFT_OUT:
+            return LONGEST_CONTROL_PERIOD_S if own is None else own
+        if own is not None and period != own:
+            raise ValueError(f"must be left out or {own!r}, which follows from the drive's carrier")
+        return period
 
     @field_validator("restarts_s")
     @classmethod
@@ -202,24 +205,28 @@ class Scenario(Document):
             raise ValueError(
                 f'the key \'failure\' is for drives of the kind "{PM_AC}", but this one\'s kind is "{self.drive.kind}"'
             )
-        if self.failure is not None and self.failure.kind == "lost-edge" and not has_edges(self.sensors):
+        if (
+            self.failure is not None
+            and self.failure.kind == "lost-edge"
+            and not has_edges(self.sensors, self.drive)
+        ):
             raise ValueError(
-                "the failure 'lost-edge' needs the sensors 'shunts' with the position 'encoder' or 'hall', since a "
-                "position that is shown as it is has no edges"
+                "the failure 'lost-edge' needs the sensors 'shunts' with the position 'encoder' or 'hall', or a drive "
+                "whose [sensing] states one of them, since an exact position has no edges"
             )
         if self.drive.kind == PM_AC:
             for key in ("restarts_s", "current_errors", "dropouts", "glitches"):
                 if getattr(self, key):
                     raise ValueError(
-                        f"the key '{key}' is for other kinds of drives; one of the kind \"{PM_AC}\" does not have it"
+                        f"the key '{key}' is for other kinds of drives; leave it out for one of the kind \"{PM_AC}\""
                     )
 
     def _check_whole_periods(self) -> None:
-        periods = self.duration_s / self.control_period_s
-        if round(periods) < 1 or not math.isclose(periods, round(periods), rel_tol=1e-9):
+        if not whole_periods(self.duration_s, self.control_period_s):
+            nearest = max(1, round(self.duration_s / self.control_period_s))
             raise ValueError(
                 f"the key 'duration_s' is {self.duration_s}, but must be a whole number of control periods "
-                f"of {self.control_period_s} s, such as {max(1, round(periods)) * self.control_period_s:.9g}"
+                f"of {self.control_period_s} s, such as {period_start_s(nearest, self.control_period_s):.12g}"
             )
 
     def _check_profiles_end_in_time(self) -> None:
@@ -282,12 +289,19 @@ class Scenario(Document):
     def replaced(self, **changes: Any) -> Self:
         """Make a scenario that differs in a few keys.
 
-        On another drive, its converters are chosen anew, and so is a control period that the drive has stated.
+        For another drive, the converters are chosen again, and so is a control period that the drive has stated. With
+        another control period, the run lasts until the next whole number of them.
         """
+        drive = changes.get("drive", self.drive)
         if "drive" in changes:
             changes.setdefault("sensors", unfitted(self.sensors, self.drive))
             if self.drive.control_period_s is not None:
-                changes.setdefault("control_period_s", LONGEST_CONTROL_PERIOD_S)
+                changes.setdefault("control_period_s", _LEFT_OUT)
+        period = changes.get("control_period_s", self.control_period_s) or LONGEST_CONTROL_PERIOD_S
+        if isinstance(drive, DriveDocument):
+            period = drive.control_period_s or period
+        if period != self.control_period_s:
+            changes.setdefault("duration_s", on_whole_periods(self.duration_s, period))
         return super().replaced(**changes)
 
     @property

@@ -2,14 +2,16 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import fields
-from typing import Annotated, Any, Final, Literal
+from dataclasses import asdict
+from typing import Annotated, Any, Final, Literal, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.drive.converter_ranges import ConverterRanges, converter_ranges
+from drivegate_cases.drive.converter_ranges import converter_ranges
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.sensing import Position
 
 EncoderLines = Annotated[int, Field(ge=1, le=1_000_000, description="lines of the quadrature encoder a turn")]
 """Lines of an encoder."""
@@ -140,6 +142,15 @@ class HallSensors(Section):
     converter_bits: ConverterBits = 10
 
 
+_ACTS_WITH: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
+    "settling_s": ("shunts", ("low-side", "link")),
+    **dict.fromkeys(("encoder_lines", "encoder_error_deg", "speed_window_s"), ("position", ("encoder",))),
+    **dict.fromkeys(("placement_error_deg", "hysteresis_deg"), ("position", ("hall",))),
+    "clock_s": ("position", ("encoder", "hall")),
+}
+"""Keys of shunts that act only with some values of another key."""
+
+
 class ShuntSensors(Section):
     """Shunts, an encoder or Hall switches, and converters, as drives have that are given duty ratios.
 
@@ -158,8 +169,10 @@ class ShuntSensors(Section):
         le=1e-3,
         description="time that a current must have flowed through a shunt to be seen, in seconds",
     )
-    position: Literal["exact", "encoder", "hall"] = Field(
-        default="encoder", description="what gives angle and speed of the shaft"
+    position: Position | None = Field(
+        default=None,
+        description="what shows angle and speed of the shaft, by default what the drive's `[sensing]` states, or else "
+        "an encoder",
     )
     encoder_lines: EncoderLines = 1024
     encoder_error_deg: float = Field(
@@ -180,6 +193,27 @@ class ShuntSensors(Section):
     voltage_noise_v: VoltageNoise = None
     converter_bits: ConverterBits = 12
 
+    @model_validator(mode="after")
+    def _stated_keys_act(self) -> Self:
+        if (idle := _key_without_effect(self)) is not None:
+            raise ValueError(idle)
+        return self
+
+
+def _key_without_effect(sensors: ShuntSensors) -> str | None:
+    """Return the sentence that refuses a key which does not act with the values of the others."""
+    for key, (other, values) in _ACTS_WITH.items():
+        value, chosen = getattr(sensors, key), getattr(sensors, other)
+        # A default that is written out, as in a stored scenario, is as good as one that is left out. What is left to
+        # the drive is known once the sensors are fitted to it.
+        if chosen is not None and chosen not in values and value != type(sensors).model_fields[key].default:
+            others = "' or '".join(values)
+            return (
+                f"the key '{key}' is {value:g}, but must be left out where '{other}' is '{chosen}'; it acts only "
+                f"with '{others}'"
+            )
+    return None
+
 
 def _by_kind(value: Any) -> Any:
     """Take a bare name for the sensors of that kind with all their defaults."""
@@ -199,7 +233,6 @@ SHUNTS = ShuntSensors(kind="shunts")
 PLAIN: Final[Mapping[str, Sensors]] = {plain.kind: plain for plain in (IDEAL, MCS96, HALL, SHUNTS)}
 """The sensors of each kind with all their defaults."""
 _PHASES_OF_HALL = 3
-_OF_CONVERTERS = tuple(field.name for field in fields(ConverterRanges))
 
 
 def real_sensors(drive: DriveDocument) -> Sensors:
@@ -218,9 +251,22 @@ def has_encoder(sensors: Sensors) -> bool:
     return isinstance(sensors, Mcs96Sensors)
 
 
-def has_edges(sensors: Sensors) -> bool:
-    """Tell whether a controller of duty ratios sees the shaft by the edges of an encoder or of Hall switches."""
-    return isinstance(sensors, ShuntSensors) and sensors.position != "exact"
+def stated_position(drive: DriveDocument) -> Position:
+    """Return what a drive shows of the shaft in every run."""
+    return drive.position if isinstance(drive, PmAcDocument) else "exact"
+
+
+def position_of(sensors: Sensors, drive: DriveDocument) -> Position:
+    """Return what shows the shaft to a controller of duty ratios."""
+    stated = stated_position(drive)
+    if not isinstance(sensors, ShuntSensors):
+        return stated
+    return sensors.position or ("encoder" if stated == "exact" else stated)
+
+
+def has_edges(sensors: Sensors, drive: DriveDocument) -> bool:
+    """Return True if a controller of duty ratios sees the shaft by the edges of an encoder or of Hall switches."""
+    return position_of(sensors, drive) != "exact"
 
 
 def counted_s(sensors: Mcs96Sensors | HallSensors | ShuntSensors, electrical_speed: float) -> float:
@@ -239,6 +285,11 @@ def refusal(sensors: Sensors, drive: DriveDocument) -> str | None:
     if (drive.kind == PM_AC) != isinstance(sensors, ShuntSensors):
         own = "ideal or shunts" if drive.kind == PM_AC else "ideal, mcs96 or hall"
         return f"the sensors '{sensors.kind}' are for other kinds of drives; one of the kind \"{drive.kind}\" has {own}"
+    stated = stated_position(drive)
+    if isinstance(sensors, ShuntSensors) and stated not in ("exact", position_of(sensors, drive)):
+        return f"its 'position' is '{sensors.position}', but the drive's [sensing] states '{stated}' for every run"
+    if isinstance(sensors, ShuntSensors):
+        return _key_without_effect(sensors)
     phases = drive.machine.phases
     if not isinstance(sensors, HallSensors) or phases == _PHASES_OF_HALL:
         return None
@@ -246,18 +297,23 @@ def refusal(sensors: Sensors, drive: DriveDocument) -> str | None:
 
 
 def fitted(sensors: Sensors, drive: DriveDocument) -> Sensors:
-    """Take the ranges and errors of the drive's converters where none are stated."""
-    if isinstance(sensors, IdealSensors):
-        return sensors
-    missing = [key for key in _OF_CONVERTERS if getattr(sensors, key) is None]
-    ranges = converter_ranges(drive)
-    return sensors.model_copy(update={key: getattr(ranges, key) for key in missing})
+    """Take what follows from the drive where nothing is stated."""
+    own = _of_drive(sensors, drive)
+    return sensors.model_copy(
+        update={key: value for key, value in own.items() if getattr(sensors, key) is None}
+    )
 
 
 def unfitted(sensors: Sensors, drive: DriveDocument) -> Sensors:
-    """Leave out the ranges and errors that are those of the drive's converters."""
+    """Leave out what follows from the drive."""
+    own = _of_drive(sensors, drive)
+    same = [key for key, value in own.items() if getattr(sensors, key) == value]
+    return sensors.model_copy(update=dict.fromkeys(same))
+
+
+def _of_drive(sensors: Sensors, drive: DriveDocument) -> dict[str, Any]:
+    """Return the ranges and errors of the drive's converters, and what shows its shaft."""
     if isinstance(sensors, IdealSensors):
-        return sensors
-    ranges = converter_ranges(drive)
-    own = [key for key in _OF_CONVERTERS if getattr(sensors, key) == getattr(ranges, key)]
-    return sensors.model_copy(update=dict.fromkeys(own))
+        return {}
+    own = asdict(converter_ranges(drive))
+    return own | {"position": position_of(SHUNTS, drive)} if isinstance(sensors, ShuntSensors) else own

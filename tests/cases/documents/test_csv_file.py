@@ -32,6 +32,16 @@ def test_an_optional_cell_or_column_may_have_nothing(tmp_path):
     [
         ("speed,torqe\n1,2\n", "has no column 'torque' in its first line, the nearest there is 'torqe'"),
         ("", "it must have speed and torque"),
+        (
+            "speed;torque;angle\n1,5;2,5;3\n",
+            "separates its columns by semicolons, but must have commas, and decimal points in its numbers: ",
+        ),
+        ("torque\tspeed\n1\t2\n", "separates its columns by tabs, but must have commas"),
+        (
+            "speed,torque\n1,2,5\n",
+            "has 3 cells in line 2, but 2 columns in its first line; numbers must have",
+        ),
+        ('speed,torque\n1,"2,5"\n', "must be a number with a decimal point, 2.5"),
         ("speed,torque\n1,\n", "'torque' is \"\" in line 2, but must be a number"),
         ("speed,torque\n1,nan\n", "must be a number"),
         ("speed,torque,angle\n1,2,steep\n", "'angle' is \"steep\" in line 2"),

@@ -39,3 +39,8 @@ def test_what_is_no_pair_is_refused(refusal: Callable[..., str], pair: str) -> N
 def test_an_unknown_key_is_named_with_the_nearest(refusal: Callable[..., str], pair: str) -> None:
     message = refusal(parse_overrides, [pair], KNOWN)
     assert "is unknown, the nearest known key is 'inductance_h'" in message
+
+
+def test_a_value_nested_too_deeply_is_refused(refusal: Callable[..., str]) -> None:
+    message = refusal(parse_overrides, ["emf_table=" + "[" * 900 + "]" * 900], KNOWN)
+    assert "--set emf_table: the value is nested too deeply" in message

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from drivegate_cases.documents.reading import LARGEST_FILE_BYTES, read_mapping
+from drivegate_cases.documents.extent import DEEPEST, MOST_ENTRIES, MOST_KEYS
+from drivegate_cases.documents.reading import LARGEST_FILE_BYTES, LARGEST_TOML_BYTES, read_mapping
 from drivegate_models.errors import InputError
 
 
@@ -38,6 +39,14 @@ def test_a_byte_order_mark_is_no_error(tmp_path: Path) -> None:
         ("a.toml", 'a = """mine\nc = 2\n', "a string is not closed up to the end of the file"),
         ("a.toml", "a = 1\na = 2\n", "not well-formed TOML"),
         ("a.toml", "a = 2020-13-45\n", "not well-formed TOML"),
+        (
+            "a.toml",
+            "a = 1\nb = 0,5\n",
+            "in line 2 the number 0,5 has a decimal comma; write it with a point, 0.5",
+        ),
+        ("a.toml", "[m]\r\nb = -1.200,5e-3  # in ohm\r\n", "write it with a point, -1200.5e-3"),
+        ("a.toml", "m = { b = 0,5 }", "write it with a point, 0.5"),
+        ("a.json", '{"a": 0,5,\n"b": 2}', "the number 0,5 has a decimal comma; write it with a point, 0.5"),
         ("a.json", '{"a": 1,\n"b" 2}', "line 2, column 5"),
         ("a.json", "", "not well-formed JSON at line 1"),
         ("a.json", '{"a": 1, "b": 2, "a": 3}', 'the key "a" appears more than once'),
@@ -89,11 +98,45 @@ def test_an_impossible_path_is_refused(
     refusal(read_mapping, path)
 
 
-def test_a_huge_file_is_refused_at_its_size(tmp_path: Path, refusal: Callable[..., str]) -> None:
-    path = tmp_path / "huge.toml"
+@pytest.mark.parametrize(
+    ("name", "most", "size"),
+    [("huge.json", LARGEST_FILE_BYTES, "16 MB"), ("huge.toml", LARGEST_TOML_BYTES, "4 MB")],
+)
+def test_a_huge_file_is_refused_at_its_size(
+    tmp_path: Path, refusal: Callable[..., str], name: str, most: int, size: str
+) -> None:
+    path = tmp_path / name
     with path.open("wb") as stream:
-        stream.truncate(LARGEST_FILE_BYTES + 1)
-    assert "larger than 16 MB" in refusal(read_mapping, path)
+        stream.truncate(most + 1)
+    assert f"larger than {size}" in refusal(read_mapping, path)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "reported"),
+    [
+        ("a.json", '{"a": ' * DEEPEST + "1" + "}" * DEEPEST, None),
+        ("a.json", '{"a": ' * DEEPEST + "[]" + "}" * DEEPEST, "nested too deeply"),
+        ("a.json", '{"a": ' * 900 + "1" + "}" * 900, "nested too deeply"),
+        ("a.toml", "a = " + "[" * DEEPEST + "]" * DEEPEST, "nested too deeply"),
+        ("a.toml", "a." * (DEEPEST - 1) + "a = 1", None),
+        ("a.toml", "a." * DEEPEST + "a = 1", "nested too deeply"),
+        ("a.toml", "a." * 1_000_000 + "a = 1", "nested too deeply"),
+        ("a.toml", "[" + "'a' . " * 500_000 + "a]", "nested too deeply"),
+        ("a.toml", "a = '" + "word, another word. " * 1000 + "'", None),
+        ("a.json", json.dumps(dict.fromkeys(map(str, range(MOST_KEYS)))), None),
+        ("a.json", json.dumps({"a": dict.fromkeys(map(str, range(MOST_KEYS)))}), "more than 200000 keys"),
+        ("a.json", json.dumps({"a": [0] * (MOST_ENTRIES + 1)}), "more than 1000000 entries"),
+    ],
+    ids=lambda value: value[:20] if isinstance(value, str) else "",
+)
+def test_a_document_of_too_great_an_extent_is_refused(
+    tmp_path: Path, refusal: Callable[..., str], name: str, content: str, reported: str | None
+) -> None:
+    path = written(tmp_path, name, content)
+    if reported is None:
+        assert read_mapping(path)
+    else:
+        assert reported in refusal(read_mapping, path)
 
 
 @given(st.binary(max_size=200), st.sampled_from([".toml", ".json"]))

@@ -1,8 +1,10 @@
+import re
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegate_cases.documents.wording import counted, nearest, one_line, shown
+from drivegate_cases.documents.wording import counted, nearest, one_line, shortened, shown
 
 ANY_TEXT = st.text(st.characters(codec=None), max_size=100)
 
@@ -31,11 +33,21 @@ def test_printable_text_stays_as_it_is() -> None:
 def test_any_value_is_shown_in_a_short_line(value: object) -> None:
     line = shown(value)
     assert line.isprintable(), f"{line!r} is not printable"
-    assert len(line) < 800, f"{len(line)} characters are too many for a message"
+    assert len(line) <= 60, f"{len(line)} characters are too many for a message"
 
 
-def test_a_long_value_is_cut() -> None:
-    assert shown("x" * 1000).endswith("…")
+def test_a_long_value_is_cut_in_its_middle() -> None:
+    assert re.fullmatch(r'"x+…x+"', shown("x" * 1000))
+
+
+@given(ANY_TEXT, st.integers(1, 50))
+@settings(deadline=None)
+def test_a_shortened_text_has_both_ends(text: str, longest: int) -> None:
+    short = shortened(text, longest)
+    assert len(short) == min(len(text), longest)
+    if short != text:
+        place = longest // 2
+        assert short == f"{text[:place]}…{text[len(text) - (longest - 1 - place) :]}"
 
 
 def test_a_huge_integer_is_shown_by_its_size() -> None:

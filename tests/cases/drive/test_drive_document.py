@@ -74,6 +74,11 @@ def test_an_unknown_name_is_reported_with_what_there_is(refusal: Callable[..., s
         (["emf_flat_deg=null"], "the key 'emf_flat_deg' is missing"),
         (["emf_shape=square"], "must be 'trapezoid', 'sine' or 'table'"),
         (["emf_shape=table"], "the key 'emf_table' is missing"),
+        (
+            ["emf_shape=sine", "emf_flat_deg=90"],
+            "'emf_flat_deg' is for the shape \"trapezoid\", but the key 'emf_shape' is",
+        ),
+        (["emf_table=[[0,0],[90,1],[180,0]]"], "the key 'emf_table' is for the shape \"table\""),
         (["emf_table=[[0,0],[90,0.5],[180,0]]"], "the key 'machine.emf_table'"),
         (["emf_table=[[0,0],[90],[180,0]]"], "the key 'machine.emf_table[1]'"),
         (["current_limit_a=0"], "the key 'rating.current_limit_a'"),

@@ -17,7 +17,7 @@ def scenario(mapping: dict[str, Any], **changes: Any) -> Scenario:
 
 
 def test_arrays_hold_the_points() -> None:
-    times, values = profile_arrays(((0.0, 1.0), (1.0, 2.0), (1.0, 3.0)))
+    times, values = profile_arrays(((0.0, 1.0), (1.0, 2.0), (1.0, 3.0)), 0.0005)
     np.testing.assert_array_equal(times, [0.0, 1.0, 1.0])
     np.testing.assert_array_equal(values, [1.0, 2.0, 3.0])
     assert times.dtype == values.dtype == np.float64

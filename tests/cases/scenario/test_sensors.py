@@ -2,10 +2,24 @@
 
 import pytest
 
+from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.converter_ranges import converter_ranges
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_cases.scenario.sensors import HALL, MCS96, HallSensors, counted_s, has_encoder, real_sensors
+from drivegate_cases.scenario.sensors import (
+    HALL,
+    IDEAL,
+    MCS96,
+    SHUNTS,
+    HallSensors,
+    ShuntSensors,
+    counted_s,
+    has_edges,
+    has_encoder,
+    position_of,
+    real_sensors,
+)
+from drivegate_models.errors import InputError
 
 STAR = load_drive("star-3-phase")
 RUN = Scenario(
@@ -17,6 +31,9 @@ RUN = Scenario(
     load={"kind": "locked"},
     sensors="hall",
 )
+
+EXACT = load_drive("pm-ac-interior")
+BY_HALL = EXACT.with_overrides(["sensing.position=hall"])
 
 
 @pytest.mark.parametrize("name", ["paper-5-phase", "fan-3-phase", "traction-7-phase"])
@@ -49,3 +66,38 @@ def test_the_converters_are_the_drive_s_unless_stated() -> None:
 def test_the_speed_is_counted_over_the_window_or_over_an_electrical_cycle() -> None:
     assert counted_s(MCS96, 100.0) == MCS96.speed_window_s
     assert counted_s(HALL, 100.0) == pytest.approx(0.0628318530718)
+
+
+def test_a_drive_states_what_shows_its_shaft_in_every_run() -> None:
+    assert position_of(IDEAL, EXACT) == "exact"
+    assert position_of(SHUNTS, EXACT) == "encoder"
+    assert not has_edges(IDEAL, EXACT)
+    for sensors in (IDEAL, SHUNTS):
+        assert position_of(sensors, BY_HALL) == "hall"
+        assert has_edges(sensors, BY_HALL)
+    assert EXACT.values_hash != BY_HALL.values_hash
+    assert BY_HALL.with_overrides(["position=encoder"]).value("position") == "encoder"
+
+
+def held_on(drive: DriveDocument, sensors: object) -> Scenario:
+    """Read a run of a drive whose shaft is held."""
+    values = {"schema": 2, "name": "run", "drive": drive.to_mapping(), "duration_s": 0.1, "sensors": sensors}
+    held = {"speed_rpm": [[0.0, 700.0]], "load": {"kind": "locked"}}
+    return parse_document(values | held, Scenario, "the scenario")
+
+
+def test_shunts_show_the_shaft_as_the_drive_states() -> None:
+    for drive, shown in ((EXACT, "encoder"), (BY_HALL, "hall")):
+        sensors = held_on(drive, "shunts").sensors
+        assert isinstance(sensors, ShuntSensors)
+        assert sensors.position == shown
+    moved = held_on(EXACT, "shunts").replaced(drive=BY_HALL).sensors
+    assert isinstance(moved, ShuntSensors)
+    assert moved.position == "hall"
+
+
+@pytest.mark.parametrize("position", ["exact", "encoder"])
+def test_a_run_with_another_sensor_than_the_drive_has_is_refused(position: str) -> None:
+    assert held_on(EXACT, {"kind": "shunts", "position": position})
+    with pytest.raises(InputError, match=f"'{position}', but the drive's .sensing. states 'hall'"):
+        held_on(BY_HALL, {"kind": "shunts", "position": position})

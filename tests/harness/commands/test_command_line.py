@@ -7,6 +7,7 @@ import resource
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import click
 import pytest
@@ -104,6 +105,8 @@ def test_an_option_that_does_not_exist_is_named(refused):
         ),
         (ZeroDivisionError("division by zero"), 3, "drivegate itself failed"),
         (OSError(28, "No space left on device", "x.csv"), 2, "cannot write at x.csv: No space left"),
+        (OSError(24, "Too many open files"), 2, "the system refuses to continue: Too many open files; raise"),
+        (MemoryError(), 2, "the system refuses to continue: not enough memory; raise the limit (ulimit -a)"),
         (KeyboardInterrupt(), 130, "error: interrupted\n"),
     ],
 )
@@ -140,12 +143,35 @@ def test_numbers_that_json_cannot_write_become_null(capsys):
     assert json.loads(capsys.readouterr().out) == {"schema": 1, "nan": None, "list": [None, [1.5]]}
 
 
-def test_a_reader_that_leaves_changes_nothing():
-    process = drivegate("cases", "--json")
+@pytest.mark.parametrize("words", [["cases"], ["cases", "--json"], ["checks"]])
+def test_a_reader_that_leaves_changes_nothing(words):
+    process = drivegate(*words)
     process.stdout.close()
     assert process.stderr.read() == ""
     assert process.wait() == 0
     process.stderr.close()
+
+
+def test_a_working_folder_that_is_gone_is_named(tmp_path):
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    command = (
+        "import os; os.rmdir(os.getcwd()); from drivegate.commands.command_line import main; "
+        "main(['check', 'x.py:Y'])"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-P", "-c", command], cwd=gone, capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stderr) == (
+        2,
+        "error: the working folder no longer exists; change to another one with cd\n",
+    )
+
+
+def test_an_error_that_cannot_be_printed_has_its_exit_code():
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        ended = subprocess.run([sys.executable, "-m", "drivegate", "nonsense"], stderr=full, check=False)
+    assert ended.returncode == 2
 
 
 def test_a_console_without_the_characters_gets_escapes():
@@ -155,14 +181,26 @@ def test_a_console_without_the_characters_gets_escapes():
     assert r"N\xb7m" in out
 
 
-def test_ctrl_c_ends_a_check_with_130_and_leaves_nothing(tmp_path):
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_check_that_is_ended_exits_with_130_and_leaves_nothing(tmp_path, ending):
     process = drivegate("check", "reference", "--json", cwd=tmp_path)
     assert any("runs" in line for line in iter(process.stderr.readline, ""))
-    process.send_signal(signal.SIGINT)
+    process.send_signal(ending)
     out, err = process.communicate()
     assert process.returncode == 130, err
+    assert err.splitlines()[-1] == "error: interrupted"
     assert json.loads(out)["error"]["exit_code"] == 130
     assert list(tmp_path.iterdir()) == [], "an interrupted check leaves no folder behind"
+
+
+def test_a_signal_that_is_ignored_stays_ignored():
+    command = (
+        "import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN); from drivegate.commands.command_line "
+        "import main; import atexit; atexit.register(lambda: print(signal.getsignal(signal.SIGHUP).name)); "
+        "main(['--version'])"
+    )
+    ended = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True)
+    assert ended.stdout.splitlines()[-1] == "SIG_IGN", "nohup must go on working"
 
 
 def test_the_package_is_a_program_too():

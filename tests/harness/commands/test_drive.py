@@ -1,6 +1,7 @@
 """`drivegate drive`: what a drive can do, in text, as JSON and as a figure."""
 
 import json
+import re
 from math import radians
 
 import pytest
@@ -91,9 +92,12 @@ def test_a_narrow_console_has_fewer_columns_and_no_broken_numbers(command, monke
 def test_a_rating_out_of_reach_is_named_and_shown_all_the_same(command):
     limited = ("drive", "--set", "current_limit_a=20")
     ended = command(*limited)
-    assert ended.code == 0
-    assert "out of reach: 1.5 kW needs 26.0 N·m at 550 rpm" in ended.out
-    assert "--set rated_power_w" in ended.out
+    assert ended.code == 2
+    assert "a check refuses this drive: 1.5 kW needs 26.0 N·m at 550 rpm" in ended.out
+    assert (
+        "next: write rated_power_w = 1320 into the drive's file, or try it with --set rated_power_w=1320"
+        in ended.out
+    )
     document = command(*limited, "--json").document
     assert document["unreachable"][0]["message"] in ended.out
     assert row_at(document, 550.0)["edge_deg"] is None
@@ -109,7 +113,10 @@ def test_torques_of_a_small_drive_keep_their_digits(command):
     assert f" {at_highest['rated_torque_nm']:.3f} " in told
     assert f" {at_highest['greatest_torque_nm']:.3f} " in told
     weak = command(*small, "--set", "current_limit_a=4").out
-    assert "100 W needs 0.434 N·m at 2200 rpm; at the current limit of 4 A this drive gives 0.301 N·m" in weak
+    assert (
+        "100 W needs 0.434 N·m at 2200 rpm, but at the current limit of 4 A this drive delivers at most 0.301 N·m"
+        in weak
+    )
 
 
 def test_a_band_that_chops_too_often_is_told_with_what_it_costs(command):
@@ -122,13 +129,13 @@ def test_a_ripple_out_of_reach_leads_to_the_one_that_is_not(command):
     (row,) = command("drive", *QUICK, "--set", "ripple_percent=3", "--json").document["unreachable"]
     nearest = row["nearest_ripple_percent"]
     assert 3 < nearest < 20
-    assert f"next: put ripple_percent = {nearest} into [requirements]" in ended.out
-    assert "out of reach" not in command("drive", *QUICK, "--set", f"ripple_percent={nearest}").out
+    assert f"next: write ripple_percent = {nearest}, and closed_loop_ripple_percent above it" in ended.out
+    assert "refuses" not in command("drive", *QUICK, "--set", f"ripple_percent={nearest}").out
 
 
 def test_a_drive_that_can_do_nothing_of_its_rating_is_shown(command):
     ended = command("drive", "--set", "current_limit_a=2")
-    assert ended.code == 0
+    assert ended.code == 2
     assert "line of initial angles: none" in ended.out
     document = command("drive", "--set", "current_limit_a=2", "--json").document
     assert document["line"]["start_deg"] is None
@@ -242,4 +249,44 @@ def test_a_pm_ac_drive_is_told_by_its_limits_of_current_and_voltage(command, tmp
     assert "2168.7 rpm" in shown
     assert "at least loss the efficiency is at most" in shown
     much = command("drive", "pm-ac-interior", "--set", "rated_power_w=900", "--json").document
-    assert "900 W at 2100 rpm" in much["unreachable"][0]["message"]
+    assert "900 W needs 4.09 N·m at 2100 rpm" in much["unreachable"][0]["message"]
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "value"),
+    [
+        ("pm-ac-interior", {"rated_power_w": 900.0}, "rated_power_w = 511"),
+        ("pm-ac-interior", {"inertia_kg_m2": 1000.0}, "inertia_kg_m2 = "),
+        ("fan-3-phase", {"current_limit_a": 4.0, "hysteresis_band_a": 0.0}, "rated_power_w = "),
+    ],
+)
+def test_what_a_check_refuses_is_shown_with_the_value_to_write_and_no_check_is_recommended(
+    command, refused, tmp_path, name, changes, value
+):
+    own = load_drive(name).replaced(**changes)
+    (tmp_path / "mine.json").write_text(own.to_json(), encoding="utf-8")
+    candidate = "foc" if own.kind == "pm-ac" else "reference"
+    sentence = refused("check", candidate, "--drive", "mine.json")
+    ended = command("drive", "mine.json", "--plot", "drive.svg")
+    assert ended.code == 2
+    assert f"next: write {value}" in ended.out
+    assert "drivegate check" not in ended.out
+    reason = re.split(r"requires: |checked: ", sentence)[-1]
+    assert f"a check refuses this drive: {reason}" in ended.out
+
+
+def test_values_that_follow_from_a_data_sheet_are_shown_with_what_they_follow_from(command, tmp_path):
+    mapping = load_drive("pm-ac-interior").to_mapping()
+    mapping["rating"] |= {"continuous_current_a": 5.0, "peak_current_a": 10.0}
+    del mapping["rating"]["rated_power_w"], mapping["rating"]["current_limit_a"]
+    (tmp_path / "sheet.json").write_text(json.dumps(mapping), encoding="utf-8")
+    ended = command("drive", "sheet.json")
+    assert ended.code == 0
+    assert "from the data sheet: current_limit_a = 10 follows from peak_current_a" in ended.out
+    document = command("drive", "sheet.json", "--json").document
+    rows = {row["key"]: row for row in document["following"]}
+    assert rows["rated_power_w"]["value"] == document["rating"]["rated_power_w"]
+    assert (
+        f"rated_power_w = {rows['rated_power_w']['value']:g} follows from continuous_current_a" in ended.out
+    )
+    assert command("drive", "pm-ac-interior", "--json").document["following"] == []

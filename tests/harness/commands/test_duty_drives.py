@@ -69,6 +69,13 @@ def test_drives_that_no_one_controller_runs_on_are_not_compared(refused) -> None
     assert "drivegate reproduce" in told
 
 
+@pytest.mark.parametrize("several", [(), ("--drive", "pm-ac-interior")])
+def test_an_option_that_changes_nothing_in_a_comparison_is_refused(refused, several: tuple[str, ...]) -> None:
+    drives = (*DRIVE, *several)
+    assert "--cycle has no effect" in refused("compare", "foc", *drives, "--cycle", "ece-15")
+    assert "--seed has no effect" in refused("compare", "foc", *drives, "--seed", "3", "--no-checks")
+
+
 def test_a_run_is_summarised_by_torque_currents_and_voltage(command, tmp_path) -> None:
     drive = load_drive("pm-ac-surface").replaced(settling_s=0.3)
     assert isinstance(drive, PmAcDocument)

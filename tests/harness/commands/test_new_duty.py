@@ -16,10 +16,10 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_of, torque_scenario
 from drivegate.drives.choice import drive_for
-from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.results.waivers import read_waivers
 from drivegate.studies.new.write import KINDS, write_candidate
@@ -72,7 +72,7 @@ def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: 
         ):
             record = judge.run(Job(run_once, scenario))
             assert not isinstance(record, Fault), record
-            margins = {m.check: m for m in judged(record, kind_of(scenario.drive).checks()).margins}
+            margins = {m.check: m for m in judged(record, contract_of(scenario.drive).checks()).margins}
             missed = {check: margins[check].measured for check in required if not margins[check].met}
             assert missed == {}, f"{kind} on {drive}: {missed}"
 

@@ -213,3 +213,46 @@ def test_a_star_has_the_values_of_the_findings(command, words, ripple, lowest, h
     )
     found = [document[key] for key in keys]
     assert found == pytest.approx([ripple, lowest, highest, current_sum, copper], abs=0.06)
+
+
+OFFSET_PERSISTS = (
+    "--set", "resistance_ohm=0", "--set", "window_deg=180", "--set", "hysteresis_band_a=0", "--speed-rpm", "1500",
+    "--advance-deg", "85",
+)  # fmt: skip
+"""A phase that always conducts, and whose current has room on both sides."""
+
+
+@pytest.mark.parametrize(
+    ("changes", "unique"),
+    [
+        (("--current-a", "26"), False),
+        (("--torque-nm", "11"), True),
+        (("--current-a", "10"), True),
+        (("--current-a", "26", "--set", "resistance_ohm=0.08"), True),
+        (("--current-a", "26", "--cycles", "3"), True),
+        (("--current-a", "26", "--advance-deg", "50", "--set", "window_deg=144"), True),
+    ],
+)
+def test_a_periodic_state_that_is_not_unique_is_said_to_be_so(command, changes, unique):
+    words = ("point", *OFFSET_PERSISTS, *changes)
+    assert command(*words, "--json").document["unique"] is unique
+    told = "the periodic state is not unique: without resistance" in command(*words).out
+    assert told is not unique
+
+
+def test_a_star_without_resistance_and_drops_retains_an_offset_too(command):
+    ideal = ("resistance_ohm=0", "switch_drop_v=0", "diode_drop_v=0", "hysteresis_band_a=0", "window_deg=180")
+    settings = [f"--set={setting}" for setting in ideal]
+    words = (
+        "point",
+        "--drive",
+        "star-24v-3-phase",
+        *settings,
+        "--advance-deg",
+        "80",
+        "--current-a",
+        "16",
+        "--json",
+    )
+    assert command(*words, "--speed-rpm", "8000").document["unique"] is False
+    assert command(*words, "--speed-rpm", "1500").document["unique"] is True

@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from drivegate.output.result_reports import OWN_FORMATS
+
 EXAMPLE = Path(__file__).parents[3] / "examples" / "reporter"
 
 
@@ -137,3 +139,28 @@ def test_a_reproduction_that_is_not_installed(command: Any, monkeypatch: Any, tm
     ended = command("reproduce", "--output", str(tmp_path / "made"))
     assert ended.code == 2
     assert "no installed package offers the entry point 'paper'" in ended.err
+
+
+def test_a_result_of_a_bad_drive_is_refused(command: Any, result: Path) -> None:
+    document = json.loads(result.read_text(encoding="utf-8"))
+    del document["drive"]["document"]["machine"]["phases"]
+    result.write_text(json.dumps(document), encoding="utf-8")
+    ended = command("report", str(result))
+    assert ended.code == 2
+    assert "in the key 'drive.document', the drive: the key 'machine.phases' is missing" in ended.err
+
+
+def test_no_report_can_be_made_of_an_altered_result(
+    command: Any, result: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def written(document: dict[str, Any], folder: Path) -> Path:
+        return folder / document["candidate"]["declaration"]["profile"]
+
+    monkeypatch.setitem(OWN_FORMATS, "markdown", written)
+    document = json.loads(result.read_text(encoding="utf-8"))
+    document["candidate"]["declaration"] = {}
+    result.write_text(json.dumps(document), encoding="utf-8")
+    ended = command("report", str(result), "--format", "markdown")
+    assert ended.code == 2
+    assert "result.json was altered after drivegate wrote it" in ended.err
+    assert ended.err.strip().endswith("name an unaltered result")

@@ -78,3 +78,29 @@ def test_the_folder_that_one_works_in_is_refused(tmp_path, monkeypatch):
     for place in (tmp_path, tmp_path / "inside"):
         with pytest.raises(InputError, match="working folder"):
             ReportFolder(place)
+
+
+def test_what_a_killed_run_has_left_is_removed(tmp_path):
+    place = tmp_path / "out (1)"
+    report(place, old="1")
+    left = tmp_path / f".{place.name}.{'ab' * 6}.partial"
+    left.mkdir()
+    (left / "half").touch()
+    (tmp_path / f".{place.name}.lock").touch()
+    others = [tmp_path / f".{place.name}x.{'ab' * 6}.partial", tmp_path / f".{place.name}.mine.partial"]
+    for other in others:
+        other.mkdir()
+    report(place, new="2")
+    assert content(place) == {"new": "2"}
+    assert sorted(tmp_path.iterdir()) == sorted([place, *others]), "what is not drivegate's must stay"
+
+
+def test_a_report_that_a_killed_run_had_moved_away_comes_back(tmp_path):
+    place = tmp_path / "out"
+    report(place, old="1")
+    (place / "mine.txt").write_text("kept", encoding="utf-8")
+    place.rename(tmp_path / f".out.{'cd' * 6}.former")
+    with ReportFolder(place):
+        pass
+    assert content(place) == {"old": "1", "mine.txt": "kept"}
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]

@@ -7,7 +7,8 @@ import pytest
 from drivegate.drives import pm_ac_drawn_drives
 from drivegate.drives.pm_ac_drawn_bounds import FEWEST_PERIODS, PM_AC_BOUNDS
 from drivegate.drives.pm_ac_drawn_drives import drawn_pm_ac_drive, pm_ac_draws, pm_ac_per_unit_values
-from drivegate.drives.pm_ac_reach import refuse_unreachable_duty, unreachable_duty
+from drivegate.drives.pm_ac_reach import unreachable_duty
+from drivegate.drives.reach import refuse_unreachable
 from drivegate_cases.drive.drive_document import drive_names, load_drive
 from drivegate_cases.drive.drive_file import drive_toml
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -78,7 +79,7 @@ def test_a_drive_whose_rating_cannot_be_met_is_rejected() -> None:
     number = int(drawn.document.name.rpartition("-")[2])
     *before, last = islice(pm_ac_draws(0, number), drawn.rejected + 1)
     assert last == drawn.document
-    refuse_unreachable_duty(last)
+    refuse_unreachable(last)
     assert all(unreachable_duty(drive) is not None for drive in before)
 
 

@@ -5,8 +5,9 @@ from typing import Any
 
 import pytest
 
+from drivegate.drives.power_reach import UnreachableRating
 from drivegate.drives.rating import RatedDrive, rated_drive
-from drivegate.drives.reach import UnreachableRating, refuse_unreachable, unreachable_ratings
+from drivegate.drives.reach import refusals, refuse_unreachable, unreachable_ratings
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
@@ -37,9 +38,8 @@ def test_too_little_current_is_told_with_every_way_out() -> None:
     found = unreachable(current_limit_a=20.0)
     assert found.speed == pytest.approx(550.0 * RADIANS_PER_RPM)
     assert found.sentence() == (
-        "1.5 kW needs 26.0 N·m at 550 rpm; at the current limit of 20 A this drive gives 23.1 N·m (1.33 kW) at best; "
-        "what can be met is 1.32 kW from 550 to 1500 rpm, or 1.5 kW from 692.5 to 1500 rpm, or all of it with a "
-        "current limit of 23.6 A"
+        "1.5 kW needs 26.0 N·m at 550 rpm, but at the current limit of 20 A this drive delivers at most 23.1 N·m "
+        "(1.33 kW) there; a check accepts rated_power_w = 1320, or current_limit_a = 23.6, or base_speed_rpm = 630"
     )
 
 
@@ -47,11 +47,15 @@ def test_too_little_current_is_told_with_every_way_out() -> None:
     "changes",
     [{"current_limit_a": 20.0}, {"supply_voltage_v": 30.0}, {"inductance_h": 0.01}, {"friction_n_m": 4.0}],
 )
-def test_the_nearest_power_is_met_and_a_little_more_is_not(changes: dict[str, float]) -> None:
-    found = unreachable(**changes)
-    assert unreachable_ratings(drive_with(**changes, rated_power_w=found.nearest_power)) == ()
+def test_a_check_accepts_what_a_refusal_names_and_no_more_power(changes: dict[str, float]) -> None:
+    document = load_drive("paper-5-phase").replaced(
+        **changes, hysteresis_band_a=0.0, ripple_percent=40.0, point=()
+    )
+    (found,) = unreachable_ratings(rated_drive(document))
+    for named in found.accepted:
+        assert refusals(document.replaced(**named)) == (), f"{named} is refused"
     more = 1.011 * found.nearest_power
-    assert unreachable_ratings(drive_with(**changes, rated_power_w=more)), f"{more} W can be met, too"
+    assert refusals(document.replaced(rated_power_w=more)), f"{more} W can be met, too"
 
 
 @pytest.mark.parametrize("limit", [2.0, 20.0])
@@ -85,11 +89,35 @@ def test_its_plain_data_has_peoples_units_and_finite_numbers() -> None:
 
 
 def test_a_drive_that_would_take_for_ever_is_refused_with_what_makes_it_slow() -> None:
-    slow = load_drive("paper-5-phase").replaced(inertia_kg_m2=1e6)
+    slow = load_drive("paper-5-phase").replaced(inertia_kg_m2=1e6, hysteresis_band_a=0.0)
     with pytest.raises(
-        InputError, match=r"'paper-5-phase' is too slow to be checked: .* its inertia_kg_m2 is 1e\+06"
+        InputError,
+        match=r"'paper-5-phase' is too slow to be checked: .*; a check accepts inertia_kg_m2 = 24\.8$",
     ):
         refuse_unreachable(slow)
+    (found,) = refusals(slow)
+    assert refusals(slow.replaced(**found.accepted[0])) == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "key"),
+    [
+        ("pm-ac-interior", {"rated_power_w": 900.0}, "rated_power_w"),
+        ("pm-ac-interior", {"inertia_kg_m2": 1e3}, "inertia_kg_m2"),
+        ("pm-ac-interior", {"highest_speed_rpm": 20000.0, "overspeed_rpm": 20000.0}, "current_limit_a"),
+        ("star-24v-3-phase", {"current_limit_a": 3.0, "hysteresis_band_a": 0.0}, "rated_power_w"),
+        ("star-24v-3-phase", {"base_speed_rpm": 0.01, "hysteresis_band_a": 0.0}, "base_speed_rpm"),
+    ],
+)
+def test_a_check_accepts_every_value_that_a_refusal_names(
+    name: str, changes: dict[str, float], key: str
+) -> None:
+    document = load_drive(name).replaced(**changes)
+    found, *_ = refusals(document)
+    assert key in found.accepted[0]
+    for named in found.accepted:
+        after = refusals(document.replaced(**named))
+        assert not any(isinstance(other, type(found)) for other in after), f"{named} is refused"
 
 
 def test_a_rated_torque_beyond_all_machines_is_refused() -> None:

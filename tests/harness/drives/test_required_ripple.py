@@ -21,8 +21,8 @@ def test_the_ripple_of_five_phases_is_out_of_reach_of_three() -> None:
     strict = FAN.replaced(ripple_percent=13.0)
     (found,) = unreachable_ripple(rated_drive(strict))
     assert found.sentence() == (
-        "a torque ripple below 13 % is required for 0.163 N·m at 6000 rpm, but within 2 % of the least current sum "
-        "it is 47.6 % at best, at 66.9°; what can be met is requirements.ripple_percent = 49"
+        "a torque ripple below 13 % is required for 0.163 N·m at 6000 rpm, but within 2 % of the minimum current "
+        "sum it is at least 47.6 %, at 66.9°; a check accepts ripple_percent = 49"
     )
     with pytest.raises(
         InputError, match=r"no controller can meet what the drive 'fan-3-phase' requires: a torque rip"
@@ -42,6 +42,7 @@ def test_a_point_whose_torque_is_out_of_reach_is_told_with_what_there_is() -> No
     heavy = FAN.replaced(point=({"speed_rpm": 6000.0, "torque_n_m": 0.3},))
     (found,) = unreachable_ripple(rated_drive(heavy))
     assert found.sentence() == (
-        "the required point of 0.3 N·m at 6000 rpm is out of reach: this drive gives 0.196 N·m there at best"
+        "the required point of 0.3 N·m at 6000 rpm is out of reach: this drive delivers at most 0.196 N·m there; "
+        "a check accepts torque_n_m = 0.195"
     )
     assert found.document()["key"] == "requirements.point"

@@ -48,7 +48,7 @@ def document() -> dict[str, Any]:
         "runs": 0,
         "set_aside": 0,
         "traces": [{"time_s": [0.0, 1.0]}],
-        "provenance": {},
+        "provenance": {"drivegate": "0.1.0"},
         "timing": {},
     }
 

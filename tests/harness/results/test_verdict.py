@@ -86,6 +86,7 @@ def test_the_simplest_failure_becomes_the_counterexample() -> None:
     assert outcome.scenario == hard.scenario
     (failure,) = simplest_failures([outcome], [hard, easy, met])
     assert failure.run is easy
+    assert failure.job("quick").payload.worst == -9.0, "no simpler one is worse than the check is reported"
     kept = with_simplest(outcome, [failure], {"CNV-1": None})
     assert (kept.scenario, kept.counterexample) == (hard.scenario, easy.scenario)
     assert kept.found is not None

@@ -3,7 +3,7 @@
 import pytest
 
 from drivegate.contracts.current.scenarios.building import plain_scenario, steady_scenario
-from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS, simplified
+from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS
 from drivegate.scenarios.changes import (
     stepped,
     with_drift,
@@ -17,6 +17,7 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.scenarios.facts import facts_in_short, facts_of
+from drivegate.scenarios.simplification import simplified
 from drivegate.scenarios.size import size_of
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario

@@ -67,14 +67,15 @@ def converters(seed: int = 1, **changes: Any) -> Converters:
     return real_converters(np.random.default_rng(seed), np.ones(3), np.zeros(3), **(values | changes))
 
 
-def encoder(lines: int, speed: float) -> Encoder:
-    """Return an encoder on a shaft that turns."""
+def encoder(lines: int, speed: float, angle: float = 0.0) -> Encoder:
+    """Return an encoder on a shaft that turns from an angle."""
     return turning_encoder(
         lines=lines,
         speed_window=2e-3,
         clock=1e-8,
         control_period=PERIOD,
         initial_speed=speed,
+        initial_angle=angle,
         glitches=np.zeros((0, 2)),
     )
 
@@ -204,13 +205,13 @@ def test_an_encoder_that_misses_an_edge_is_off_by_it_for_good(speed: float) -> N
 
 
 def test_the_middle_between_two_edges_is_shown() -> None:
-    turning = encoder(100, 30.0)
-    sensors = real_duty_sensors(converters(), encoder=turning, zero_angle=0.25)
+    turning = encoder(100, 30.0, angle=0.25)
+    sensors = real_duty_sensors(converters(), encoder=turning)
     sense = np.zeros(1, DUTY_SENSE)
     for step in range(57):
         turn_encoder(turning, step, step * PERIOD, PERIOD, 30.0)
     sense[0]["supply_voltage"] = 96.03
-    show_shaft(sensors, sense[0], 2)
+    show_shaft(sensors, sense[0], 57 * PERIOD)
     assert sense[0]["angle"] == pytest.approx(0.25 + 57 * PERIOD * 30.0, abs=0.5 * turning.edge_angle)
     assert sense[0]["encoder_count"] == encoder_count(turning)
     assert sense[0]["supply_voltage"] == pytest.approx(96.03, abs=0.5 * 200.0 / 4096)

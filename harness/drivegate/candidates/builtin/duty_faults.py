@@ -261,10 +261,7 @@ DUTY_FAULTS: Final = {
     "short-encoder-counter": DutyFault(
         "ACC-1",
         "Counts the edges of an encoder of 2500 lines in 16 bits, and takes the count that begins anew for the angle.",
-        spoilt=lambda plate: {
-            "wraps_after": 2.0 * pi * 2**16 / ENCODER_EDGES,
-            "pole_pairs": float(plate.pole_pairs),
-        },
+        spoilt=lambda _plate: {"wraps_after": 2.0 * pi * 2**16 / ENCODER_EDGES},
     ),
     "patient-stall-watch": DutyFault(
         "SAF-1",

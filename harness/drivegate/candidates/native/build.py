@@ -26,6 +26,7 @@ from drivegate.candidates.native.compiler import (
     compile_library,
     compiler_version,
     include_folder,
+    require_working,
     used_files,
     warnings_in_words,
 )
@@ -49,7 +50,11 @@ def built_library(plan: Compilation) -> tuple[Path, tuple[Path, ...]]:
     complete_output = folder / f"{_digest(str(plan.folder), *plan.sources)}.txt"
     try:
         with tempfile.TemporaryDirectory(prefix=".compiling-", dir=folder) as scratch:
-            return _built(compiler, plan, folder, Path(scratch), complete_output)
+            try:
+                return _built(compiler, plan, folder, Path(scratch), complete_output)
+            except CompilationError:
+                require_working(compiler, Path(scratch))
+                raise
     except CompilationError as error:
         if not error.output:
             raise
@@ -96,14 +101,9 @@ def _digest(*words: str) -> str:
 
 
 def _cache_folder() -> Path:
-    """Find the folder for compiled candidates, for this process alone where nothing can be kept."""
-    from drivegate_models.compilation.kernels import choose_cache_folder
+    """Find the folder for compiled candidates."""
+    from drivegate_models.compilation.kernels import required_cache_folder
 
-    kept = choose_cache_folder()
-    if kept is None:
-        raise InputError(
-            "no folder for compiled code can be written; name one in the environment variable DRIVEGATE_CACHE"
-        )
-    folder = kept / FOLDER
+    folder = required_cache_folder() / FOLDER
     folder.mkdir(exist_ok=True)
     return folder

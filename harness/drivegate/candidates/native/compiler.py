@@ -101,6 +101,19 @@ def c_compiler() -> tuple[str, ...]:
     return (program, *words[1:])
 
 
+def require_working(compiler: Sequence[str], scratch: Path) -> None:
+    """Refuse a compiler that cannot compile one line, such as a shim without a toolchain."""
+    (scratch / "one.c").write_text("int one(void) { return 1; }\n", encoding="utf-8")
+    try:
+        compile_library(compiler, Compilation(scratch, ("one.c",)), scratch)
+    except CompilationError as error:
+        first = next(filter(None, map(str.strip, error.output.splitlines())), "it printed nothing")
+        raise InputError(
+            f"the C compiler '{one_line(shlex.join(compiler))}' does not work, it cannot compile a single line: "
+            f"{_bounded(first)}; {_HOW_TO_GET_ONE}"
+        ) from error
+
+
 def compiler_version(compiler: Sequence[str]) -> str:
     """Request from a compiler its version."""
     ended = run_bounded([*compiler, "--version"], folder=Path.cwd(), environment={}, bounds=Bounds(10.0))

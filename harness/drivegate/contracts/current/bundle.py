@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from drivegate.contracts.current.record import CurrentRecord
     from drivegate.contracts.current.run import PrepareLoop
     from drivegate.contracts.trace import RecordedTrace
+    from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
@@ -78,6 +79,18 @@ def _simplifications() -> tuple[Simplification, ...]:
     from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS
 
     return SIMPLIFICATIONS
+
+
+def _drawn_range(scenario: Scenario) -> DrawnRange:
+    from drivegate.contracts.current.scenarios.drawn_range import drawn_range
+
+    return drawn_range(scenario)
+
+
+def _unseen(declaration: Declaration, scenario: Scenario) -> CurrentRecord:
+    from drivegate.contracts.current.unseen import unseen_record
+
+    return unseen_record(declaration, scenario)
 
 
 def _record(
@@ -188,6 +201,8 @@ CURRENT: Final = Contract(
     joint_rows=_joint_rows,
     unfair_because=_unfair_because,
     simplifications=_simplifications,
+    drawn_range=_drawn_range,
+    unseen=_unseen,
     record=_record,
     judged_window=_judged_window,
     step_seconds=_step_seconds,

@@ -10,6 +10,7 @@ EVERY_RUN: Final = ("PWR-1", "PWR-2", "NEU-1", "ADV-2", "CMD-1", "CUR-1")
 DRAWN: Final[Mapping[str, tuple[str, ...]]] = {
     "steady": ("CNV-1", "CNV-2", "RIP-3", "TRQ-1"),
     "constant power": ("CNV-1", "CNV-2", "CPW-1", "RIP-2", "RIP-3", "TRQ-1"),
+    "required point": ("CNV-1", "CNV-2", "CNV-3", "RIP-1", "RIP-3", "TRQ-1"),
     "parameter": ("ROB-1",),
     "load step": ("CNV-2", "CNV-3", "RIP-3", "TRQ-1"),
     "load course": ("CNV-2", "CNV-3", "RIP-3", "TRQ-1"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -24,6 +25,7 @@ from drivegate.scenarios.plant_inputs import (
     plant_schedule,
 )
 from drivegate_cases.drive.limits import mean_time
+from drivegate_cases.scenario.control_periods import seen_at_s
 from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import HallSensors, IdealSensors, ShuntSensors
@@ -44,8 +46,9 @@ _SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sens
 
 def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     """Make the sensors of a scenario, as at its start."""
+    seen = partial(seen_at_s, control_period_s=scenario.control_period_s)
     dropouts = np.array(
-        [(_signal(lost), lost.start_s, lost.end_s) for lost in scenario.dropouts], np.float64
+        [(_signal(lost), seen(lost.start_s), seen(lost.end_s)) for lost in scenario.dropouts], np.float64
     ).reshape(-1, 3)
     gains, offsets = np.ones(scenario.drive.machine.phases), np.zeros(scenario.drive.machine.phases)
     for error in scenario.current_errors:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from drivegate.contracts.duty.record import DutyRecord
     from drivegate.contracts.duty.run import DutyClosedLoopRun, PrepareDutyLoop
     from drivegate.contracts.trace import RecordedTrace
+    from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
@@ -75,6 +76,18 @@ def _simplifications() -> tuple[Simplification, ...]:
     from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
 
     return DUTY_SIMPLIFICATIONS
+
+
+def _drawn_range(scenario: Scenario) -> DrawnRange:
+    from drivegate.contracts.duty.scenarios.drawn_range import drawn_range
+
+    return drawn_range(scenario)
+
+
+def _unseen(declaration: Declaration, scenario: Scenario) -> DutyRecord:
+    from drivegate.contracts.duty.unseen import unseen_duty_record
+
+    return unseen_duty_record(declaration, scenario)
 
 
 def _record(
@@ -176,6 +189,8 @@ DUTY: Final = Contract(
     joint_rows=_no_joint_rows,
     unfair_because=_unfair_because,
     simplifications=_simplifications,
+    drawn_range=_drawn_range,
+    unseen=_unseen,
     record=_record,
     judged_window=_judged_window,
     step_seconds=_step_seconds,

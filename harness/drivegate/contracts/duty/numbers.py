@@ -5,7 +5,7 @@ from __future__ import annotations
 from drivegate.checks.number_words import milliseconds, percent
 from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
 
 
 def numbers(drive: DriveDocument) -> dict[str, str]:
@@ -19,14 +19,21 @@ def numbers(drive: DriveDocument) -> dict[str, str]:
         "weakening": percent(limits.weakening_share),
         "direct_error": f"{limits.direct_error_a:.4g} A",
         "peak": f"{limits.peak_current_a:.4g} A",
-        "braking": f"{limits.braking_torque_nm:.4g} N·m",
+        "weakening_voltage": percent(limits.weakening_voltage),
+        "braking": percent(limits.braking),
         "current_excess": percent(limits.current_excess),
         "loss_excess": percent(limits.loss_excess),
         "overshoot": percent(limits.overshoot),
         "coupling": percent(limits.coupled_current),
-        "safe_time": milliseconds(limits.safe_state_s),
+        "safe_time": _safe_time(limits),
         "failure_torque": f"{limits.failure_torque_nm:.4g} N·m",
         "dead_time_ripple": f"{limits.dead_time_ripple:g}",
         "modulation_ripple": f"{limits.modulation_ripple:g}",
         "rise": f"90 % within {milliseconds(limits.rise_time_s)} and what the voltage takes",
     }
+
+
+def _safe_time(limits: DutyLimits) -> str:
+    """Write the time to the safe state, and that with a locked rotor where it is another one."""
+    every, locked = (f"{1000.0 * time:.4g} ms" for time in (limits.safe_state_s, limits.safe_state_locked_s))
+    return every if every == locked else f"{every} ({locked} with a locked rotor)"

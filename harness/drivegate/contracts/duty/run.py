@@ -17,17 +17,15 @@ from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, 
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
 from drivegate.containment.playback import require_same_plant, stepped_here
-from drivegate.scenarios.plant_inputs import plant_load, plant_schedule
+from drivegate.scenarios.plant_inputs import plant_course, plant_load, plant_schedule
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
-from drivegate_cases.scenario.profile import profile_arrays
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.records import DUTY_COMMAND
 from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF, DutyNameplate, DutySense
 from drivegate_models.errors import HarnessFault
 from drivegate_models.loop.duty_command import BAD_LEG
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
-from drivegate_models.loop.schedule import Course
 from drivegate_models.units import RADIANS_PER_RPM
 
 PrepareDutyLoop: TypeAlias = Callable[..., Any]
@@ -134,12 +132,13 @@ def _options(scenario: Scenario, sensors: Any) -> dict[str, Any]:
     """Give what a run is made of besides drive, load and schedule."""
     torque = None
     if isinstance(scenario.load, DynamometerLoad):
-        torque = Course(*profile_arrays(scenario.load.torque_reference_nm))
+        torque = plant_course(scenario, scenario.load.torque_reference_nm)
     return {
         "control_period": scenario.control_period_s,
         "duration": scenario.duration_s,
         "initial_speed": scenario.initial_speed_rpm * RADIANS_PER_RPM,
         "initial_angle": math.radians(scenario.initial_angle_deg),
+        "clock_start": scenario.clock_start_s,
         "torque_reference": torque,
         "sensors": sensors,
     }

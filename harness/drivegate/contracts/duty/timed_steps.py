@@ -19,7 +19,7 @@ from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import duty_nameplate
 from drivegate_models.contract.duty.records import DUTY_SENSE
 from drivegate_models.loop.given_duty_steps import given_duty_steps, make_duty_steps
-from drivegate_models.machine.rotor_frame import phase_currents
+from drivegate_models.machine.rotor_frame import phase_currents, shaft_angles
 
 _ROUNDS: Final = 5
 
@@ -69,7 +69,7 @@ def _senses(record: DutyRecord, count: int) -> NDArray[Any]:
     taken = {name: record.run.column(name)[:count] for name in ("time", "speed", "link", "angle")}
     wanted = "torque_reference" if record.steady[0].torque_reference is not None else "speed_reference"
     senses["time"], senses["speed"], senses["supply_voltage"] = taken["time"], taken["speed"], taken["link"]
-    senses["angle"] = taken["angle"] / record.document.machine.pole_pairs
+    senses["angle"] = shaft_angles(taken["angle"], record.document.machine.pole_pairs)
     senses["reference"] = record.run.column(wanted)[:count]
     senses["hall"] = senses["encoder_count"] = -1
     return senses

@@ -9,7 +9,8 @@ from typing import Any, Final
 
 from drivegate.results.provenance import versions
 from drivegate.studies.campaign.plan import CampaignPlan
-from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_cases.documents.reading import read_mapping
+from drivegate_cases.documents.wording import one_line, short_line, shown, shown_path
 from drivegate_models.errors import InputError
 
 MANIFEST: Final = "campaign.json"
@@ -41,14 +42,14 @@ def manifest_of(plan: CampaignPlan) -> dict[str, Any]:
 def read_manifest(path: Path) -> dict[str, Any]:
     """Read the manifest of a folder."""
     try:
-        manifest = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{shown_path(path)} cannot be read; name a new or an empty folder") from error
-    if not isinstance(manifest, dict) or manifest.get("kind") != "campaign":
+        manifest = read_mapping(path)
+    except InputError as error:
+        raise InputError(f"{error}; name a new or an empty folder") from error
+    if manifest.get("kind") != "campaign":
         raise InputError(f"{shown_path(path)} is no manifest of a campaign; name a new or an empty folder")
     if manifest.get("schema") != SCHEMA:
         raise InputError(
-            f"{shown_path(path)} is of schema {manifest.get('schema')!r}, but this drivegate goes on with "
+            f"{shown_path(path)} is of schema {shown(manifest.get('schema'))}, but this drivegate goes on with "
             f"schema {SCHEMA} only; name a new or an empty folder"
         )
     return manifest
@@ -61,7 +62,7 @@ def refuse_other(place: Path, theirs: dict[str, Any], ours: dict[str, Any]) -> N
         campaign = theirs.get("campaign")
         name = campaign.get("name") if isinstance(campaign, dict) else None
         raise InputError(
-            f"{where} holds another campaign, '{one_line(str(name))}', or an earlier state of this one "
+            f"{where} holds another campaign, '{short_line(str(name))}', or an earlier state of this one "
             f"({_difference(theirs, ours)} differs); name a new folder, or give the file that it was begun with"
         )
     if theirs.get("candidates") != ours["candidates"]:
@@ -91,9 +92,9 @@ def _difference(theirs: dict[str, Any], ours: dict[str, Any]) -> str:
     if isinstance(other, dict):
         for key in (*own, *other):
             if own.get(key) != other.get(key):
-                return f"the key '{one_line(str(key))}'"
+                return f"the key '{short_line(str(key))}'"
             if isinstance(own.get(key), dict) and list(own[key]) != list(other[key]):
-                return f"the order in '{one_line(str(key))}'"
+                return f"the order in '{short_line(str(key))}'"
     return next(
         (f"'{key}'" for key in ("cases", "checks", "runs_per_file") if ours[key] != theirs.get(key)), "it"
     )

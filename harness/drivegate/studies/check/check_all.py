@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.output.event_loop import finished
-from drivegate.output.failure import is_of_the_disk
 from drivegate.output.pace import slow_in_words
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
@@ -22,6 +21,7 @@ from drivegate.output.result_reports import OWN_FORMATS, all_formats, write_resu
 from drivegate.results.result import CheckResult
 from drivegate.studies.check.checked import Checked, summary
 from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of
+from drivegate_cases.documents.system_failure import is_of_the_disk
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import HarnessFault, InputError
 

@@ -19,7 +19,7 @@ from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
 from drivegate.output.report_writers import COMPARISON_GROUP, report_points, write_reports
 from drivegate.output.result_file import as_json
-from drivegate.studies.compare.options import ComparisonOptions
+from drivegate.studies.compare.options import DEFAULT_CYCLE, ComparisonOptions
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
 if TYPE_CHECKING:
@@ -59,7 +59,9 @@ def compare_all(specifications: Sequence[str], output: Path, options: Comparison
     candidates = [found for found in resolved if isinstance(found, Candidate)]
     if not candidates:
         return ComparisonEnding(None, (), refusals(specifications, resolved))
-    cycle, drive = load_drive_cycle(options.cycle), common_drive(candidates, options.drive)
+    drive = common_drive(candidates, options.drive)
+    options.refuse_unused(drive)
+    cycle = load_drive_cycle(options.cycle or DEFAULT_CYCLE)
     refuse_unreachable(drive)
     with ReportFolder(output) as folder:
         with progress_on(sys.stderr) as display:

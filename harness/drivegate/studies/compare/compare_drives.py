@@ -23,7 +23,7 @@ from drivegate.studies.compare.compare_all import (
     write_pages,
     write_tables,
 )
-from drivegate.studies.compare.options import ComparisonOptions
+from drivegate.studies.compare.options import DEFAULT_CYCLE, ComparisonOptions
 from drivegate.studies.compare.per_unit import drive_labels
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
@@ -50,7 +50,9 @@ def compare_drives(
     unknown = refusals(specifications, resolved)
     if len(unknown) == len(resolved):
         return ComparisonEnding(None, (), unknown)
-    cycle = load_drive_cycle(options.cycle)
+    for drive in drives:
+        options.refuse_unused(drive)
+    cycle = load_drive_cycle(options.cycle or DEFAULT_CYCLE)
     for drive in drives:
         refuse_unreachable(drive)
     with ReportFolder(output) as folder:

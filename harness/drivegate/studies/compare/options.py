@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
+
+from drivegate.candidates.contract import ANSWERS
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate_cases.drive.drive_document import DriveDocument
+
+DEFAULT_CYCLE: Final = "ece-15"
+"""Drive cycle where none is named."""
 
 
 @dataclass(frozen=True)
@@ -17,21 +24,41 @@ class ComparisonOptions:
     ----------
     effort : str
         ``quick``, ``default`` or ``nightly``.
-    seed : int
-        Seed of everything drawn.
+    stated_seed : int or None
+        Seed of everything drawn, where one is stated.
     workers : int or None
         Number of processes; None for as many as there are processors.
     checks : bool
         Whether the checks are made as well.
-    cycle : str
-        Name or file of the drive cycle.
+    cycle : str or None
+        Name or file of the drive cycle; None for the default.
     drive : DriveDocument or None
         The drive; None for that of the candidates' manifests, or the default.
     """
 
     effort: str = "default"
-    seed: int = 0
+    stated_seed: int | None = None
     workers: int | None = None
     checks: bool = True
-    cycle: str = "ece-15"
+    cycle: str | None = None
     drive: DriveDocument | None = None
+
+    @property
+    def seed(self) -> int:
+        """Seed of everything drawn."""
+        return self.stated_seed or 0
+
+    def refuse_unused(self, drive: DriveDocument) -> None:
+        """Refuse an option that changes nothing in a comparison on a drive."""
+        if drive.contract != "duty":
+            return
+        because = (
+            f"the drive '{one_line(drive.name)}' takes {ANSWERS[drive.contract]}, and such controllers are compared at "
+            "constant speeds without noise"
+        )
+        if self.cycle is not None:
+            raise InputError(f"--cycle has no effect, since {because}; leave it out")
+        if self.stated_seed is not None and not self.checks:
+            raise InputError(
+                f"--seed has no effect with --no-checks, since {because}; leave out one of the two"
+            )

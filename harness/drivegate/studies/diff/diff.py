@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +11,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
+from drivegate.containment.temporary_folder import temporary_folder
 from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.studies.diff.jobs import (
     RecordRequest,
@@ -79,9 +78,9 @@ def compared(
     With `again` the second one's instance has run the scenario before: against itself, that shows what reset keeps.
     """
     with_compiled_kernels([scenario.drive])
-    with tempfile.TemporaryDirectory(prefix="drivegate") as name:
-        refuse_without_room(scenario, Path(name))
-        path = Path(name) / "steps"
+    with temporary_folder() as folder:
+        refuse_without_room(scenario, folder)
+        path = folder / "steps"
         with Judge(second) as following:
             recorded = led(first, following, Job(record_run, RecordRequest(path, scenario)))
             if isinstance(recorded, StepComparison):

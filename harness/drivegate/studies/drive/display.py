@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.drives.envelope_words import facts
 from drivegate.output.console import number, plain, table
+from drivegate.studies.drive.closing import show_closing
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -66,11 +67,7 @@ def show_drive(console: Console, document: dict[str, Any], name: str, required: 
                 "chop, and takes long"
             )
         )
-    for row in document["unreachable"]:
-        console.print(plain(f"out of reach: {row['message']}", "bold red"))
-    for path in document["files"]:
-        console.print(plain(f"written: {path}"))
-    console.print(plain(_next(document, name), "dim"))
+    show_closing(console, document, _next(document, name))
 
 
 def _finer(document: dict[str, Any]) -> int:
@@ -88,11 +85,6 @@ def _title(document: dict[str, Any]) -> str:
 
 
 def _next(document: dict[str, Any], name: str) -> str:
-    ripples = [row.get("nearest_ripple_percent") for row in document["unreachable"]]
-    if ripples and all(ripples):
-        return f"next: put ripple_percent = {max(ripples)} into [requirements], and closed_loop_ripple_percent above it"
-    if document["unreachable"]:
-        return "next: try a rating with --set rated_power_w=…, or another limit with --set current_limit_a=…"
     if not document["files"]:
-        return "next: the same with --plot drive.svg"
-    return f"next: drivegate map reference --drive {name} --plot reference.png shows what a controller makes of it"
+        return "the same with --plot drive.svg"
+    return f"drivegate map reference --drive {name} --plot reference.png shows what a controller makes of it"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.drives.pm_ac_words import pm_ac_facts
 from drivegate.output.console import number, plain, table
+from drivegate.studies.drive.closing import show_closing
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -47,14 +48,10 @@ def show_pm_ac_drive(console: Console, document: dict[str, Any], name: str) -> N
     )
     for words in (*pm_ac_facts(document), _best(document)):
         console.print(plain(words))
-    for row in document["unreachable"]:
-        console.print(plain(f"out of reach: {row['message']}", "bold red"))
-    for path in document["files"]:
-        console.print(plain(f"written: {path}"))
     following = (
         f"drivegate check foc --drive {name}" if document["files"] else "the same with --plot drive.svg"
     )
-    console.print(plain(f"next: {following}", "dim"))
+    show_closing(console, document, following)
 
 
 def _best(document: dict[str, Any]) -> str:

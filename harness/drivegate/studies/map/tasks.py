@@ -40,7 +40,7 @@ from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.profile import dwells
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.compilation.kernels import choose_cache_folder
+from drivegate_models.compilation.kernels import required_cache_folder
 from drivegate_models.errors import HarnessFault
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -76,10 +76,7 @@ def compile_solver(package: bytes, kind: str) -> None:
 
     So that all processes that compute a map run the same code, which they load.
     """
-    folder = choose_cache_folder()
-    if folder is None:
-        return
-    marker = folder / f"{SOLVER_MARKER}-{kind}"
+    marker = required_cache_folder() / f"{SOLVER_MARKER}-{kind}"
     if marker.exists():
         return
     with WorkerPool(resolve_candidate("initial"), workers=1) as pool:

@@ -52,6 +52,14 @@ def show_point(console: Console, document: dict[str, Any], drive: AnyDrive, torq
                 f"no periodic state exists here; means are over {document['averaged_cycles']} electrical cycles"
             )
         )
+    if not document["unique"]:
+        console.print(
+            plain(
+                "the periodic state is not unique: without resistance, a current that reaches neither zero nor its "
+                "limit retains any dc offset; the values are those of one such state",
+                "yellow",
+            )
+        )
     console.print(
         plain("next: another angle shows what Σ|i| costs; drivegate map computes many at once", "dim")
     )

@@ -52,6 +52,7 @@ def _check_length(drive: AnyDrive, speed: float, cycles: int) -> None:
 
 
 def _values_at_torque(drive: AnyDrive, speed: float, advance: float, torque: float) -> dict[str, Any]:
+    from drivegate.studies.point.uniqueness import is_unique
     from drivegate_models.steady.oracle import point_at_torque
 
     point = point_at_torque(drive, speed, advance, torque)
@@ -60,26 +61,31 @@ def _values_at_torque(drive: AnyDrive, speed: float, advance: float, torque: flo
         below = {"reference_below_limit_a": point.reference} if point.static else {}
         return at_limit | {"feasible": False, "feasible_below_limit": point.static} | below
     values = _values(point.reference, True, point, point.input_power)
-    return values | {"certified": point.certified, "feasible_below_limit": point.static}
+    unique = is_unique(drive, speed, advance, point.reference)
+    return values | {"certified": point.certified, "unique": unique, "feasible_below_limit": point.static}
 
 
 def _values_at_current(
     drive: AnyDrive, speed: float, advance: float, reference: float, cycles: int | None
 ) -> dict[str, Any]:
+    from drivegate.studies.point.uniqueness import is_unique
     from drivegate_models.steady import steady_state as solver
     from drivegate_models.steady.plant import make_phases
 
     if cycles is None:
         state = solver.steady_state(drive, speed, reference, advance)
         averaged = {} if state.certified else {"averaged_cycles": solver.AVERAGED_CYCLES}
+        unique = is_unique(drive, speed, advance, reference)
     else:
         work = make_phases(drive, solver.KEPT_TIME)
         voltage = drive.half_supply_voltage
         state = solver.cycles_from_rest(drive, work, speed, voltage, reference, advance, cycles)
         averaged = {"averaged_cycles": 1}
+        # These cycles begin without a current, and so does the one state that they lead to.
+        unique = True
     input_power = state.source_power + state.core_source_power + state.switching_loss
     values = _values(reference, reference <= drive.current_limit, state, input_power)
-    return values | {"certified": bool(state.certified)} | averaged
+    return values | {"certified": bool(state.certified), "unique": unique} | averaged
 
 
 def _values(

@@ -28,23 +28,26 @@ class DutySense(NamedTuple):
     time : float
         Simulated time (s).
     reference : float
-        Demanded speed (rad/s) or torque (N m), as the nameplate says.
+        Demanded speed (rad/s) or torque (N m), as the nameplate states; positive forward.
     phase_currents : tuple of float
-        Measured phase currents at this instant (A).
+        Measured phase currents at this instant, positive into the machine (A).
     supply_voltage : float
-        Measured voltage of the dc link (V).
+        Measured voltage of the whole dc link at this instant (V).
     supply_current : float
-        Mean current taken from the link in the period just ended (A).
+        Mean current taken from the link in the period just ended (A); below 0 while the drive brakes, 0 at first.
     angle : float
-        Angle of the shaft (rad); NaN without an encoder.
+        Angle of the shaft at this instant, from 0 up to but without 2 pi (rad). The electrical angle is `pole_pairs`
+        times this one. Hall switches show it by counted electrical cycles, from the cycle of the start.
     speed : float
-        Speed of the shaft (rad/s); NaN likewise.
+        Speed of the shaft at this instant (rad/s); below 0 backward.
     hall : int
-        Bits of the Hall switches; -1 without them.
+        States of the three Hall switches, the first phase's the lowest bit: 1, 3, 2, 6, 4, 5 forward, in sectors of 60
+        electrical degrees that begin at 30; -1 without such switches.
     encoder_count : int
-        Count of the encoder; -1 without one.
+        Count of the encoder's edges, from 0 to one less than a turn has; `angle` is the middle between the edges of
+        this count and the next. It is -1 without an encoder.
     trip : int
-        Flags of the drive's own protection; 0 for none.
+        Flags of the drive's own protection; 0 for none, as always so far.
     """
 
     time: float
@@ -60,7 +63,7 @@ class DutySense(NamedTuple):
 
 
 class DutyCommand(NamedTuple):
-    """What a controller answers; it acts `update_delay` periods later.
+    """What a controller answers; it acts `update_delay` periods later, and all legs are off until the first one acts.
 
     Attributes
     ----------
@@ -69,7 +72,7 @@ class DutyCommand(NamedTuple):
     legs : tuple of int
         `LEG_OFF`, `LEG_PWM`, `LEG_HIGH` or `LEG_LOW` for each leg.
     next_period : float
-        Length of the next control period (s); 0 keeps it.
+        Requested length of the next control period (s); 0 keeps it, and no drive so far changes its own.
     torque, angle, speed, input_power : float
         The controller's own estimates (N m, rad, rad/s, W); NaN for none.
     fault : int

@@ -3,7 +3,8 @@
  *
  * Once per control period the controller senses the phase currents, the angle and the speed of the shaft and the
  * voltage of the dc link, and answers with the duty ratios of the three upper switches. They act update_delay control
- * periods later. Modulator, dead time and gates belong to the plant.
+ * periods later. All legs are off until the first answer acts, so a machine that already turns carries no current then,
+ * unless its EMF exceeds the link and the diodes rectify. Modulator, dead time and gates belong to the plant.
  *
  * A candidate exports drivegate_abi_version and drivegate_state_size, which drivegate.h declares, and the two functions
  * at the end of this file in place of drivegate_reset and drivegate_step. A whole controller may be as small as this,
@@ -84,15 +85,19 @@ typedef struct drivegate_duty_nameplate {
 typedef struct drivegate_duty_sense {
     int64_t struct_size;          /* size of this record in bytes, as the harness knows it */
     double time;                  /* simulated time, s */
-    double reference;             /* demanded speed or torque, as the nameplate says, rad/s or N m */
-    const double *phase_currents; /* three measured phase currents at this instant, A; valid during the step only */
-    double supply_voltage;        /* measured voltage of the dc link, V */
-    double supply_current;        /* mean current taken from the link in the period just ended, A */
-    double angle;                 /* angle of the shaft, rad; NaN without an encoder */
-    double speed;                 /* speed of the shaft, rad/s; NaN without an encoder */
-    int64_t hall;                 /* bits of the Hall switches; -1 without them */
-    int64_t encoder_count;        /* count of the encoder; -1 without one */
-    int64_t trip;                 /* flags of the drive's own protection; 0 for none */
+    double reference;             /* demanded speed or torque, as the nameplate states, rad/s or N m */
+    const double *phase_currents; /* three measured phase currents at this instant, positive into the machine, A;
+                                   * valid during the step only */
+    double supply_voltage;        /* measured voltage of the whole dc link at this instant, V */
+    double supply_current;        /* mean current taken from the link in the period just ended, A; < 0 in braking */
+    double angle;                 /* angle of the shaft at this instant, 0 <= angle < 2 pi, rad; Hall switches show it
+                                   * by counted electrical cycles, from the cycle of the start */
+    double speed;                 /* speed of the shaft at this instant, rad/s; < 0 backward */
+    int64_t hall;                 /* states of the Hall switches, the first phase's the lowest bit; -1 without them:
+                                   * 1, 3, 2, 6, 4, 5 forward, in sectors of 60 electrical degrees that begin at 30 */
+    int64_t encoder_count;        /* count of the encoder's edges, from 0 to one less than a turn has; angle is the
+                                   * middle between the edges of this count and the next; -1 without an encoder */
+    int64_t trip;                 /* flags of the drive's own protection; 0 for none, as always so far */
 } drivegate_duty_sense;
 
 /* What the controller answers. Before the step the duty ratios and estimates are NaN, the legs DRIVEGATE_LEG_PWM and

@@ -103,12 +103,14 @@ def lead_flux(
     cosine, sine = turned
     flux = state.direct_inductance * direct + state.magnet_flux
     across_flux = state.quadrature_inductance * quadrature
-    if not isnan(state.direct_foreseen):
+    is_first = isnan(state.direct_foreseen)
+    if not is_first:
         state.direct_missed += _TRUST * (flux - state.direct_foreseen) / state.control_period
         state.quadrature_missed += _TRUST * (across_flux - state.quadrature_foreseen) / state.control_period
     along_drop = state.direct_missed - state.resistance * direct
     across_drop = state.quadrature_missed - state.resistance * quadrature
-    if state.delay == 1:
+    # Until the first answer acts the legs are off, and the currents stay what they are.
+    if state.delay == 1 and not is_first:
         along, across = state.direct_given + along_drop, state.quadrature_given + across_drop
         flux, across_flux = _period_later(state, flux, across_flux, along, across, turned)
 

@@ -35,10 +35,14 @@ _FARTHEST = 0.25
 _STEEPEST = 4.0
 _SLOW = 0.05
 _STOPPED = 0.5
-# Speed over base speed at which a shaft stands, torque over the greatest, and for how long (s).
+# Speed over base speed at which a shaft stands, and torque over the greatest.
 _STANDING = 0.01
 _FULL = 0.95
-_STALLED = 0.04
+# For how long: in control periods, at most (s), and at least what a shaft under load takes to turn faster than that,
+# over the time in which the greatest torque alone takes it to base speed.
+_STALLED_PERIODS = 300
+_STALLED_MOST = 0.04
+_STALLED_LEAST = 0.06
 # How many times as long without an edge of Hall switches.
 _BETWEEN_EDGES = 2
 # Current of a phase over that of all, current of all over the limit from which on it is looked at, and angle that the
@@ -64,7 +68,9 @@ def reset_plausibility(state: Any, nameplate: Any) -> None:
     period = nameplate.control_period
     state.base_speed = nameplate.base_speed
     state.slowing_step = _STEEPEST * state.greatest_torque / nameplate.inertia * period
-    state.stall_periods = int(_STALLED / period)
+    run_up = nameplate.inertia * nameplate.base_speed / state.greatest_torque
+    stalled = max(min(_STALLED_PERIODS * period, _STALLED_MOST), _STALLED_LEAST * run_up)
+    state.stall_periods = int(stalled / period)
     state.fault = 0
     state.is_watching = 0
     state.angle_before = 0.0

@@ -101,9 +101,8 @@ def _wrap_count(state: Any, angle: float) -> None:
     """Let a counter that has come to its end begin anew: what it has lost is missing from the angle from then on."""
     turn = angle - state.angle_before
     state.angle_before = angle
-    # Within a turn, as the angle itself is.
-    cycle = _TURN / state.pole_pairs
-    state.turned += turn - cycle * floor(turn / cycle + 0.5)
+    # Less the whole turn by which the angle itself starts again.
+    state.turned += turn - _TURN * floor(turn / _TURN + 0.5)
     if abs(state.turned) >= state.wraps_after:
         lost = state.wraps_after if state.turned > 0.0 else -state.wraps_after
         state.turned -= lost

@@ -132,8 +132,9 @@ def _noise(random: NDArray[np.int64]) -> float:
 
 @inlined
 def _converted(value: float, step: float, lowest: float, highest: float) -> float:
-    """Return what a converter of finite steps and range shows of a value."""
-    return min(max(floor(value / step + 0.5) * step, lowest), highest)
+    """Return what a converter shows of a value; with a step of 0 only its range counts."""
+    shown = floor(value / step + 0.5) * step if step > 0.0 else value
+    return min(max(shown, lowest), highest)
 
 
 @inlined

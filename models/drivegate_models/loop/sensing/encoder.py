@@ -51,6 +51,7 @@ def turning_encoder(
     clock: float,
     control_period: float,
     initial_speed: float,
+    initial_angle: float = 0.0,
     glitches: NDArray[np.float64],
 ) -> Encoder:
     """Make an encoder that has turned for a long time.
@@ -66,7 +67,9 @@ def turning_encoder(
     control_period : float
         Time between two looks at the counter (s).
     initial_speed : float
-        Speed at which it has turned (rad/s).
+        Speed at which it has turned, of either sign (rad/s).
+    initial_angle : float
+        Angle of the shaft that the count begins with (rad).
     glitches : ndarray, shape (g, 2)
         Time (s) and number of edges of each burst of false edges.
 
@@ -79,15 +82,21 @@ def turning_encoder(
     looks = max(round(speed_window / control_period), 1)
     # The looks that a shaft already turning has left, so that the measured speed does not begin at zero.
     times = (np.arange(looks) - looks + 1.0) * control_period
-    positions = initial_speed * times / edge_angle
+    begin = initial_angle / edge_angle
+    positions = begin + initial_speed * times / edge_angle
     whole = np.floor(positions)
-    since = (positions - whole) * edge_angle / initial_speed if initial_speed > 0.0 else np.full(looks, 1.0)
+    if initial_speed > 0.0:
+        since = (positions - whole) * edge_angle / initial_speed
+    elif initial_speed < 0.0:
+        since = (positions - whole - 1.0) * edge_angle / initial_speed
+    else:
+        since = np.full(looks, 1.0)
     return Encoder(
         edge_angle=edge_angle,
         clock=clock,
         counts=whole.astype(np.int64),
         ticks=np.floor((times - since) / clock),
-        memory=np.array([0.0, 0.0, initial_speed, 0.0]),
+        memory=np.array([begin, 0.0, initial_speed, 0.0]),
         glitches=glitches,
     )
 
@@ -121,9 +130,26 @@ def encoder_count(encoder: Encoder) -> int:
     Returns
     -------
     int
-        Edges since the count was zero, false ones included.
+        Edges since the angle that it counts from, false ones included; below zero behind it.
     """
     return int(floor(encoder.memory[_POSITION]) + encoder.memory[_FALSE_COUNTS])
+
+
+@inlined
+def count_within_a_turn(encoder: Encoder) -> int:
+    """Return the counter's state less whole turns of the shaft.
+
+    Parameters
+    ----------
+    encoder : Encoder
+        The encoder.
+
+    Returns
+    -------
+    int
+        From 0 to one less than the edges of a turn.
+    """
+    return encoder_count(encoder) % round(2.0 * pi / encoder.edge_angle)
 
 
 @inlined

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator
@@ -12,6 +13,7 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.inverter import UPDATES, PmAcInverter
 from drivegate_cases.drive.pm_ac.machine import PmAcMachine
 from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS, PmAcRequirements
+from drivegate_cases.drive.pm_ac.sensing import PmAcSensing, Position
 from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_models.units import RADIANS_PER_RPM
@@ -32,6 +34,7 @@ class PmAcDocument(DriveDocument):
         "machine": PmAcMachine,
         "inverter": PmAcInverter,
         "rating": Rating,
+        "sensing": PmAcSensing,
         "requirements": PmAcRequirements,
     }
 
@@ -48,6 +51,10 @@ class PmAcDocument(DriveDocument):
         description="table of the dc link, the bridge and the modulator"
     )
     advance: None = Field(default=None, description="a line of advance angles is for other kinds")
+    sensing: PmAcSensing | None = Field(
+        default=None,
+        description="table of what every run shows of the shaft; angle and speed without error where it is left out",
+    )
     requirements: PmAcRequirements = Field(  # type: ignore[assignment]
         default=NO_PM_AC_REQUIREMENTS, description="table of the limits that controllers are judged by"
     )
@@ -68,6 +75,26 @@ class PmAcDocument(DriveDocument):
     def control_period_s(self) -> float:
         """Time between two steps of the controller (s)."""
         return self.inverter.control_period_s
+
+    @property
+    def position(self) -> Position:
+        """What shows the shaft in every run."""
+        return "exact" if self.sensing is None else self.sensing.position
+
+    def torque_of_current(self, current: float) -> float:
+        """Return the most torque of a peak phase current (A) while the voltage is ample (N·m)."""
+        from drivegate_models.pm_ac.fundamental import most_torque_per_ampere, steady_state
+
+        plant = self.plant()
+        return float(steady_state(plant, 0.0, *most_torque_per_ampere(plant, current)).torque)
+
+    def greatest_torque(self, current: float, speed: float) -> float:
+        """Return the greatest torque within a current limit (A) and the link, at a speed (rad/s); in N·m."""
+        from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
+
+        plant = self.plant()._replace(current_limit=current)
+        torque = greatest_torque(plant, undistorted_limits(plant), speed).torque
+        return torque if isfinite(torque) else 0.0
 
     def plant(self, scales: Scales | None = None) -> PmAcDrive:  # type: ignore[override]
         """Make the plant's parameters, in SI units."""

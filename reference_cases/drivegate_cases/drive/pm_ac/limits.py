@@ -10,10 +10,20 @@ from drivegate_cases.drive.limits import speed_tolerance_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.units import RADIANS_PER_RPM
 
+FAILURE_SPEED_SHARE: Final = 0.2
+"""Least speed at which something fails, over base speed: below, a phase takes too long to be missed (1)."""
 SETTLING_PERIODS: Final = 8000
 """Control periods in which a steady state has to be reached, where no time is stated."""
+_SAFE_PERIODS: Final = 1000
+_SAFE_MOST_S: Final = 0.1
+# What a detector needs: some control periods, and then half a turn of the field, or to see whether the shaft starts to
+# turn: a share of the time in which rated torque accelerates it to base speed.
+_DETECTION_PERIODS: Final = 100
+_DETECTION_TURN: Final = 0.5
+_DETECTION_RUN_UP: Final = 0.2
 _PERCENT: Final = 0.01
 _MILLI: Final = 0.001
+_SECONDS: Final = 60.0
 _KEPT: Final = 100
 
 
@@ -44,13 +54,17 @@ class DutyLimits:
     loss_excess : float
         Greatest excess of the loss over the least one (1).
     weakening_share : float
-        Least torque in weakening over the greatest possible (1).
+        Least torque in weakening over the greatest that `weakening_voltage` allows (1).
+    weakening_voltage : float
+        Voltage in weakening that a controller must use, over the undistorted one (1).
     direct_error_a : float
         Greatest distance of the d current from that of most torque per ampere (A).
-    braking_torque_nm : float
-        Greatest braking torque behind a reference that goes to zero (N·m).
+    braking : float
+        Greatest braking torque after a reference goes to zero, over the step, or over rated torque (1).
     safe_state_s : float
-        Longest time from a failure to the safe state (s).
+        Longest time from a failure of the electronics or of a sensor to the safe state (s).
+    safe_state_locked_s : float
+        The same from the time at which the rotor locks (s).
     failure_torque_nm : float
         Greatest torque that nobody asks for until the safe state, and in it (N·m).
     dead_time_ripple : float
@@ -70,9 +84,11 @@ class DutyLimits:
     current_excess: float
     loss_excess: float
     weakening_share: float
+    weakening_voltage: float
     direct_error_a: float
-    braking_torque_nm: float
+    braking: float
     safe_state_s: float
+    safe_state_locked_s: float
     failure_torque_nm: float
     dead_time_ripple: float
     modulation_ripple: float
@@ -92,8 +108,11 @@ def duty_limits_of(drive: PmAcDocument) -> DutyLimits:
     DutyLimits
         All of them.
     """
-    stated, rating = drive.requirements, drive.rating
-    torque = rating.rated_power_w / (rating.base_speed_rpm * RADIANS_PER_RPM)
+    stated, rating, machine = drive.requirements, drive.rating, drive.machine
+    base = rating.base_speed_rpm * RADIANS_PER_RPM
+    torque = rating.rated_power_w / base
+    turns = machine.pole_pairs * rating.base_speed_rpm / _SECONDS
+    run_up = machine.inertia_kg_m2 * base / torque
     settling = stated.settling_s
     return DutyLimits(
         settling_s=SETTLING_PERIODS * drive.inverter.control_period_s if settling is None else settling,
@@ -107,10 +126,20 @@ def duty_limits_of(drive: PmAcDocument) -> DutyLimits:
         current_excess=_PERCENT * stated.least_current_percent,
         loss_excess=_PERCENT * stated.least_loss_percent,
         weakening_share=_PERCENT * stated.weakening_torque_percent,
+        weakening_voltage=_PERCENT * stated.weakening_voltage_percent,
         direct_error_a=_PERCENT * stated.direct_current_percent * rating.current_limit_a,
-        braking_torque_nm=_PERCENT * stated.braking_torque_percent * torque,
-        safe_state_s=_MILLI * stated.safe_state_ms,
+        braking=_PERCENT * stated.braking_torque_percent,
+        safe_state_s=_safe_state_s(drive, _DETECTION_TURN / (FAILURE_SPEED_SHARE * turns)),
+        safe_state_locked_s=_safe_state_s(drive, _DETECTION_RUN_UP * run_up),
         failure_torque_nm=_PERCENT * stated.failure_torque_percent * torque,
         dead_time_ripple=stated.dead_time_ripple,
         modulation_ripple=stated.modulation_ripple,
     )
+
+
+def _safe_state_s(drive: PmAcDocument, seen_s: float) -> float:
+    """Return the longest time from a failure that shows after a time (s) to the safe state (s)."""
+    stated, period = drive.requirements.safe_state_ms, drive.inverter.control_period_s
+    if stated is not None:
+        return _MILLI * stated
+    return max(min(_SAFE_PERIODS * period, _SAFE_MOST_S), _DETECTION_PERIODS * period + seen_s)

@@ -37,9 +37,9 @@ class PmAcRequirements(Section):
         description="greatest movement of the d current by a step of the torque, in percent of the q current's step",
     )
     rise_periods: Annotated[float, Field(ge=1.0, le=1e6)] = Field(
-        default=7.0,
-        description="longest time of a torque step to 90 %, in control periods beside what the link's voltage takes to "
-        "move the current",
+        default=12.0,
+        description="longest time of a torque step to 90 %, in control periods, plus the time that the link's voltage "
+        "needs to move the current",
     )
     peak_current_percent: Annotated[float, Field(ge=100.0, le=1000.0)] = Field(
         default=120.0, description="greatest phase current at any time, in percent of the current limit"
@@ -53,7 +53,13 @@ class PmAcRequirements(Section):
     )
     weakening_torque_percent: Annotated[float, Field(gt=0.0, le=100.0)] = Field(
         default=95.0,
-        description="least torque in weakening, in percent of the greatest that the limits allow",
+        description="least torque in weakening, in percent of the greatest within the current limit and "
+        "weakening_voltage_percent of the voltage",
+    )
+    weakening_voltage_percent: Annotated[float, Field(ge=50.0, le=100.0)] = Field(
+        default=96.0,
+        description="voltage in weakening that a controller must use, in percent of the undistorted voltage of the "
+        "link; the rest is reserved for its regulators",
     )
     direct_current_percent: _Percent = Field(
         default=3.0,
@@ -62,10 +68,13 @@ class PmAcRequirements(Section):
     )
     braking_torque_percent: _Percent = Field(
         default=10.0,
-        description="greatest braking torque behind a torque reference that goes to zero, in percent of rated torque",
+        description="greatest braking torque after a torque reference goes to zero, in percent of the step of the "
+        "torque, or of rated torque if that is more",
     )
-    safe_state_ms: Annotated[float, Field(ge=1.0, le=1000.0)] = Field(
-        default=100.0, description="longest time from a failure to the safe state, in milliseconds"
+    safe_state_ms: Annotated[float, Field(ge=1.0, le=1000.0)] | None = Field(
+        default=None,
+        description="longest time from a failure to the safe state, in milliseconds, by default 1000 control periods, "
+        "at most 100 ms, but no less than the failure needs to show",
     )
     failure_torque_percent: _Percent = Field(
         default=20.0,

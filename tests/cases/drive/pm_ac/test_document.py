@@ -38,7 +38,7 @@ def test_the_packaged_drives_are_of_this_kind() -> None:
 def test_every_value_of_a_packaged_drive_has_a_source_and_its_rating_is_in_reach(name: str) -> None:
     drive = packaged(name)
     for table in drive.tables:
-        if table == "requirements":
+        if table in ("requirements", "sensing"):
             # What its file leaves out has a default.
             continue
         stated = set(drive.to_mapping()[table])
@@ -80,7 +80,11 @@ def test_a_limit_that_is_left_out_follows_from_the_drive() -> None:
 @pytest.mark.parametrize(
     ("table", "change", "words"),
     [
-        ("inverter", {"hysteresis_band_a": 0.25}, "'inverter.hysteresis_band_a' is unknown"),
+        (
+            "inverter",
+            {"hysteresis_band_a": 0.25},
+            "'inverter.hysteresis_band_a' is for other kinds of drives",
+        ),
         ("machine", {"magnet_flux_v_s": None}, "'machine.magnet_flux_v_s' is missing"),
         ("machine", {"direct_inductance_h": -1.0}, "must be greater than 0"),
         ("machine", {"resistance_ohm": float("nan")}, "must be a finite number"),
@@ -130,10 +134,18 @@ def test_a_scenario_carries_the_whole_drive_and_its_control_period() -> None:
     ("changes", "words"),
     [
         ({"control_period_s": 2e-4}, "must be left out or 0.0001"),
+        ({"control_period_s": 5e-4}, "must be left out or 0.0001"),
+        ({"sensors": {"kind": "shunts", "settling_s": 2e-6}}, "'settling_s' is 2e-06, but must be left out"),
+        ({"sensors": {"kind": "shunts", "hysteresis_deg": 2.0}}, "it acts only with 'hall'"),
+        ({"sensors": {"kind": "shunts", "position": "hall", "encoder_lines": 64}}, "only with 'encoder'"),
+        (
+            {"sensors": {"kind": "shunts", "position": "exact", "clock_s": 1e-6}},
+            "only with 'encoder' or 'hall'",
+        ),
         ({"sensors": "mcs96"}, 'one of the kind "pm-ac" has ideal or shunts'),
         ({"dropouts": [{"signal": "speed", "start_s": 0.1, "duration_s": 0.01}]}, "'dropouts' is for other"),
         ({"drive": "paper-5-phase"}, "the load 'dynamometer' is for drives of the kind"),
-        ({"failure": {"kind": "lost-edge", "time_s": 0.1}}, "a position that is shown as it is has no edges"),
+        ({"failure": {"kind": "lost-edge", "time_s": 0.1}}, "an exact position has no edges"),
         (
             {
                 "failure": {"kind": "lost-edge", "time_s": 0.1},

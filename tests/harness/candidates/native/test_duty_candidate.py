@@ -18,11 +18,11 @@ from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge, own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.choice import drive_for
-from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate.gate.step_timing import TimedSteps, time_steps
@@ -85,7 +85,7 @@ def test_it_is_repeated_judged_and_timed(written, tmp_path: Path, short: Scenari
 
 def test_a_duty_ratio_beyond_its_range_fails_its_check(ended) -> None:
     record = ended(fifth_step="command->duty_ratios[1] = 1.2;")
-    margins = {margin.check: margin for margin in judged(record, kind_of(INTERIOR).checks()).margins}
+    margins = {margin.check: margin for margin in judged(record, contract_of(INTERIOR).checks()).margins}
     assert not margins["DUT-1"].met
     assert "to 1.2" in margins["DUT-1"].measured
 

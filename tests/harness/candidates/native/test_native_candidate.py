@@ -14,6 +14,7 @@ from drivegate.candidates.native.bounded_command import Bounds, run_bounded
 from drivegate.candidates.native.build import FOLDER, built_library
 from drivegate.candidates.native.compiler import Compilation, include_folder
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate_models.compilation.cache_folder import CacheChoice
 from drivegate_models.errors import InputError
 
 
@@ -269,10 +270,35 @@ def test_a_source_may_have_any_name(folder, name, written, controller_source):
     assert [file.name for file in resolve_candidate(f"./{name}").sources] == [name]
 
 
-def test_a_folder_that_cannot_be_written_is_reported(folder, monkeypatch, written, controller_source):
+def test_without_a_folder_for_compiled_code_one_is_requested(folder, monkeypatch, written, controller_source):
     written(folder, controller_source())
-    monkeypatch.setattr("drivegate_models.compilation.kernels.choose_cache_folder", lambda: None)
-    assert "name one in the environment variable DRIVEGATE_CACHE" in refusal("mine.c")
+    nothing = CacheChoice(None, ("/home/me/.cache/drivegate cannot be written (Permission denied)",))
+    monkeypatch.setattr("drivegate_models.compilation.kernels.choose_folder", lambda _: nothing)
+    said = refusal("mine.c")
+    assert "/home/me/.cache/drivegate cannot be written (Permission denied)" in said
+    assert "in the environment variable DRIVEGATE_CACHE" in said
+
+
+@pytest.mark.parametrize(
+    ("script", "reason"),
+    [
+        ("echo 'error: no default toolchain is set' >&2; exit 1", "error: no default toolchain is set"),
+        ("exit 3", "it printed nothing"),
+    ],
+)
+def test_a_compiler_that_does_not_work_is_named_and_not_the_source(
+    folder, monkeypatch, written, controller_source, script, reason
+):
+    written(folder, controller_source())
+    broken = folder / "broken-cc"
+    broken.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+    broken.chmod(0o755)
+    monkeypatch.setenv("CC", str(broken))
+    said = refusal("mine.c")
+    assert said.startswith(
+        f"the C compiler '{broken}' does not work, it cannot compile a single line: {reason}"
+    )
+    assert "install one (Debian and Ubuntu: apt install gcc" in said
 
 
 def test_the_include_folder_has_the_header():

@@ -11,7 +11,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge, own_candidate
 from drivegate.containment.messages import Job
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import CONTRACTS, contract_of
 from drivegate.contracts.duty.scenarios.building import (
     failing,
     speed_scenario,
@@ -99,7 +99,7 @@ def test_the_search_for_least_loss_is_not_led_by_a_speed_that_settles(
     document = load_drive("pm-ac-interior")
     loaded = own_candidate(resolve_candidate("foc-loss-search"))
     record = recorded(loaded, speed_scenario(document, speeds, torque_nm=torque), loaded.controller())
-    margins = judged(record, kind_of(document).checks()).margins
+    margins = judged(record, contract_of(document).checks()).margins
     assert {"FWK-2", "MTP-1"} <= {margin.check for margin in margins}
     failed = [margin for margin in margins if not margin.met]
     assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
@@ -110,7 +110,7 @@ def test_the_search_for_least_loss_is_not_led_by_the_ripple_of_dead_time() -> No
     loaded = own_candidate(resolve_candidate("foc-loss-search"))
     record = recorded(loaded, torque_scenario(document, 1420.0, (0.0, 30.0, 0.0)), loaded.controller())
     margins = [
-        margin for margin in judged(record, kind_of(document).checks()).margins if margin.check == "FWK-2"
+        margin for margin in judged(record, contract_of(document).checks()).margins if margin.check == "FWK-2"
     ]
     assert margins
     assert all(margin.met for margin in margins), margins
@@ -120,7 +120,7 @@ def test_the_search_for_least_loss_does_not_drift_by_what_the_torque_changes_by(
     document = load_drive("pm-ac-msl")
     loaded = own_candidate(resolve_candidate("foc-loss-search"))
     steps = torque_scenario(document, 1080.0, (31.83, 95.49, 151.2))
-    margins = judged(recorded(loaded, steps, loaded.controller()), kind_of(document).checks()).margins
+    margins = judged(recorded(loaded, steps, loaded.controller()), contract_of(document).checks()).margins
     found = [margin for margin in margins if margin.check == "FWK-2"]
     assert found
     assert all(margin.met for margin in found), found
@@ -171,7 +171,7 @@ def test_the_voltage_limit_locks_no_current_up(
     failed = [
         margin
         for margin in judged(
-            recorded(loaded, scenario, loaded.controller()), kind_of(document).checks()
+            recorded(loaded, scenario, loaded.controller()), contract_of(document).checks()
         ).margins
         if not margin.met
     ]
@@ -190,7 +190,7 @@ def test_a_shaft_starts_under_load_by_hall_switches_alone(drive: str) -> None:
     assert not record.run.commands["fault"].any(), (
         "a shaft that begins to turn is not locked, nor a phase missing"
     )
-    margins = {margin.check: margin for margin in judged(record, kind_of(document).checks()).margins}
+    margins = {margin.check: margin for margin in judged(record, contract_of(document).checks()).margins}
     assert margins["ROB-5"].met, margins["ROB-5"].measured
 
 

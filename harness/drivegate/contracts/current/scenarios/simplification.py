@@ -15,7 +15,6 @@ from drivegate.contracts.current.scenarios.courses import (
 )
 from drivegate.scenarios.drive_scale import scale_of, tidy, whole_tenths
 from drivegate.scenarios.simplification import Fields, Simplification
-from drivegate.scenarios.size import size_of
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import (
@@ -28,7 +27,6 @@ from drivegate_cases.scenario.load import (
 from drivegate_cases.scenario.profile import dwell_torque, dwells
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_cases.scenario.sensors import IDEAL, PLAIN
-from drivegate_models.errors import InputError
 
 _NAMING: Final = frozenset({"schema_version", "name", "description", "drive"})
 # What belongs to another key, and means nothing without it.
@@ -51,24 +49,6 @@ _BEGINNING: Final[Fields] = {
     "clock_start_s": 0.0,
     "initial_angle_deg": 0.0,
 }
-
-
-def simplified(scenario: Scenario, fields: Fields) -> Scenario | None:
-    """Apply a change, if it gives a valid and simpler scenario that is still loaded where it was.
-
-    An unloaded drive has hardly any current, so that shares of it say little: a failure there would be another one.
-    """
-    try:
-        simpler = scenario.replaced(**fields)
-    except InputError:
-        return None
-    if _is_loaded(scenario) and not _is_loaded(simpler):
-        return None
-    return simpler if size_of(simpler.to_mapping()) < size_of(scenario.to_mapping()) else None
-
-
-def _is_loaded(scenario: Scenario) -> bool:
-    return any(dwell_torque(scenario, dwell) > 0.0 for dwell in dwells(scenario))
 
 
 def _plain_but_for_one(scenario: Scenario) -> Iterator[Fields]:

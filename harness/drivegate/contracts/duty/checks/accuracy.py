@@ -26,7 +26,7 @@ def reference_error(check: str, record: DutyRecord, window: DutyWindow, factor: 
         error = abs(window.speed - window.speed_reference) / RADIANS_PER_RPM
         margin = at_most(error, factor * limits.speed_tolerance_rpm)
         return Margin(check, margin, f"speed off by {error:.4g} rpm {at(window)}")
-    if not is_within_reach(record, window, wanted):
+    if not is_within_reach(record, window.speed, window.link, wanted):
         return None
     error = abs(window.torque - wanted)
     margin = at_most(error, factor * limits.torque_error_nm)

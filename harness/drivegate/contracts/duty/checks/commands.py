@@ -25,7 +25,10 @@ def command_range(record: Record) -> Margin:
     if chosen.size == 0:
         return margin
     own = judged.scenario.control_period_s
-    away = float(np.max(np.abs(chosen / own - 1.0))) if np.isfinite(chosen).all() else GREATEST
+    with np.errstate(over="ignore"):
+        farthest = float(np.max(np.abs(chosen / own - 1.0)))
+    # Also where it is no number.
+    away = farthest if farthest < GREATEST else GREATEST
     told = f"control period changed by {100.0 * away:.3g} %"
     return min(
         margin,

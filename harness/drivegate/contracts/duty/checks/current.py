@@ -7,19 +7,22 @@ from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import at, duty_record, plant_of, worst
 from drivegate.contracts.duty.checks.optimum import least_free, least_within, undistorted
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
-from drivegate_models.machine import ledger
 
 if TYPE_CHECKING:
     from drivegate_models.pm_ac.fundamental import SteadyState
 
 FREE_SHARE = 0.9
 """Share of the undistorted voltage below which nothing has to be weakened (1)."""
+TAKE_OVER_PERIODS = 100
+"""Control periods in which a controller takes over a machine whose diodes conduct."""
 LEAST_TORQUE_SHARE = 0.1
 """Torque over the rated one from which shares of a current mean something (1)."""
 EFFICIENCY_POINTS = (
@@ -37,10 +40,21 @@ _SAME = 1e-3
 
 
 def peak_current(record: Record) -> Margin:
-    """Judge the greatest phase current of a run."""
+    """Judge the greatest phase current from the first answer on."""
     judged = duty_record(record)
-    peak, limit = float(judged.run.totals[ledger.PEAK]), judged.limits.peak_current_a
+    currents = judged.run.column("peak_current")[_first_judged(judged) :]
+    peak, limit = float(np.max(currents, initial=0.0)), judged.limits.peak_current_a
     return Margin("OVC-1", at_most(peak, limit), f"{peak:.5g} A")
+
+
+def _first_judged(record: DutyRecord) -> int:
+    """Return the first control period whose current is the controller's doing."""
+    from drivegate_models.pm_ac.rectifying import rectifies
+
+    first = record.document.inverter.update_delay
+    speed, link = (float(record.run.column(name)[0]) for name in ("speed", "link"))
+    # Diodes rectify with the voltage of six steps, which a controller without overmodulation cannot sustain.
+    return first + TAKE_OVER_PERIODS if rectifies(plant_of(record), speed, link) else first
 
 
 def least_current(record: Record) -> Margin | None:
@@ -120,7 +134,10 @@ OVC_1 = Check(
     subject="candidate",
     level="required",
     limit="{peak}",
-    scenarios="every run",
+    scenarios=(
+        "every run from the control period in which the first answer acts, or 100 control periods later if the diodes "
+        "conduct before"
+    ),
     formula="1 - greatest phase current / {peak}",
     why="Devices and magnets are chosen for that current.",
     evaluate=peak_current,

@@ -12,6 +12,7 @@ from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import LEGS
+from drivegate.contracts.duty.scenarios.failures import unnoticed_because
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.failure_kind import SURVIVABLE
 from drivegate_cases.scenario.load import DynamometerLoad
@@ -24,12 +25,14 @@ def safe_state(record: Record) -> Margin | None:
     failure, period = judged.scenario.failure, judged.scenario.control_period_s
     if failure is None or failure.kind not in judged.declaration.detects or not judged.has_nominal_plant:
         return None
+    if unnoticed_because(judged.scenario) is not None:
+        return None
     begin = failure.first_period(period)
     if failure.kind in SURVIVABLE and not isinstance(judged.scenario.load, DynamometerLoad):
         # What torque a speed regulator wants, nobody else knows, and the speed hardly shows it.
         return None
     claimed = _claimed(judged)
-    if len(claimed) - begin < judged.limits.safe_state_s / period:
+    if len(claimed) - begin < _longest_s(judged) / period:
         return None
     if claimed[:begin].any():
         early = float(np.argmax(claimed)) * period
@@ -41,6 +44,13 @@ def safe_state(record: Record) -> Margin | None:
         _torque_until_then(judged, claimed, begin),
         key=lambda margin: margin.value,
     )
+
+
+def _longest_s(record: DutyRecord) -> float:
+    """Return the longest time from the failure of a run to the safe state (s)."""
+    failure, limits = record.scenario.failure, record.limits
+    locks = failure is not None and failure.kind == "locked-rotor"
+    return limits.safe_state_locked_s if locks else limits.safe_state_s
 
 
 def _ridden_through(record: DutyRecord, begin: int) -> Margin:
@@ -66,7 +76,7 @@ def _reached(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> Marg
     time = float(unsafe[-1] + 1) * period if unsafe.size else 0.0
     reached = begin + round(time / period) < len(claimed)
     told = f"safe {1e3 * time:.4g} ms after" if reached else f"not safe {1e3 * time:.4g} ms after"
-    return Margin("SAF-1", at_most(time, limits.safe_state_s), f"{told} {_words(record)}")
+    return Margin("SAF-1", at_most(time, _longest_s(record)), f"{told} {_words(record)}")
 
 
 def _torque_until_then(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> Margin:
@@ -76,7 +86,7 @@ def _torque_until_then(record: DutyRecord, claimed: NDArray[np.bool_], begin: in
         # What torque a speed regulator wants, nobody else knows.
         return Margin("SAF-1", 1.0, f"no torque is asked for {_words(record)}")
     later = np.flatnonzero(claimed[begin:])
-    allowed = round(limits.safe_state_s / record.scenario.control_period_s)
+    allowed = round(_longest_s(record) / record.scenario.control_period_s)
     rows = slice(begin, begin + 1 + (int(later[0]) if later.size else allowed))
     torque, wanted = (record.run.column(name)[rows] for name in ("torque", "torque_reference"))
     beyond = np.maximum(torque - np.maximum(wanted, 0.0), np.minimum(wanted, 0.0) - torque)

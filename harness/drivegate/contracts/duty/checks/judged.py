@@ -29,14 +29,20 @@ def plant_of(record: DutyRecord) -> PmAcDrive:
     return plant
 
 
-def worst(margins: Iterable[Margin]) -> Margin | None:
-    """Give the least of the margins of one run; None where there are none."""
-    return min(margins, key=lambda margin: margin.value, default=None)
+def worst(margins: Iterable[Margin | None]) -> Margin | None:
+    """Return the least of the margins of one run, of those that are there; None without any."""
+    known = (margin for margin in margins if margin is not None)
+    return min(known, key=lambda margin: margin.value, default=None)
 
 
-def is_within_reach(record: DutyRecord, window: DutyWindow, torque: float) -> bool:
-    """Tell whether a torque lies as far below the greatest possible as weakening is allowed to stay."""
-    greatest = greatest_at(plant_of(record), window.speed, window.link).torque
+def greatest_required(record: DutyRecord, speed: float, link: float) -> float:
+    """Return the greatest torque with the voltage that a controller must use (N·m); NaN where there is none."""
+    return greatest_at(plant_of(record), speed, record.limits.weakening_voltage * link).torque
+
+
+def is_within_reach(record: DutyRecord, speed: float, link: float, torque: float) -> bool:
+    """Return True if a controller must reach a torque at a speed and a link voltage."""
+    greatest = greatest_required(record, speed, link)
     return isfinite(greatest) and abs(torque) <= record.limits.weakening_share * greatest
 
 

@@ -9,12 +9,13 @@ from math import hypot, isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
 from drivegate.checks.record import Record
-from drivegate.contracts.duty.checks.judged import duty_record, plant_of
-from drivegate.contracts.duty.checks.optimum import greatest_at, least_free, undistorted
+from drivegate.contracts.duty.checks.judged import duty_record, is_within_reach, plant_of
+from drivegate.contracts.duty.checks.optimum import least_free, undistorted
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -109,11 +110,16 @@ def is_free(record: DutyRecord, step: TorqueStep) -> bool:
     """Tell whether a step is great enough to be judged, and leaves voltage for its own response."""
     smallest = SMALLEST_SHARE * record.limits.rated_torque_nm
     speed, link = step.speed_rpm * RADIANS_PER_RPM, record.document.inverter.link_voltage_v
-    reach = record.limits.weakening_share * greatest_at(plant_of(record), speed, link).torque
-    if record.scenario.supply_v is not None or not max(abs(step.before), abs(step.after)) <= reach:
+    greatest = max(abs(step.before), abs(step.after))
+    if record.scenario.supply_v is not None or not is_within_reach(record, speed, link, greatest):
         return False
     used = max(least_state(record, step, torque).voltage for torque in (step.before, step.after))
     return abs(step.after - step.before) >= smallest and used <= VOLTAGE_SHARE * undistorted(link)
+
+
+def overshoot_of(torque: NDArray[np.float64], end: float, step: float) -> float:
+    """Return how far torques go beyond the end (N·m) of a step, over the signed step (N·m)."""
+    return max(float(np.max((torque - end) / step)), 0.0)
 
 
 def least_state(record: DutyRecord, step: TorqueStep, torque: float) -> SteadyState:
@@ -123,9 +129,9 @@ def least_state(record: DutyRecord, step: TorqueStep, torque: float) -> SteadySt
 
 def _response(record: DutyRecord, step: TorqueStep) -> StepResponse:
     size = step.after - step.before
-    risen = (record.run.column("torque")[step.rows] - step.before) / size
-    overshoot = max(float(np.max(risen)) - 1.0, 0.0)
-    reached = np.flatnonzero(risen >= REACHED)
+    torque = record.run.column("torque")[step.rows]
+    overshoot = overshoot_of(torque, step.after, size)
+    reached = np.flatnonzero((torque - step.before) / size >= REACHED)
     period = record.scenario.control_period_s
     time = float(reached[0] + 1) * period if reached.size else float("inf")
     allowed = allowed_rise_s(record, step)

@@ -12,9 +12,16 @@ from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most, normalised
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.current import FREE_SHARE
-from drivegate.contracts.duty.checks.judged import at, duty_record, is_within_reach, plant_of, worst
+from drivegate.contracts.duty.checks.judged import (
+    at,
+    duty_record,
+    greatest_required,
+    is_within_reach,
+    plant_of,
+    worst,
+)
 from drivegate.contracts.duty.checks.optimum import Purpose, greatest_at, least_free, undistorted
-from drivegate.contracts.duty.checks.steps import TorqueStep, torque_steps
+from drivegate.contracts.duty.checks.steps import TorqueStep, overshoot_of, torque_steps
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -37,19 +44,20 @@ def _weakened(record: DutyRecord) -> Iterator[DutyWindow]:
             wanted is not None
             and wanted > 0.0
             and window.speed > base
-            and not is_within_reach(record, window, wanted)
+            and not is_within_reach(record, window.speed, window.link, wanted)
         ):
             yield window
 
 
 def _share_of_greatest(record: DutyRecord, window: DutyWindow) -> Margin:
-    greatest = greatest_at(plant_of(record), window.speed, window.link).torque
+    greatest = greatest_required(record, window.speed, window.link)
     if not isfinite(greatest) or greatest <= 0.0:
         # Nothing can be asked of a speed at which the limits leave no torque.
         return Margin("FWK-1", 1.0, f"no torque is possible {at(window)}")
     wanted = min(window.torque_reference or 0.0, greatest)
     least = record.limits.weakening_share * wanted
-    told = f"{window.torque:.4g} of {wanted:.4g} N·m possible {at(window)}"
+    voltage = f"with {100.0 * record.limits.weakening_voltage:g} % of the voltage"
+    told = f"{window.torque:.4g} of {wanted:.4g} N·m possible {voltage} {at(window)}"
     return Margin("FWK-1", normalised(window.torque - least, least), told)
 
 
@@ -87,16 +95,24 @@ def _is_release(record: DutyRecord, step: TorqueStep) -> bool:
     return step.before > 0.0 == step.after and step.speed_rpm > record.document.rating.base_speed_rpm
 
 
+def _step_size(record: DutyRecord, step: TorqueStep) -> float:
+    """Return the torque by which a release is measured: what was possible before it, at least rated torque (N·m)."""
+    link = float(record.run.column("link")[step.rows.start])
+    greatest = greatest_at(plant_of(record), step.speed_rpm * RADIANS_PER_RPM, link).torque
+    before = min(step.before, greatest) if isfinite(greatest) else step.before
+    return max(before, record.limits.rated_torque_nm)
+
+
 def _release(record: DutyRecord, step: TorqueStep) -> Margin:
     torque = record.run.column("torque")[step.rows]
     peak = float(np.max(record.run.column("peak_current")[step.rows]))
-    braking = max(-float(np.min(torque)), 0.0)
+    size = _step_size(record, step)
+    braking = overshoot_of(torque, step.after, -size)
     limits = record.limits
-    place = f"behind {step.time_s:.4g} s at {step.speed_rpm:.5g} rpm"
+    place = f"after {step.time_s:.4g} s at {step.speed_rpm:.5g} rpm"
+    told = f"braking with {braking * size:.4g} N·m, {100.0 * braking:.3g} % of {size:.4g} N·m, {place}"
     return min(
-        Margin(
-            "FWK-3", at_most(braking, limits.braking_torque_nm), f"braking with {braking:.4g} N·m {place}"
-        ),
+        Margin("FWK-3", at_most(braking, limits.braking), told),
         Margin("FWK-3", at_most(peak, limits.peak_current_a), f"{peak:.4g} A {place}"),
         key=lambda margin: margin.value,
     )
@@ -108,9 +124,12 @@ FWK_1 = Check(
     source="the contract",
     subject="candidate",
     level="required",
-    limit="at least {weakening} of the greatest torque",
-    scenarios="steady stretches above {base} on the nominal drive that ask for more than {weakening} of the possible",
-    formula="mean torque / ({weakening} of the oracle's greatest torque, or of the reference where that is less) - 1",
+    limit="at least {weakening} of the greatest torque with {weakening_voltage} of the voltage",
+    scenarios="steady stretches above {base} on the nominal drive that ask for more than {weakening} of that torque",
+    formula=(
+        "mean torque / ({weakening} of the oracle's greatest torque with {weakening_voltage} of the voltage, or of the "
+        "reference where that is less) - 1"
+    ),
     why="Without weakening there is no torque where the back-EMF uses up the link.",
     evaluate=weakened_torque,
 )
@@ -132,9 +151,9 @@ FWK_3 = Check(
     source="the contract",
     subject="candidate",
     level="required",
-    limit="braking {braking}, current {peak}",
+    limit="braking {braking} of the step or of rated torque, whichever is more; current {peak}",
     scenarios="steps of the torque reference to zero above {base}",
-    formula="the lesser of 1 - braking torque / {braking} and 1 - greatest phase current / {peak}",
+    formula="the lesser of 1 - braking torque / {braking} of that torque and 1 - greatest phase current / {peak}",
     why="Weakening that is dropped at once lets the back-EMF drive the current into the link.",
     evaluate=way_out_of_weakening,
 )

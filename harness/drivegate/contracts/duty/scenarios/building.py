@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Final, Literal
+from typing import Final
 
 from drivegate.contracts.duty.scenarios.windows import WINDOW_SHARE, run_up_s
-from drivegate.scenarios.drive_scale import tidy
+from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_cases.drive.pm_ac.sensing import Position
+from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS
-from drivegate_models.units import RADIANS_PER_RPM
 
 TORQUE_DIGITS: Final = 4
 """Digits that torques are rounded to."""
-_SPEED_STEPS: Final = 10.0
-
-
-def rated_torque_at(drive: PmAcDocument, speed_rpm: float) -> float:
-    """Give the torque of rated power at a speed, constant below base speed (N·m)."""
-    speed = max(speed_rpm, drive.rating.base_speed_rpm) * RADIANS_PER_RPM
-    return drive.rating.rated_power_w / speed
+PERIODS_AT_A_TIME: Final = 10
+"""Control periods that the lengths of stretches are whole numbers of (1)."""
 
 
 def torque_of(drive: PmAcDocument, speed_rpm: float, share: float) -> float:
@@ -35,30 +32,30 @@ def torque_of(drive: PmAcDocument, speed_rpm: float, share: float) -> float:
     return rounded(share * rated_torque_at(drive, speed_rpm), TORQUE_DIGITS)
 
 
-def dwell_s(drive: PmAcDocument, speed_change_rpm: float = 0.0) -> float:
-    """Give the time after a change in which a steady state is reached and judged, in whole control periods (s)."""
+def dwell_periods(drive: PmAcDocument, speed_change_rpm: float = 0.0) -> int:
+    """Return the control periods after a change in which a steady state is reached and judged."""
     settling = duty_limits_of(drive).settling_s
-    return whole_periods(drive, (1.0 + WINDOW_SHARE) * settling + run_up_s(drive, speed_change_rpm))
+    time = (1.0 + WINDOW_SHARE) * settling + run_up_s(drive, speed_change_rpm)
+    return PERIODS_AT_A_TIME * math.ceil(round(time / (PERIODS_AT_A_TIME * drive.control_period_s), 6))
 
 
-def whole_periods(drive: PmAcDocument, time_s: float) -> float:
-    """Give the next time of a whole number of control periods, ten at a time (s)."""
-    grain = _SPEED_STEPS * drive.inverter.control_period_s
-    return tidy(-(-round(time_s / grain, 6) // 1) * grain)
+def start_s(drive: PmAcDocument, period: int) -> float:
+    """Return when a control period begins (s)."""
+    return period_start_s(period, drive.control_period_s)
 
 
 def torque_scenario(drive: PmAcDocument, speed_rpm: float, torques_nm: Sequence[float]) -> Scenario:
     """Make a run at a held speed through steps of the torque reference, each long enough to be judged."""
-    each = dwell_s(drive)
+    each = dwell_periods(drive)
     profile: Profile = ((0.0, torques_nm[0]),)
     for number, torque in enumerate(torques_nm[1:], start=1):
-        at = tidy(number * each)
+        at = start_s(drive, number * each)
         profile = (*profile, (at, profile[-1][1]), (at, torque))
     return titled(
         Scenario(
             name="torque",
             drive=drive,
-            duration_s=tidy(len(torques_nm) * each),
+            duration_s=start_s(drive, len(torques_nm) * each),
             initial_speed_rpm=speed_rpm,
             speed_rpm=((0.0, speed_rpm),),
             load=DynamometerLoad(kind="dynamometer", torque_reference_nm=profile),
@@ -78,15 +75,16 @@ def speed_scenario(
     """Make a run through steps of the speed reference under a constant torque, each long enough to be judged."""
     begin = speeds_rpm[0] if initial_speed_rpm is None else initial_speed_rpm
     profile: Profile = ((0.0, speeds_rpm[0]),)
-    end = dwell_s(drive, speeds_rpm[0] - begin)
+    end = dwell_periods(drive, speeds_rpm[0] - begin)
     for before, after in pairwise(speeds_rpm):
-        profile = (*profile, (end, before), (end, after))
-        end = tidy(end + dwell_s(drive, after - before))
+        at = start_s(drive, end)
+        profile = (*profile, (at, before), (at, after))
+        end += dwell_periods(drive, after - before)
     return titled(
         Scenario(
             name="speed",
             drive=drive,
-            duration_s=end,
+            duration_s=start_s(drive, end),
             initial_speed_rpm=begin,
             initial_angle_deg=initial_angle_deg,
             speed_rpm=profile,
@@ -105,22 +103,30 @@ def load_step_scenario(
 ) -> Scenario:
     """Make a run at one speed reference through steps of the load, each long enough to be judged."""
     begin = speed_rpm if initial_speed_rpm is None else initial_speed_rpm
-    each, end = dwell_s(drive), dwell_s(drive, speed_rpm - begin)
+    each, end = dwell_periods(drive), dwell_periods(drive, speed_rpm - begin)
     factor: Profile = ((0.0, shares[0]),)
     for before, after in pairwise(shares):
-        factor = (*factor, (end, before), (end, after))
-        end = tidy(end + each)
+        at = start_s(drive, end)
+        factor = (*factor, (at, before), (at, after))
+        end += each
     steady = speed_scenario(drive, (speed_rpm,), torque_nm=torque_nm, initial_speed_rpm=begin)
     load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor)
-    return titled(steady.replaced(duration_s=end, load=load))
+    return titled(steady.replaced(duration_s=start_s(drive, end), load=load))
 
 
 def failing(run: Scenario, kind: FailureKind, time_s: float, phase: int = 1) -> Scenario:
-    """Let something fail in a run."""
-    return titled(run.replaced(failure={"kind": kind, "time_s": tidy(time_s), "phase": phase}))
+    """Make something fail in a run, at the start of the first control period from a time on."""
+    period = run.control_period_s
+    time = period_start_s(first_period_from(time_s, period), period)
+    return titled(run.replaced(failure={"kind": kind, "time_s": time, "phase": phase}))
 
 
-def with_edges(run: Scenario, position: Literal["encoder", "hall"], seed: int) -> Scenario:
+def edge_positions(drive: PmAcDocument) -> tuple[Position, ...]:
+    """Return what may show edges of the shaft that can be lost: what the drive states, or else any kind."""
+    return ("encoder", "hall") if drive.position == "exact" else (drive.position,)
+
+
+def with_edges(run: Scenario, position: Position, seed: int) -> Scenario:
     """See the shaft of a run by the edges of an encoder, or of Hall switches."""
     sensors = SHUNTS.model_copy(update={"position": position})
     return titled(run.replaced(sensors=sensors, seed=seed))
@@ -128,10 +134,10 @@ def with_edges(run: Scenario, position: Literal["encoder", "hall"], seed: int) -
 
 def supply_step_scenario(base: Scenario, drive: PmAcDocument, shares: Sequence[float]) -> Scenario:
     """Make a run at one operating point through steps of the link's voltage, each long enough to be judged."""
-    each = dwell_s(drive)
+    each = dwell_periods(drive)
     nominal = drive.inverter.supply_voltage_v
     supply: Profile = ((0.0, tidy(shares[0] * nominal)),)
     for number, share in enumerate(shares[1:], start=1):
-        at = tidy(number * each)
+        at = start_s(drive, number * each)
         supply = (*supply, (at, supply[-1][1]), (at, tidy(share * nominal)))
-    return titled(base.replaced(duration_s=tidy(len(shares) * each), supply_v=supply))
+    return titled(base.replaced(duration_s=start_s(drive, len(shares) * each), supply_v=supply))

@@ -9,6 +9,7 @@ from typing import Final, TypeAlias
 from hypothesis import strategies as st
 
 from drivegate.contracts.duty.scenarios.building import (
+    edge_positions,
     failing,
     load_step_scenario,
     speed_scenario,
@@ -17,24 +18,32 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_scenario,
     with_edges,
 )
-from drivegate.contracts.duty.scenarios.fixed import FAILURE_SPEED_SHARE, START_ANGLES_DEG
+from drivegate.contracts.duty.scenarios.drawn_range import (
+    BEYOND_SHARE,
+    BRAKING_SHARE,
+    HEAVIEST_FAILURE_SHARE,
+    HEAVIEST_SHARE,
+    SHARE_STEP,
+    TURNING_SHARE,
+)
+from drivegate.contracts.duty.scenarios.failures import FAILURE_TORQUE_SHARE
+from drivegate.contracts.duty.scenarios.fixed import START_ANGLES_DEG
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.failure_kind import FAILURE_KINDS, PHASED, FailureKind
 from drivegate_cases.scenario.reference import Reference
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_cases.scenario.sensors import SHUNTS
+from drivegate_cases.scenario.sensors import SHUNTS, position_of
 
 Family: TypeAlias = Callable[[PmAcDocument], st.SearchStrategy[Scenario]]
 """From a drive to scenarios of one kind."""
 
 _SEEDS: Final = 10_000
 _PART: Final = 0.005
-SHARE_STEP: Final = 0.05
-"""Step of drawn torques and loads over rated torque (1)."""
 
 
 def _speeds(drive: PmAcDocument, lowest: float, highest: float) -> st.SearchStrategy[float]:
@@ -48,11 +57,12 @@ def _any_speed(drive: PmAcDocument) -> st.SearchStrategy[float]:
 
 
 def _turning(drive: PmAcDocument) -> st.SearchStrategy[float]:
-    return _speeds(drive, 0.1 * drive.rating.base_speed_rpm, drive.rating.highest_speed_rpm)
+    return _speeds(drive, TURNING_SHARE * drive.rating.base_speed_rpm, drive.rating.highest_speed_rpm)
 
 
-def _shares(lowest: int, highest: int) -> st.SearchStrategy[float]:
-    return st.integers(lowest, highest).map(lambda count: round(SHARE_STEP * count, 2))
+def _shares(lowest: float, highest: float) -> st.SearchStrategy[float]:
+    steps = st.integers(round(lowest / SHARE_STEP), round(highest / SHARE_STEP))
+    return steps.map(lambda count: round(SHARE_STEP * count, 2))
 
 
 def torque_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
@@ -67,7 +77,7 @@ def torque_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
         lambda shares, speed: torque_scenario(
             drive, speed, [torque_of(drive, speed, share) for share in shares]
         ),
-        st.tuples(_shares(0, 20), _shares(-10, 20), _shares(0, 20)),
+        st.tuples(_shares(0.0, 1.0), _shares(-BRAKING_SHARE, 1.0), _shares(0.0, 1.0)),
         _any_speed(drive),
     )
 
@@ -83,7 +93,7 @@ def weakening_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     rating = drive.rating
     return st.builds(
         lambda share, speed: torque_scenario(drive, speed, (0.0, torque_of(drive, speed, share), 0.0)),
-        _shares(30, 60),
+        _shares(1.5, BEYOND_SHARE),
         _speeds(drive, 1.02 * rating.base_speed_rpm, rating.highest_speed_rpm),
     )
 
@@ -98,7 +108,7 @@ def _from_below(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
             torque_nm=torque_of(drive, max(first, second), share),
             initial_speed_rpm=min(first, base),
         ),
-        _shares(0, 14),
+        _shares(0.0, 0.7),
         _turning(drive),
         _turning(drive),
     )
@@ -106,7 +116,7 @@ def _from_below(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
         lambda shares, speed: load_step_scenario(
             drive, speed, torque_of(drive, speed, 1.0), shares, initial_speed_rpm=min(speed, base)
         ),
-        st.tuples(_shares(0, 17), _shares(0, 17)),
+        st.tuples(_shares(0.0, HEAVIEST_SHARE), _shares(0.0, HEAVIEST_SHARE)),
         _turning(drive),
     )
     return st.one_of(speeds, loads)
@@ -124,7 +134,7 @@ def speed_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
         lambda share, first, second: speed_scenario(
             drive, (first, second), torque_nm=torque_of(drive, max(first, second), share)
         ),
-        _shares(0, 14),
+        _shares(0.0, 0.7),
         _turning(drive),
         _turning(drive),
     )
@@ -140,7 +150,7 @@ def load_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     """
     return st.builds(
         lambda shares, speed: load_step_scenario(drive, speed, torque_of(drive, speed, 1.0), shares),
-        st.tuples(_shares(0, 17), _shares(0, 17)),
+        st.tuples(_shares(0.0, HEAVIEST_SHARE), _shares(0.0, HEAVIEST_SHARE)),
         _turning(drive),
     )
 
@@ -162,8 +172,8 @@ def start_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
             initial_angle_deg=angle,
         ),
         st.sampled_from(START_ANGLES_DEG),
-        _shares(0, 16),
-        _speeds(drive, 0.1 * drive.rating.base_speed_rpm, drive.rating.base_speed_rpm),
+        _shares(0.0, 0.8),
+        _speeds(drive, TURNING_SHARE * drive.rating.base_speed_rpm, drive.rating.base_speed_rpm),
     )
 
 
@@ -203,7 +213,7 @@ def supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
             drive,
             (1.0, *(round(1.0 + SHARE_STEP * level, 2) for level in levels)),
         ),
-        _shares(0, 16),
+        _shares(0.0, 0.8),
         st.tuples(st.integers(-3, 3), st.integers(-3, 3)),
         _turning(drive),
     )
@@ -216,13 +226,16 @@ def sensor_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     -------
     SearchStrategy
         Of scenarios with steps of the speed or of the load at 10 % of base speed and more, seen through shunts in line
-        or below the lower switches, the latter up to base speed, and an encoder of 256 to 4096 lines.
+        or below the lower switches, the latter up to base speed, and an encoder of 256 to 4096 lines or what the
+        drive states.
     """
+    has_encoder = position_of(SHUNTS, drive) == "encoder"
     return st.builds(
         lambda run, shunts, lines, seed: titled(
             run.replaced(
                 sensors=SHUNTS.model_copy(
-                    update={"shunts": _possible(drive, run, shunts), "encoder_lines": lines}
+                    update={"shunts": _possible(drive, run, shunts)}
+                    | ({"encoder_lines": lines} if has_encoder else {})
                 ),
                 seed=seed,
             )
@@ -267,7 +280,7 @@ def failure_scenarios(
         run = held if reference == "torque" else speed_scenario(drive, (speed,), torque_nm=torque)
         if kind == "lost-edge":
             # The number of a phase, which an edge has none of, tells whose edge it is.
-            seen = with_edges(run, "encoder" if phase == 1 else "hall", seed)
+            seen = with_edges(run, edge_positions(drive)[0 if phase == 1 else -1], seed)
         else:
             seen = with_real_sensors(run, seed) if seed else run
         time = (0.5 + _PART * part) * run.duration_s
@@ -276,7 +289,7 @@ def failure_scenarios(
     return st.builds(
         made,
         st.sampled_from(_that_can_fail(detected, references)),
-        _shares(6, 12),
+        _shares(FAILURE_TORQUE_SHARE, HEAVIEST_FAILURE_SHARE),
         _speeds(drive, FAILURE_SPEED_SHARE * base, base),
         st.integers(0, 20),
         st.integers(1, 3),

@@ -6,15 +6,27 @@ from functools import lru_cache
 from math import isfinite
 from typing import Final
 
+import numpy as np
+
+from drivegate.contracts.duty.scenarios.failures import unnoticed_because
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
-from drivegate_cases.drive.scales import NOMINAL, Scales
-from drivegate_cases.scenario.load import LockedLoad
+from drivegate_cases.drive.data_sheet import USABLE_SHARE
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
+from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import stated_position
+from drivegate_models.contract.duty.signals import LEG_OFF
+from drivegate_models.machine import ledger
 from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
+from drivegate_models.pm_ac.plant.advance import make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.pm_ac.rectifying import settle_rectifying
 from drivegate_models.units import RADIANS_PER_RPM
 
-IN_HAND: Final = 0.92
+IN_HAND: Final = USABLE_SHARE
 """Share of the greatest torque that a speed's load may take; the rest is for regulation (1)."""
 _KEPT: Final = 20_000
 
@@ -23,9 +35,13 @@ def unfair_because(scenario: Scenario) -> str | None:
     """Tell why a candidate may not be judged on a scenario; a torque reference out of reach is judged as such."""
     differs = scenario.scales != NOMINAL
     if differs and scenario.initial_speed_rpm > scenario.drive.rating.base_speed_rpm:
-        return "it begins above base speed without any current, on a plant that the controller does not know"
-    if _stands_locked(scenario):
-        return "a shaft that is to stand shows nobody that it is locked"
+        return "it begins above base speed, on a plant that the controller does not know"
+    if (unnoticed := unnoticed_because(scenario)) is not None:
+        return unnoticed
+    if _rectified_current(scenario) > duty_limits_of(_document(scenario)).peak_current_a:
+        return "it begins so fast that the current through the diodes alone exceeds the limit of OVC-1"
+    if _rests_by_hall_switches(scenario):
+        return "Hall switches show the angle of a shaft at rest no closer than 30 electrical degrees"
     if isinstance(scenario.load, LockedLoad):
         return None
     if not all(_is_driven(scenario, dwell) for dwell in duty_dwells(scenario)):
@@ -33,9 +49,11 @@ def unfair_because(scenario: Scenario) -> str | None:
     return None
 
 
-def _stands_locked(scenario: Scenario) -> bool:
-    speeds = (scenario.initial_speed_rpm, *(speed for _, speed in scenario.speed_rpm))
-    return scenario.failure is not None and scenario.failure.kind == "locked-rotor" and not any(speeds)
+def _rests_by_hall_switches(scenario: Scenario) -> bool:
+    """Return True if a torque is requested at standstill of a drive that has Hall switches alone."""
+    is_dynamometer = isinstance(scenario.load, DynamometerLoad)
+    at_rest = is_dynamometer and any(speed == 0.0 for _, speed in scenario.speed_rpm)
+    return at_rest and stated_position(scenario.drive) == "hall"
 
 
 def _is_driven(scenario: Scenario, dwell: DutyDwell) -> bool:
@@ -44,22 +62,46 @@ def _is_driven(scenario: Scenario, dwell: DutyDwell) -> bool:
     speed = dwell.speed_rpm * RADIANS_PER_RPM
     idle = dwell.load_factor == 0.0 == dwell.speed_rpm
     demanded = 0.0 if idle else load.torque_at(dwell.speed_rpm, dwell.load_factor)
-    scales = scenario.scales
-    changed = scales.model_copy(
-        update={
-            "resistance": scales.resistance * dwell.resistance_factor,
-            "emf_constant": scales.emf_constant * dwell.emf_factor,
-        }
-    )
-    plant = _plant(scenario, changed)
+    plant = _plant(scenario, dwell.resistance_factor, dwell.emf_factor)
     drag = plant.friction + plant.viscous_friction * speed
-    return demanded + drag <= IN_HAND * _greatest(plant, speed, 2.0 * dwell.supply_v)
+    limits, link = duty_limits_of(_document(scenario)), 2.0 * dwell.supply_v
+    return demanded + drag <= min(
+        IN_HAND * _greatest(plant, speed, link),
+        limits.weakening_share * _greatest(plant, speed, limits.weakening_voltage * link),
+    )
 
 
-def _plant(scenario: Scenario, scales: Scales) -> PmAcDrive:
-    # The drive of a scenario may be of any kind; these scenarios are drawn for this one alone.
-    plant: PmAcDrive = scenario.drive.plant(scales)  # type: ignore[assignment]
-    return plant
+def _rectified_current(scenario: Scenario) -> float:
+    """Return the greatest phase current with which a scenario begins, while all legs are off (A)."""
+    is_held = isinstance(scenario.load, LockedLoad)
+    speed_rpm = value_from(scenario.speed_rpm, 0.0) if is_held else scenario.initial_speed_rpm
+    profiles = (scenario.resistance_profile, scenario.emf_profile, scenario.supply_profile)
+    resistance, emf, supply = (value_from(profile, 0.0) for profile in profiles)
+    plant, speed = _plant(scenario, resistance, emf), speed_rpm * RADIANS_PER_RPM
+    return _settled_peak(plant, speed, 2.0 * supply, scenario.control_period_s)
+
+
+@lru_cache(maxsize=_KEPT)
+def _settled_peak(plant: PmAcDrive, speed: float, link: float, period: float) -> float:
+    totals = np.zeros(ledger.ENTRIES)
+    legs_off = np.zeros(3), np.full(3, LEG_OFF, np.int64)
+    settle_rectifying(plant, make_phases(), 0.0, speed, link, period, *legs_off, totals)
+    return float(totals[ledger.PEAK])
+
+
+def _document(scenario: Scenario) -> PmAcDocument:
+    assert isinstance(scenario.drive, PmAcDocument), "these scenarios are of PM AC drives"
+    return scenario.drive
+
+
+def _plant(scenario: Scenario, resistance_factor: float, emf_factor: float) -> PmAcDrive:
+    """Make the plant of a scenario as it has drifted by some time."""
+    scales = scenario.scales
+    changed = {
+        "resistance": scales.resistance * resistance_factor,
+        "emf_constant": scales.emf_constant * emf_factor,
+    }
+    return _document(scenario).plant(scales.model_copy(update=changed))
 
 
 @lru_cache(maxsize=_KEPT)

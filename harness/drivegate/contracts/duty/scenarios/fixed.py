@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Final, Literal
+from typing import Final
 
 from drivegate.contracts.duty.scenarios.building import (
+    edge_positions,
     failing,
     load_step_scenario,
-    rated_torque_at,
     speed_scenario,
     supply_step_scenario,
     torque_of,
     torque_scenario,
     with_edges,
 )
+from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE
 from drivegate.scenarios.changes import with_real_sensors, with_scales
-from drivegate.scenarios.drive_scale import tidy
+from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
@@ -29,16 +31,10 @@ START_SPEED_SHARE: Final = 0.2
 """Speed of a start over base speed (1)."""
 START_TORQUE_SHARE: Final = 0.5
 """Load of a start over rated torque (1)."""
-FAILURE_SPEED_SHARE: Final = 0.2
-"""Least speed at which something fails, over base speed: below, a phase takes too long to be missed (1)."""
-POSITIONS: Final[tuple[Literal["encoder", "hall"], ...]] = ("encoder", "hall")
-"""What gives edges that can be lost."""
 FAILURE_TIME_SHARE: Final = 0.6
 """When something fails, over the run's length (1)."""
 DEAD_TIME_SPEED_SHARE: Final = 0.08
 """Speed at which dead time is looked at, over base speed (1)."""
-BEYOND_SHARE: Final = 3.0
-"""Torque reference that no drive of this kind can follow in weakening, over the one of rated power there (1)."""
 
 
 def fixed_scenarios(
@@ -77,7 +73,7 @@ def _failures(drive: PmAcDocument) -> list[Scenario]:
     torques = [torque_scenario(drive, speed, (torque_of(drive, speed, 0.5),)) for speed in (slow, base)]
     sensed = [*torques, *(with_real_sensors(run, 1) for run in torques)]
     kinds: tuple[FailureKind, ...] = ("open-phase", "stuck-current", "lost-position")
-    by_edges = [with_edges(run, position, 1) for run in torques for position in POSITIONS]
+    by_edges = [with_edges(run, position, 1) for run in torques for position in edge_positions(drive)]
     turning = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5))
     start = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5), initial_speed_rpm=0.0)
     return [

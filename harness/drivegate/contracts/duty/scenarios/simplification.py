@@ -48,12 +48,13 @@ def _fields_of(made: Scenario) -> Fields:
 
 def _nominal(scenario: Scenario) -> Iterator[Fields]:
     """Take other parameters, another supply and another begin away."""
-    yield {"scales": NOMINAL, "supply_v": None, "initial_angle_deg": 0.0}
+    yield {"scales": NOMINAL, "supply_v": None, "initial_angle_deg": 0.0, "clock_start_s": 0.0}
     yield {"scales": NOMINAL}
     for key in type(NOMINAL).model_fields:
         yield {"scales": scenario.scales.model_copy(update={key: getattr(NOMINAL, key)})}
     yield {"supply_v": None}
     yield {"initial_angle_deg": 0.0}
+    yield {"clock_start_s": 0.0}
 
 
 def _plainer_sensors(scenario: Scenario) -> Iterator[Fields]:
@@ -104,15 +105,15 @@ def _with_own(scenario: Scenario, made: Scenario) -> Fields:
 def _rounder_speed(scenario: Scenario) -> Iterator[Fields]:
     drive = _drive_of(scenario)
     base = drive.rating.base_speed_rpm
+    begin = scenario.initial_speed_rpm
+    starts = begin == scenario.speed_rpm[0][1]
     if len(scenario.speed_rpm) == 1:
-        for share in (-1.0, 0.5, 1.0):
+        for share in (-1.0, 0.0, 0.5, 1.0):
             plain = speed_of(drive, share)
-            yield {"speed_rpm": ((0.0, plain),), "initial_speed_rpm": plain}
+            yield {"speed_rpm": ((0.0, plain),), "initial_speed_rpm": plain if starts else begin}
     for share in _SPEED_SHARES:
         grain = nearest_step(share * base)
         rounder = tuple((time, round(round(speed / grain) * grain, 9)) for time, speed in scenario.speed_rpm)
-        begin = scenario.initial_speed_rpm
-        starts = begin == scenario.speed_rpm[0][1]
         yield {"speed_rpm": rounder, "initial_speed_rpm": rounder[0][1] if starts else begin}
 
 

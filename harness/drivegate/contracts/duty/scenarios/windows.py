@@ -8,6 +8,7 @@ from typing import Final
 
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_cases.scenario.control_periods import first_period_from
 from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.piecewise import breakpoints, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario
@@ -17,7 +18,6 @@ WINDOW_SHARE: Final = 0.25
 """Length of the judged stretch at the end of a dwell, over the settling time (1)."""
 RUN_UP_SHARE: Final = 2.0
 """Time for a change of the speed over that which rated torque takes, load and weakening included (1)."""
-_ROUNDING: Final = 1e-9
 
 
 @dataclass(frozen=True)
@@ -86,14 +86,14 @@ def duty_windows(scenario: Scenario) -> list[tuple[DutyDwell, float, float]]:
     """Find the end of every dwell that is long enough to settle in, with its start and end (s)."""
     drive = scenario.drive
     assert isinstance(drive, PmAcDocument), "such windows are of runs with duty ratios"
-    settling = duty_limits_of(drive).settling_s
+    settling, period = duty_limits_of(drive).settling_s, drive.control_period_s
     length = WINDOW_SHARE * settling
     windows = []
     before = scenario.initial_speed_rpm
     for dwell in duty_dwells(scenario):
         change = 0.0 if dwell.torque_reference_nm is not None else dwell.speed_rpm - before
-        needed = settling + length + run_up_s(drive, change)
+        needed = first_period_from(settling + length + run_up_s(drive, change), period)
         before = dwell.speed_rpm
-        if dwell.end - dwell.start >= needed * (1.0 - _ROUNDING):
+        if round(dwell.end / period) - round(dwell.start / period) >= needed:
             windows.append((dwell, dwell.end - length, dwell.end))
     return windows

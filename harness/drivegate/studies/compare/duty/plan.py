@@ -10,6 +10,7 @@ from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_o
 from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.control_periods import on_whole_periods
 from drivegate_cases.scenario.reference import Reference
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -89,7 +90,8 @@ def _loads(drive: PmAcDocument, size: DutyEffort) -> Iterator[DutyPlannedRun]:
         for share in size.torques:
             torque = torque_of(drive, speed, share)
             run = speed_scenario(drive, (speed,), torque_nm=torque)
-            whole = titled(run.replaced(duration_s=max(run.duration_s, SEARCH_S)))
+            searched = on_whole_periods(SEARCH_S, drive.control_period_s)
+            whole = titled(run.replaced(duration_s=max(run.duration_s, searched)))
             yield DutyPlannedRun("points", f"{torque:g} N·m at {speed:g} rpm", whole)
 
 

@@ -18,13 +18,13 @@ from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.containment.orders import GiveDutySenses
 from drivegate.contracts.duty.plant_run import duty_run
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS, DutyClosedLoopRun, duty_nameplate, refusal_of
+from drivegate.drives.kinds import kind_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.contract.duty.signals import DutyCommand, DutySense
 from drivegate_models.errors import HarnessFault
 from drivegate_models.loop.exchange import COMPLETED, STOPPED
 from drivegate_models.loop.given_duty_steps import given_duty_steps, make_duty_steps
-from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
 
 FIELDS: Final = tuple(name for name in DUTY_COMMAND.names or () if name != "struct_size")
 """Fields of a command that are compared."""
@@ -96,9 +96,9 @@ class DutyAnswers:
 
 def drive_run(loaded: JudgedCandidate, scenario: Scenario) -> DrivenRun:
     """Run a candidate, and play its commands back to see what was sensed."""
-    run = duty_run(prepared_duty_loop, scenario, loaded.controller())
+    run = duty_run(kind_of(scenario.drive).prepare_loop(), scenario, loaded.controller())
     playback = _Playback(run.commands)
-    again = duty_run(prepared_duty_loop, scenario, PythonController(playback))
+    again = duty_run(kind_of(scenario.drive).prepare_loop(), scenario, PythonController(playback))
     if not np.array_equal(run.trace, again.trace, equal_nan=True):
         raise HarnessFault("the recorded commands come to another run when they are played back")
     return DrivenRun(run, playback.senses, playback.currents)
@@ -141,7 +141,7 @@ def answer_run(loaded: JudgedCandidate, request: AnswerRequest) -> DutyAnswers:
     driven, nameplate = request.driven, duty_nameplate(request.scenario)
     controller = loaded.controller()
     if request.again:
-        duty_run(prepared_duty_loop, request.scenario, controller)
+        duty_run(kind_of(request.scenario.drive).prepare_loop(), request.scenario, controller)
     show_drive(controller, request.scenario.drive)
     controller.reset(nameplate)
     kept: list[NDArray[Any]] = [np.zeros(0, DUTY_COMMAND)]

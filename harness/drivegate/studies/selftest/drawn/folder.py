@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -13,7 +12,8 @@ from drivegate.results.provenance import versions
 from drivegate.results.result import finite
 from drivegate.studies.selftest.run import SelftestEffort
 from drivegate_cases.documents.atomic_write import write_atomically
-from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_cases.documents.reading import read_mapping
+from drivegate_cases.documents.wording import short_line, shown_path
 from drivegate_cases.drive.drive_file import drive_toml
 from drivegate_models.errors import InputError
 
@@ -55,7 +55,7 @@ class DrivesFolder(ResumedFolder):
                 raise InputError(
                     f"{where} was begun with other versions of drivegate or of what it computes with; name a new folder"
                 )
-            told = one_line(str(theirs.get(key)))
+            told = short_line(str(theirs.get(key)))
             raise InputError(
                 f"{where} was begun with {key.replace('_', ' ')} {told}, not {value}; "
                 "name a new folder, or give the same"
@@ -91,9 +91,6 @@ class DrivesFolder(ResumedFolder):
 
 def _read(path: Path, way_out: str) -> dict[str, Any]:
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{shown_path(path)} cannot be read; {way_out}") from error
-    if not isinstance(document, dict):
-        raise InputError(f"{shown_path(path)} is no result of a self-test; {way_out}")
-    return document
+        return read_mapping(path)
+    except InputError as error:
+        raise InputError(f"{error}; {way_out}") from error

@@ -10,8 +10,12 @@ import numpy as np
 import pytest
 from tests.harness.contracts.duty.checks.conftest import CHECKS, Run, judged, with_column, with_command
 
+from drivegate.candidates.builtin.duty_loading import DutyController, SpoiltController
 from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.judge import own_candidate
 from drivegate.contracts.drive_numbers import on_drive
+from drivegate.contracts.duty.checks.judged import plant_of
 from drivegate.contracts.duty.checks.optimum import greatest_at, least_free
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import (
@@ -21,11 +25,15 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_scenario,
     with_edges,
 )
+from drivegate.contracts.duty.scenarios.fixed import release_scenario
+from drivegate.drives.running import recorded
 from drivegate.scenarios.changes import with_scales
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.signals import LEG_PWM
-from drivegate_models.machine import ledger
+from drivegate_models.controllers.duty.foc import VOLTAGE_SHARE
+from drivegate_models.units import RADIANS_PER_RPM
 
 
 @pytest.fixture(scope="session")
@@ -224,6 +232,11 @@ def test_a_lost_edge_is_judged_where_a_torque_is_asked_for(run: Run, interior: P
     assert judged("SAF-1", run(failing(turning, "lost-edge", 0.3))) is None
 
 
+def test_a_failure_at_standstill_judges_nobody(run: Run, interior: PmAcDocument) -> None:
+    held = torque_scenario(interior, 0.0, (torque_of(interior, 0.0, 0.5),))
+    assert judged("SAF-1", run(failing(held, "open-phase", 0.3))) is None
+
+
 def test_what_is_not_declared_is_not_judged(stuck: DutyRecord) -> None:
     assert judged("SAF-1", replace(stuck, declaration=Declaration(detects=("open-phase",)))) is None
     reason = CHECKS["SAF-1"].reason_not_applicable(Declaration(), stuck.document)
@@ -247,14 +260,136 @@ def test_ripple_that_modulation_or_dead_time_adds_is_noticed(slow: DutyRecord) -
 
 
 def test_the_sums_of_the_plant_and_of_the_current_are_judged(steps: DutyRecord) -> None:
-    totals = steps.run.totals.copy()
-    totals[ledger.PEAK] = 1.21 * steps.document.rating.current_limit_a
-    high = judged("OVC-1", replace(steps, run=replace(steps.run, totals=totals)))
+    limit = steps.document.rating.current_limit_a
+    high = judged("OVC-1", with_column(steps, "peak_current", lambda peak: peak + 1.21 * limit))
     missing = judged("PWR-1", replace(steps, run=replace(steps.run, worst_balance=2e-9)))
     assert high is not None
     assert missing is not None
     assert not high.met
     assert not missing.met
+
+
+@pytest.mark.parametrize(
+    ("name", "row", "met"),
+    [("steps", 0, True), ("steps", 1, False), ("weakened", 100, True), ("weakened", 101, False)],
+)
+def test_current_that_is_not_the_doing_of_the_controller_is_not_judged(
+    name: str, row: int, met: bool, request: pytest.FixtureRequest
+) -> None:
+    """The first answer acts in control period 1; at twice base speed the diodes conduct until then."""
+    record = request.getfixturevalue(name)
+    high = 10.0 * record.document.rating.current_limit_a
+    spike = with_column(
+        record, "peak_current", lambda peak: np.where(np.arange(len(peak)) == row, high, peak)
+    )
+    margin = judged("OVC-1", spike)
+    assert margin is not None
+    assert margin.met is met, margin.measured
+
+
+def test_voltage_that_a_drive_lets_its_controller_reserve_is_no_lost_torque(weakened: DutyRecord) -> None:
+    window = weakened.steady[1]
+    full, required = (
+        greatest_at(plant_of(weakened), window.speed, share * window.link).torque for share in (1.0, 0.96)
+    )
+    assert required < 0.97 * full
+
+    def with_torque(record: DutyRecord, torque: float) -> bool:
+        margin = judged("FWK-1", with_column(record, "torque", lambda values: np.full_like(values, torque)))
+        assert margin is not None
+        return margin.met
+
+    assert with_torque(weakened, 0.951 * required)
+    assert not with_torque(weakened, 0.949 * required)
+    strict = weakened.document.replaced(weakening_voltage_percent=100.0)
+    whole = replace(weakened, scenario=weakened.scenario.replaced(drive=strict))
+    assert not with_torque(whole, 0.951 * required)
+
+
+@pytest.mark.parametrize(("reserved", "met"), [(0.04, True), (0.12, False)])
+def test_a_controller_may_reserve_a_little_voltage_on_a_steep_machine(reserved: float, met: bool) -> None:
+    """At the highest speed of this drive 4 % of the voltage are worth 7 % of the torque."""
+    drive = load_drive("pm-ac-msl").replaced(settling_s=0.3)
+    assert isinstance(drive, PmAcDocument)
+    # The controller itself makes its references for `VOLTAGE_SHARE` of what it takes for the link.
+    factor = (1.0 - reserved) / VOLTAGE_SHARE
+    controller = SpoiltController(DutyController(), lambda _plate: {"supply_factor": factor})
+    loaded = own_candidate(resolve_candidate("foc"))
+    record = recorded(loaded, release_scenario(drive), controller)
+    assert isinstance(record, DutyRecord)
+    margin = judged("FWK-1", record)
+    assert margin is not None
+    assert margin.met is met, margin.measured
+
+
+def low_inductance_drive(inductance: float, frequency: float, link: float = 48.0) -> PmAcDocument:
+    """Make a drive of 60 A whose base speed uses 60 % of the voltage, with all requirements left out."""
+    drive = load_drive("pm-ac-surface")
+    assert isinstance(drive, PmAcDocument)
+    speed = 12000.0 if inductance < 5e-4 else 2000.0
+    flux = 0.6 * link / 3.0**0.5 / (4 * speed * RADIANS_PER_RPM)
+    return drive.replaced(
+        pole_pairs=4,
+        resistance_ohm=min(0.02, 200.0 * inductance),
+        direct_inductance_h=inductance,
+        quadrature_inductance_h=inductance,
+        magnet_flux_v_s=flux,
+        core_loss_conductance_s=0.0,
+        inertia_kg_m2=1e-4,
+        link_voltage_v=link,
+        carrier_frequency_hz=frequency,
+        base_speed_rpm=speed,
+        highest_speed_rpm=1.1 * speed,
+        overspeed_rpm=1.2 * speed,
+        rated_power_w=0.5 * 6.0 * flux * 60.0 * speed * RADIANS_PER_RPM,
+        current_limit_a=60.0,
+        requirements={"settling_s": 0.05},
+    )
+
+
+@pytest.mark.parametrize("name", ["foc", "predictive-flux"])
+@pytest.mark.parametrize(("inductance", "frequency"), [(1e-5, 50e3), (1e-4, 20e3), (1e-3, 10e3)])
+def test_the_usual_rise_time_is_met_on_drives_with_low_inductance(
+    inductance: float, frequency: float, name: str
+) -> None:
+    drive = low_inductance_drive(inductance, frequency)
+    speed = 0.4 * drive.rating.base_speed_rpm
+    shares = (0.0, 0.5, 0.3, 0.9, -0.3)
+    steps = torque_scenario(drive, speed, [torque_of(drive, speed, share) for share in shares])
+    loaded = own_candidate(resolve_candidate(name))
+    margin = judged("STP-1", recorded(loaded, steps, loaded.controller()))
+    assert margin is not None
+    assert margin.met, margin.measured
+
+
+@pytest.mark.parametrize("name", ["foc", "predictive-flux", "direct-torque"])
+def test_a_run_that_begins_at_speed_on_1_uh_stays_within_the_current_limit(name: str) -> None:
+    drive = low_inductance_drive(1e-6, 50e3, link=24.0)
+    speed = drive.rating.base_speed_rpm
+    loaded = own_candidate(resolve_candidate(name))
+    record = recorded(loaded, torque_scenario(drive, speed, (0.0,)), loaded.controller())
+    margin = judged("OVC-1", record)
+    assert margin is not None
+    assert margin.met, margin.measured
+
+
+@pytest.mark.parametrize(("braking", "met"), [(0.15, True), (0.35, False)])
+def test_braking_after_a_large_step_is_measured_by_the_step(
+    run: Run, interior: PmAcDocument, braking: float, met: bool
+) -> None:
+    weak = interior.replaced(rated_power_w=200.0)
+    speed = 1.05 * weak.rating.base_speed_rpm
+    record = run(torque_scenario(weak, speed, (torque_of(weak, speed, 2.5), 0.0)))
+    rated = record.limits.rated_torque_nm
+    half = len(record.run.trace) // 2
+    braked = with_column(
+        record,
+        "torque",
+        lambda torque: np.where(np.arange(len(torque)) == half + 20, -braking * rated, np.abs(torque)),
+    )
+    margin = judged("FWK-3", braked)
+    assert margin is not None
+    assert margin.met is met, margin.measured
 
 
 def test_a_plant_that_differs_is_judged_by_its_own_check_alone(run: Run, interior: PmAcDocument) -> None:
@@ -317,9 +452,13 @@ def test_sensors_without_errors_show_the_plant_as_it_is(
     run: Run, interior: PmAcDocument, shunts: str, position: str
 ) -> None:
     keys: dict[str, Any] = {"current_gain_spread": 0.0, "current_offset_a": 0.0, "current_noise_a": 0.0}
-    keys |= {"voltage_noise_v": 0.0, "converter_bits": 24, "encoder_lines": 100_000}
-    keys |= {"placement_error_deg": 0.0, "hysteresis_deg": 0.0, "shunts": shunts, "position": position}
-    record = run(through(interior, **keys))
+    keys |= {"voltage_noise_v": 0.0, "converter_bits": 24, "shunts": shunts, "position": position}
+    without_errors = {
+        "encoder": {"encoder_lines": 100_000},
+        "hall": {"placement_error_deg": 0.0, "hysteresis_deg": 0.0},
+        "exact": {},
+    }
+    record = run(through(interior, **keys, **without_errors[position]))
     ideal = run(through(interior).replaced(sensors="ideal"))
     for seen, true in zip(record.steady, ideal.steady, strict=True):
         assert seen.torque == pytest.approx(true.torque, rel=5e-3)

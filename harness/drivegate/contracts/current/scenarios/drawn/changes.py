@@ -1,4 +1,4 @@
-"""Drawn changes of load, speed reference and supply, and vehicles."""
+"""Drawn changes of load, speed reference and supply, ways to the required points, and vehicles."""
 
 from __future__ import annotations
 
@@ -6,19 +6,24 @@ import math
 
 from hypothesis import strategies as st
 
-from drivegate.contracts.current.scenarios.building import steady_scenario, vehicle_scenario
+from drivegate.contracts.current.scenarios.building import coming_on, steady_scenario, vehicle_scenario
 from drivegate.contracts.current.scenarios.drawn.steps import change_times, loaded_speeds, shares, steady_runs
 from drivegate.contracts.current.scenarios.feasibility import COASTING_SHARE
 from drivegate.scenarios.changes import (
     pulsed,
     stepped,
+    with_load_factor,
     with_load_shares,
     with_speed,
     with_supply,
 )
 from drivegate.scenarios.drive_scale import scale_of, tidy
-from drivegate.scenarios.speed_range import SpeedRange
+from drivegate.scenarios.speed_range import SpeedRange, loaded_range
+from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.requirements import RequiredPoint
+from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -63,13 +68,9 @@ def speed_step_scenarios(
     ) -> Scenario:
         faster = max(before, after)
         run = steady_scenario(drive, faster, power_share=share, constant_power=constant_power)
-        over = tenth * longer
-        if after < before:
-            # At the higher speed a constant power load is lightest.
-            torque = drive.rating.rated_power_w * share / (faster * RADIANS_PER_RPM)
-            fastest = COASTING_SHARE * torque / drive.machine.inertia_kg_m2
-            least = (before - after) * RADIANS_PER_RPM / fastest
-            over += tenth * math.ceil(least / tenth)
+        # At the higher speed a constant power load is lightest.
+        torque = drive.rating.rated_power_w * share / (faster * RADIANS_PER_RPM)
+        over = tenth * longer + coasting_time(drive, before - after, torque)
         return with_speed(run, stepped(before, after, at, over_s=over))
 
     return st.builds(
@@ -81,6 +82,50 @@ def speed_step_scenarios(
         loaded_speeds(drive, speed_range),
         loaded_speeds(drive, speed_range),
     )
+
+
+def required_point_scenarios(
+    drive: DriveDocument, speed_range: SpeedRange | None = None
+) -> st.SearchStrategy[Scenario]:
+    """Draw ways to the required points: load and speed reference arrive there in any order, at once or slowly."""
+    tenth, limits = scale_of(drive).tenth_s, limits_of(drive)
+    lowest, highest = loaded_range(drive, speed_range)
+    points = [point for point in limits.points if lowest <= point.speed_rpm <= highest]
+    if not points or math.isinf(limits.ripple):
+        return st.nothing()
+
+    def build(
+        point: RequiredPoint, slower: tuple[int, int], at: tuple[float, float], share: float, speed: float
+    ) -> Scenario:
+        (load_at, speed_at), (load_over, speed_over) = at, (tenth * tenths for tenths in slower)
+        load = ConstantTorqueLoad(kind="constant_torque", torque_nm=point.torque_n_m, factor=coming_on(drive))
+        there = steady_scenario(drive, point.speed_rpm, power_share=1.0, constant_power=False)
+        if share < 1.0:
+            ramp = ((0.0, 0.0), (scale_of(drive).load_ramp_s, share))
+            factor = (*ramp, *stepped(share, 1.0, load_at, over_s=load_over)[1:])
+            there = with_load_factor(there.replaced(load=load), factor)
+        else:
+            there = titled(there.replaced(load=load))
+        if speed == point.speed_rpm:
+            return there
+        speed_over += coasting_time(drive, speed - point.speed_rpm, share * point.torque_n_m)
+        return with_speed(there, stepped(speed, point.speed_rpm, speed_at, over_s=speed_over))
+
+    return st.builds(
+        build,
+        st.sampled_from(points),
+        st.tuples(st.integers(0, 30), st.integers(0, 30)),
+        st.tuples(change_times(drive), change_times(drive)),
+        shares(),
+        loaded_speeds(drive, speed_range),
+    )
+
+
+def coasting_time(drive: DriveDocument, slower_rpm: float, torque_nm: float) -> float:
+    """Return the time in which a load slows the shaft by a speed, in whole tenths of a unit (s); 0 to go faster."""
+    tenth = scale_of(drive).tenth_s
+    fastest = COASTING_SHARE * torque_nm / drive.machine.inertia_kg_m2
+    return tenth * math.ceil(max(slower_rpm, 0.0) * RADIANS_PER_RPM / fastest / tenth)
 
 
 def supply_scenarios(

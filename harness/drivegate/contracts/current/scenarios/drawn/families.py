@@ -15,6 +15,7 @@ from drivegate.contracts.current.scenarios.drawn.beginnings import (
 )
 from drivegate.contracts.current.scenarios.drawn.changes import (
     load_step_scenarios,
+    required_point_scenarios,
     speed_step_scenarios,
     supply_scenarios,
     vehicle_scenarios,
@@ -109,7 +110,7 @@ def base_speed_scenarios(
 
 
 FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
-    (steady_scenarios, constant_power_scenarios),
+    (steady_scenarios, constant_power_scenarios, required_point_scenarios),
     (parameter_scenarios,),
     (load_step_scenarios, load_course_scenarios),
     (sensor_scenarios, phase_scenarios),

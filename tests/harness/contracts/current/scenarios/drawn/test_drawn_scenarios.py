@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from drivegate.contracts.current.scenarios.drawn.changes import required_point_scenarios
 from drivegate.contracts.current.scenarios.drawn.families import (
     FAMILY_GROUPS,
     Family,
@@ -22,6 +23,7 @@ from drivegate.contracts.current.scenarios.windows import observed_windows
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.load import VehicleLoad
 from drivegate_cases.scenario.piecewise import breakpoints, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario
@@ -122,6 +124,30 @@ def test_a_declared_speed_range_limits_what_is_drawn(speeds: tuple[int, int], da
 def test_a_candidate_for_other_speeds_is_refused_in_one_sentence() -> None:
     with pytest.raises(InputError, match=r"100 to 300 rpm, but is checked under load from 550 to 1500 rpm"):
         drawn_scenarios(DRIVE, (100.0, 300.0))
+
+
+def test_the_required_points_are_reached_in_any_order() -> None:
+    point, orders = limits_of(DRIVE).points[0], set()
+
+    @MANY
+    @given(scenario=required_point_scenarios(DRIVE, None))
+    def holds(scenario: Scenario) -> None:
+        end = scenario.duration_s
+        assert value_until(scenario.speed_rpm, end) == point.speed_rpm
+        assert load_torque(scenario, end, value_until) == point.torque_n_m
+        loaded, turning = scenario.load_profile[-1][0], scenario.speed_rpm[-1][0]
+        orders.add((len(scenario.load_profile) > 2, len(scenario.speed_rpm) > 1, loaded < turning))
+
+    holds()
+    assert {(True, True, True), (True, True, False), (False, True, True)} <= orders, (
+        "some order is never drawn"
+    )
+
+
+def test_no_point_is_required_where_the_ripple_is_not_limited() -> None:
+    unlimited = load_drive("star-3-phase").replaced(ripple_percent=None)
+    assert required_point_scenarios(unlimited, None).is_empty
+    assert required_point_scenarios(DRIVE, (600.0, 1400.0)).is_empty
 
 
 def test_families_that_do_not_fit_the_speed_range_draw_nothing() -> None:

@@ -3,8 +3,7 @@
 import pytest
 from pydantic import Field
 
-from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate.contracts.current.coverage import (
+from drivegate.contracts.coverage import (
     JUDGED,
     NOT_VARIED,
     SENSED,
@@ -14,6 +13,7 @@ from drivegate.contracts.current.coverage import (
     unvaried,
     varied_keys,
 )
+from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.current.signals import Command, Nameplate, Sense

@@ -1,0 +1,92 @@
+"""Temporary folders of running processes, and the removal of those whose process was killed."""
+
+import fcntl
+import os
+import re
+import secrets
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Final
+
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.errors import InputError
+
+_NAME: Final = re.compile(r"\.drivegate-[0-9a-f]{16}")
+_swept: set[str] = set()
+
+
+class TemporaryFolder:
+    """A folder that is locked for as long as its process lives, however that ends.
+
+    The first one of a process removes the folders that earlier processes could not remove.
+
+    Attributes
+    ----------
+    path : Path
+        The folder, which nobody else can read.
+    """
+
+    def __init__(self) -> None:
+        try:
+            place = Path(tempfile.gettempdir())
+            _remove_abandoned(place)
+            self.path, self._lock = _locked_folder(place)
+        except OSError as error:
+            reason = one_line(error.strerror or str(error))
+            raise InputError(
+                f"no temporary folder can be made: {reason}; name a writable folder in the environment variable TMPDIR"
+            ) from error
+
+    def remove(self) -> None:
+        """Remove the folder with all that is in it."""
+        shutil.rmtree(self.path, ignore_errors=True)
+        if self._lock >= 0:
+            os.close(self._lock)
+            self._lock = -1
+
+
+@contextmanager
+def temporary_folder() -> Iterator[Path]:
+    """Provide a temporary folder for as long as the context lasts."""
+    folder = TemporaryFolder()
+    try:
+        yield folder.path
+    finally:
+        folder.remove()
+
+
+def _locked_folder(place: Path) -> tuple[Path, int]:
+    """Make a folder and lock it."""
+    while True:
+        folder = place / f".drivegate-{secrets.token_hex(8)}"
+        folder.mkdir(mode=0o700)
+        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        if folder.exists():
+            return folder, descriptor
+        # Another process took it for abandoned between our making and locking it.
+        os.close(descriptor)
+
+
+def _remove_abandoned(place: Path) -> None:
+    """Remove this user's folders that no process has locked, once in a process."""
+    if str(place) in _swept:
+        return
+    _swept.add(str(place))
+    with os.scandir(place) as entries:
+        for entry in entries:
+            with suppress(OSError):
+                if _NAME.fullmatch(entry.name) and entry.stat(follow_symlinks=False).st_uid == os.getuid():
+                    _remove_unlocked(Path(entry.path))
+
+
+def _remove_unlocked(folder: Path) -> None:
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        shutil.rmtree(folder, ignore_errors=True)
+    finally:
+        os.close(descriptor)

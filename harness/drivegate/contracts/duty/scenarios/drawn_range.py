@@ -1,0 +1,54 @@
+"""The range that scenarios of a PM AC drive are drawn from."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from drivegate.contracts.duty.scenarios.failures import FAILURE_TORQUE_SHARE
+from drivegate.scenarios.drawn_range import NONE, DrawnRange, Interval
+from drivegate.scenarios.drive_scale import rated_torque_at
+from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
+from drivegate_cases.scenario.load import DynamometerLoad
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import ShuntSensors
+
+SHARE_STEP: Final = 0.05
+"""Step of drawn torques and loads over rated torque, and the least of them (1)."""
+TURNING_SHARE: Final = 0.1
+"""Least speed reference over base speed (1)."""
+HEAVIEST_SHARE: Final = 0.85
+"""Heaviest load of a speed reference over rated torque (1)."""
+HEAVIEST_FAILURE_SHARE: Final = 0.6
+"""Greatest torque under which something fails, over rated torque (1)."""
+BRAKING_SHARE: Final = 0.5
+"""Greatest torque reference against the rotation, over rated torque (1)."""
+BEYOND_SHARE: Final = 3.0
+"""Torque reference that no drive of this kind can follow in weakening, over the one of rated power there (1)."""
+
+
+def drawn_range(scenario: Scenario) -> DrawnRange:
+    """Return the range of the family that a scenario belongs to: one of a failure, a torque, a start, or a speed."""
+    rating, sensors = scenario.drive.rating, scenario.sensors
+    base, highest = rating.base_speed_rpm, rating.highest_speed_rpm
+    if isinstance(sensors, ShuntSensors) and sensors.shunts == "low-side":
+        # At full voltage such shunts see no two phases.
+        highest = base
+    if scenario.failure is not None:
+        speeds = Interval(FAILURE_SPEED_SHARE * base, base)
+        return DrawnRange(speeds, speeds, Interval(FAILURE_TORQUE_SHARE, HEAVIEST_FAILURE_SHARE), NONE)
+    if isinstance(scenario.load, DynamometerLoad):
+        beyond = _is_beyond(scenario)
+        speeds = Interval(base if beyond else 0.0, highest)
+        driving = Interval(SHARE_STEP, BEYOND_SHARE if beyond else 1.0)
+        return DrawnRange(speeds, speeds, driving, Interval(0.0, BRAKING_SHARE))
+    starts = scenario.initial_speed_rpm == 0.0
+    speeds = Interval(TURNING_SHARE * base, base if starts else highest)
+    return DrawnRange(speeds, speeds, Interval(SHARE_STEP, HEAVIEST_SHARE), NONE)
+
+
+def _is_beyond(scenario: Scenario) -> bool:
+    """Return True if a torque reference asks for more than rated power above base speed."""
+    speed = scenario.speed_rpm[0][1]
+    most = max(torque for _, torque in scenario.torque_reference_profile)
+    above = speed > scenario.drive.rating.base_speed_rpm
+    return above and most > (1.0 + SHARE_STEP) * rated_torque_at(scenario.drive, speed)

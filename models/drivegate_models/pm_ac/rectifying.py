@@ -1,0 +1,112 @@
+"""The steady state of a machine that turns with all legs off, from which a run begins."""
+
+from __future__ import annotations
+
+from math import ceil, pi, sqrt
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.loop.shaft import within_a_turn
+from drivegate_models.machine import ledger
+from drivegate_models.machine.advance_status import COMPLETED
+from drivegate_models.machine.rotor_frame import PER_ROOT_THREE
+from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period
+from drivegate_models.pm_ac.plant.drive import CENTRED, PmAcDrive
+
+MOST_TURNS: Final = 200
+"""Greatest number of electrical turns in which the currents become periodic."""
+PERIODIC: Final = 1e-9
+"""Change of the currents over a turn, over the current limit, below which they are periodic (1)."""
+
+# Parts of an electrical turn, at least; a sixth of it is what repeats itself.
+_FEWEST_PARTS = 6
+
+
+@inlined
+def rectifies(drive: PmAcDrive, speed: float, link: float) -> bool:
+    """Return whether the diodes conduct while all legs are off.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    speed : float
+        Shaft speed, of either sign (rad/s).
+    link : float
+        Voltage of the dc link (V).
+
+    Returns
+    -------
+    bool
+        Whether the peak of the EMF between two terminals exceeds the link and the drops of two diodes.
+    """
+    emf = drive.pole_pairs * abs(speed) * drive.magnet_flux
+    return emf > (link + 2.0 * drive.diode_drop) * PER_ROOT_THREE
+
+
+@unallocating
+def settle_rectifying(
+    drive: PmAcDrive,
+    phases: PmAcPhases,
+    angle: float,
+    speed: float,
+    link: float,
+    longest: float,
+    ratios: NDArray[np.float64],
+    legs: NDArray[np.int64],
+    totals: NDArray[np.float64],
+) -> int:
+    """Turn the shaft with all legs off until the currents are periodic.
+
+    Below the speed at which the diodes conduct there is nothing to do.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        The drive.
+    phases : PmAcPhases
+        State without current; receives the steady state.
+    angle : float
+        Electrical angle at the end, and so at the start of every turn (rad).
+    speed : float
+        Shaft speed, of either sign (rad/s).
+    link : float
+        Voltage of the dc link (V).
+    longest : float
+        Longest part of a turn that is computed at once (s).
+    ratios : ndarray, shape (3,)
+        Zeros.
+    legs : ndarray, shape (3,)
+        `LEG_OFF` of the contract for each leg.
+    totals : ndarray, shape (ledger.ENTRIES,)
+        Receives the exact integrals over the last turn.
+
+    Returns
+    -------
+    int
+        `COMPLETED`, or why the plant could not be advanced.
+    """
+    if not rectifies(drive, speed, link):
+        return COMPLETED
+    turn = 2.0 * pi / (drive.pole_pairs * abs(speed))
+    parts = max(ceil(turn / longest), _FEWEST_PARTS)
+    part_angle = 2.0 * pi / parts if speed > 0.0 else -2.0 * pi / parts
+    for _ in range(MOST_TURNS):
+        direct, quadrature = phases.rotor_currents[0], phases.rotor_currents[1]
+        for entry in range(ledger.ENTRIES):
+            totals[entry] = 0.0
+        for part in range(parts):
+            begin = within_a_turn(angle + part * part_angle)
+            status = advance_period(
+                drive, phases, begin, speed, link, ratios, legs, CENTRED, turn / parts, totals
+            )
+            if status != COMPLETED:
+                return int(status)
+        direct -= phases.rotor_currents[0]
+        quadrature -= phases.rotor_currents[1]
+        if sqrt(direct * direct + quadrature * quadrature) <= PERIODIC * drive.current_limit:
+            break
+    return COMPLETED

@@ -1,0 +1,36 @@
+"""Failures of the system that drivegate runs on, in one sentence: they are no faults of drivegate."""
+
+from __future__ import annotations
+
+import errno
+from pathlib import Path
+from typing import Final, TypeGuard
+
+_OF_THE_DISK: Final = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
+_OF_THE_MACHINE: Final = (errno.ENOMEM, errno.EMFILE, errno.ENFILE, errno.EAGAIN)
+
+
+def is_of_the_disk(error: BaseException) -> TypeGuard[OSError]:
+    """Return True if a disk is full, read-only or broken."""
+    return isinstance(error, OSError) and error.errno in _OF_THE_DISK
+
+
+def refusal_by_system(error: BaseException) -> str | None:
+    """Return a sentence about what the system lacks: disk, memory, processes, files or the working folder."""
+    if is_of_the_disk(error):
+        place = f" at {error.filename}" if error.filename else ""
+        return f"cannot write{place}: {error.strerror}; make room, or name a place on another disk"
+    if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno in _OF_THE_MACHINE):
+        reason = error.strerror if isinstance(error, OSError) else "not enough memory"
+        return f"the system refuses to continue: {reason}; raise the limit (ulimit -a) or free the resource"
+    if isinstance(error, FileNotFoundError) and not _has_working_folder():
+        return "the working folder no longer exists; change to another one with cd"
+    return None
+
+
+def _has_working_folder() -> bool:
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        return False
+    return True

@@ -1,0 +1,142 @@
+"""The values of a rating that follow from the continuous and the peak current of a data sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Final, Protocol
+
+from pydantic import ValidationError
+
+from drivegate_cases.documents.rounding import rounded_to_digits
+from drivegate_cases.drive.provenance import Provenance
+from drivegate_cases.drive.rating import FOLLOWING, Rating
+from drivegate_models.units import RADIANS_PER_RPM
+
+USABLE_SHARE: Final = 0.92
+"""Share of the greatest torque that a rating may use; the rest is reserved for the regulator (1)."""
+SPEEDS: Final = 21
+"""Speeds from base speed to the highest at which the continuous current must produce the power that follows."""
+_FOLLOWS: Final = "follows from "
+_ANY_POWER: Final = 1e-6
+_TORQUE_SLACK: Final = 1.1
+"""Rated torque over that of the continuous current which still counts as rounding of a data sheet (1)."""
+
+
+class SheetDrive(Protocol):
+    """What rated power follows from."""
+
+    @property
+    def rating(self) -> Rating:
+        """What the drive is made for."""
+
+    @property
+    def machine(self) -> Any:
+        """Its machine, of which friction counts here."""
+
+    @property
+    def provenance(self) -> Provenance:
+        """Where its values come from."""
+
+    def torque_of_current(self, current: float) -> float:
+        """Return the most torque of a peak phase current (A) while the voltage is ample (N·m)."""
+
+    def greatest_torque(self, current: float, speed: float) -> float:
+        """Return the greatest torque within a current limit (A) and the supply, at a speed (rad/s); in N·m."""
+
+
+def completed(
+    values: Mapping[str, Any], parse: Callable[[Mapping[str, Any]], SheetDrive]
+) -> Mapping[str, Any]:
+    """Fill in the current limit and the rated power of a drive's plain data, and state what they follow from."""
+    rating = values.get("rating")
+    if not isinstance(rating, Mapping):
+        return values
+    stated = {key: value for key, value in rating.items() if value is not None}
+    found = {}
+    source = next((key for key in ("peak_current_a", "continuous_current_a") if key in stated), None)
+    if source is not None and "current_limit_a" not in stated:
+        found["current_limit_a"] = stated[source]
+        values = _with_rating(values, "current_limit_a", stated[source], source)
+    if "continuous_current_a" in stated and "rated_power_w" not in stated:
+        source = (
+            f"continuous_current_a: {100.0 * USABLE_SHARE:g} % of the power that it produces at every speed from base "
+            "speed to the highest"
+        )
+        values = _with_rating(values, "rated_power_w", _ANY_POWER, source)
+        try:
+            drive = parse(values)
+        except ValidationError:
+            # The values themselves are wrong, and their own validation says so.
+            return values
+        values = _with_rating(values, "rated_power_w", continuous_power(drive), source)
+    return values
+
+
+def _with_rating(values: Mapping[str, Any], key: str, value: Any, source: str) -> dict[str, Any]:
+    sentences = values.get("provenance") or {}
+    if isinstance(sentences, Mapping):
+        of_rating = sentences.get("rating") or {}
+        sentences = {**sentences, "rating": {**of_rating, key: f"{_FOLLOWS}{source}"}}
+    return {**values, "rating": {**values["rating"], key: value}, "provenance": sentences}
+
+
+def following(drive: SheetDrive) -> dict[str, str]:
+    """Return what each value of the rating follows from that the drive's file leaves out, by its key."""
+    sentences = drive.provenance.get("rating", {})
+    return {
+        key: sentences[key].removeprefix(_FOLLOWS)
+        for key in FOLLOWING
+        if sentences.get(key, "").startswith(_FOLLOWS)
+    }
+
+
+def continuous_power(drive: SheetDrive) -> float:
+    """Compute the power that the continuous current of a drive produces, less what is reserved for the regulator.
+
+    Parameters
+    ----------
+    drive : SheetDrive
+        The drive; its own rated power plays no part.
+
+    Returns
+    -------
+    float
+        Power at the shaft at every speed from base speed to the highest, to three digits (W).
+    """
+    rating, machine = drive.rating, drive.machine
+    current = min(rating.continuous_current_a or rating.current_limit_a, rating.current_limit_a)
+    base, highest = rating.base_speed_rpm, rating.highest_speed_rpm
+    step = (highest - base) / (SPEEDS - 1)
+    powers = [
+        (
+            USABLE_SHARE * drive.greatest_torque(current, speed)
+            - machine.friction_n_m
+            - machine.viscous_friction_n_m_s_per_rad * speed
+        )
+        * speed
+        for speed in ((base + place * step) * RADIANS_PER_RPM for place in range(SPEEDS))
+    ]
+    power = rounded_to_digits(min(powers), up=False)
+    if power == 0.0:
+        raise ValueError(
+            f"the key 'rating.rated_power_w' is left out, and no power follows: a continuous current of {current:g} A "
+            f"produces none at some speed from {base:g} to {highest:g} rpm; lower "
+            "highest_speed_rpm, or raise the supply"
+        )
+    return power
+
+
+def check_continuous_current(drive: SheetDrive) -> None:
+    """Refuse a rated power whose torque needs clearly more than the continuous current."""
+    rating = drive.rating
+    if rating.continuous_current_a is None:
+        return
+    needed = rating.rated_power_w / (rating.base_speed_rpm * RADIANS_PER_RPM)
+    torque = drive.torque_of_current(rating.continuous_current_a)
+    if needed > _TORQUE_SLACK * torque:
+        raise ValueError(
+            f"the key 'rating.continuous_current_a' is {rating.continuous_current_a:g}, which produces at most "
+            f"{torque:.3g} N·m, but rated_power_w = {rating.rated_power_w:g} needs {needed:.3g} N·m at "
+            f"{rating.base_speed_rpm:g} rpm; state the peak value, 1.414 times the rms value of a "
+            "data sheet, or leave rated_power_w out"
+        )

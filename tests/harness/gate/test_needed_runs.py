@@ -1,0 +1,66 @@
+"""Which runs of an outer loop's controller some checks need."""
+
+from __future__ import annotations
+
+import pytest
+
+from drivegate.candidates.declaration import Declaration, FlowchartProfile
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import judged
+from drivegate.containment.judge import own_candidate
+from drivegate.contracts.current.checks.catalogue import CHECKS
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
+from drivegate.contracts.needed_runs import is_needed
+from drivegate.drives.running import recorded
+from drivegate.gate.focus import Focus
+from drivegate.gate.plan import Origin, planned_work
+from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn
+from drivegate_cases.drive.drive_document import load_drive
+
+PAPER = load_drive("paper-5-phase")
+FIXED = fixed_scenarios(PAPER)
+NAMES = {check.id for check in CHECKS}
+DECLARATION = Declaration(
+    FlowchartProfile(
+        speed_tolerance=0.5, power_tolerance=0.0, power_tolerance_fraction=0.001, step=0.02, period=0.1
+    )
+)
+
+
+@pytest.mark.parametrize("number", range(0, len(FIXED), 5))
+def test_no_check_judges_a_run_that_it_does_not_need(number: int) -> None:
+    loaded = own_candidate(resolve_candidate("initial"))
+    declaration, scenario = loaded.candidate.declaration, FIXED[number]
+    needed = {name for name in NAMES if is_needed(scenario, declaration, (name,))}
+    seen = {margin.check for margin in judged(recorded(loaded, scenario, loaded.controller())).margins}
+    assert seen <= needed
+    assert len(needed) < len(NAMES)
+
+
+def test_the_published_ripple_needs_the_runs_at_the_required_point_alone() -> None:
+    needed = [scenario.name for scenario in FIXED if is_needed(scenario, Declaration(), ("RIP-1",))]
+    assert needed == ["lock-up", "fig5-search"]
+
+
+def planned(only: str) -> set[Origin]:
+    work = planned_work("default", 0, declaration=DECLARATION, drive=PAPER, focus=Focus((only,)))
+    return {item.origin for item in work}
+
+
+def test_checks_of_runs_of_their_own_need_no_others() -> None:
+    assert planned("TIM-1") == {Origin.TIMED}
+    assert planned("FLO-1") == {Origin.SCRIPTS}
+    assert planned("DET-1") == {Origin.FIXED}
+    assert planned("CNV-1") == {Origin.FIXED, Origin.DRAWN}
+
+
+def test_only_a_check_of_repetitions_repeats_runs() -> None:
+    for only, repeats in (("DET-1", True), ("CNV-1", False)):
+        first = planned_work("quick", 0, drive=PAPER, focus=Focus((only,)))[0].job.payload
+        assert isinstance(first, FixedRuns)
+        assert first.repeat is repeats
+
+
+def test_a_shard_that_no_check_looks_at_is_left_out() -> None:
+    loaded = own_candidate(resolve_candidate("initial"))
+    assert run_drawn(loaded, DrawnRuns(PAPER, 1, 2, only=("RIP-1",))).runs == ()
