@@ -22,63 +22,40 @@ STEP_DEADLINE: Final = 1.0
 
 @dataclass(frozen=True)
 class NativeBuild:
-    """Where the code of a native candidate is.
-
-    Attributes
-    ----------
-    library : Path
-        The shared library that a worker process loads.
-    """
+    """Where the code of a native candidate is."""
 
     library: Path
+    """The shared library that a worker process loads."""
 
 
 @dataclass(frozen=True)
 class Program:
-    """What is started for a candidate of kind `exec`.
-
-    Attributes
-    ----------
-    executable : Path
-        The program's file.
-    arguments : tuple of str
-        The words of the command line, the program's name the first.
-    step_deadline : float
-        Time that it has for each step (s).
-    """
+    """What is started for a candidate of kind `exec`."""
 
     executable: Path
+    """The program's file."""
     arguments: tuple[str, ...]
+    """The words of the command line, the program's name the first."""
     step_deadline: float = STEP_DEADLINE
+    """Time that it has for each step (s)."""
 
 
 @dataclass(frozen=True)
 class Composition:
-    """What a composed controller consists of.
-
-    Attributes
-    ----------
-    base : str
-        The built-in controller whose other blocks it has.
-    blocks : tuple of tuple of str
-        Name and entry of each block of its own; an entry is ``module:name`` or ``/path/file.py:name``.
-    """
+    """What a composed controller consists of."""
 
     base: str
+    """The built-in controller whose other blocks it has."""
     blocks: tuple[tuple[str, str], ...]
+    """Name and entry of each block of its own; an entry is ``module:name`` or ``/path/file.py:name``."""
 
 
 @dataclass(frozen=True)
 class OuterLoop:
-    """The controller of current references behind a loop of currents.
-
-    Attributes
-    ----------
-    outer : Candidate
-        The controller, of any kind.
-    """
+    """The controller of current references behind a loop of currents."""
 
     outer: Candidate
+    """The controller, of any kind."""
 
 
 Details: TypeAlias = NativeBuild | Program | Composition | OuterLoop
@@ -87,47 +64,32 @@ Details: TypeAlias = NativeBuild | Program | Composition | OuterLoop
 
 @dataclass(frozen=True)
 class Candidate:
-    """A candidate controller, resolved but not loaded.
-
-    Attributes
-    ----------
-    name : str
-        What waivers match and reports show.
-    kind : str
-        Name of its kind's row in `drivegate.candidates.kinds.KINDS`.
-    specification : str
-        The string that named it.
-    entry : str
-        For Python, ``module:Class`` or the absolute ``/path/file.py:Class``; for a built-in, its name; for a file,
-        its absolute path; for a program, its command line.
-    folder : Path
-        Folder whose modules the candidate may import, and in which a program starts.
-    sources : tuple of Path
-        The files that the hash covers.
-    content_hash : str
-        SHA-256 of the sources' contents and the entry's class, in hexadecimal.
-    declaration : Declaration
-        What the candidate declares of itself.
-    details : NativeBuild, Program, Composition or None
-        What only its kind needs.
-    drive : DriveDocument or None
-        The drive that its manifest names.
-    contract : str or None
-        What it answers with: ``current``, a current reference and an advance angle, or ``duty``, duty ratios. None
-        where nothing tells before its code runs: then it is asked for what its drive takes.
-    """
+    """A candidate controller, resolved but not loaded."""
 
     name: str
+    """What waivers match and reports show."""
     kind: str
+    """Name of its kind's row in `drivegate.candidates.kinds.KINDS`."""
     specification: str
+    """The string that named it."""
     entry: str
+    """For Python, ``module:Class`` or the absolute ``/path/file.py:Class``; for a built-in, its name; for a
+    file, its absolute path; for a program, its command line."""
     folder: Path
+    """Folder whose modules the candidate may import, and in which a program starts."""
     sources: tuple[Path, ...]
+    """The files that the hash covers."""
     content_hash: str
+    """SHA-256 of the sources' contents and the entry's class, in hexadecimal."""
     declaration: Declaration
+    """What the candidate declares of itself."""
     details: Details | None = None
+    """What only its kind needs."""
     drive: DriveDocument | None = None
+    """The drive that its manifest names."""
     contract: ContractName | None = "current"
+    """What it answers with: ``current``, a current reference and an advance angle, or ``duty``, duty ratios.
+    None where nothing tells before its code runs: then it is asked for what its drive takes."""
 
 
 def existing_file(path: Path) -> Path:

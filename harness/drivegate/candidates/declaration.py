@@ -12,53 +12,36 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FlowchartProfile:
-    """The constants of a search that follows the paper's flowchart (Fig. 4) to the letter.
-
-    Attributes
-    ----------
-    speed_tolerance : float
-        k1: greatest speed error at which the search is active (rad/s).
-    power_tolerance : float
-        k2 as a power (W): the search stops when the input power changed by no more; 0 when it is a fraction.
-    power_tolerance_fraction : float
-        k2 as a fraction of the new input power, W_new; 0 when it is a power.
-    step : float
-        Magnitude of one change of the advance angle (electrical rad).
-    period : float
-        Time from one decision of the search to the next (s).
-    """
+    """The constants of a search that follows the paper's flowchart (Fig. 4) to the letter."""
 
     speed_tolerance: float
+    """k1: greatest speed error at which the search is active (rad/s)."""
     power_tolerance: float
+    """k2 as a power (W): the search stops when the input power changed by no more; 0 when it is a fraction.
+    """
     power_tolerance_fraction: float
+    """k2 as a fraction of the new input power, W_new; 0 when it is a power."""
     step: float
+    """Magnitude of one change of the advance angle (electrical rad)."""
     period: float
+    """Time from one decision of the search to the next (s)."""
 
 
 @dataclass(frozen=True)
 class Declaration:
-    """What a candidate declares of itself.
-
-    Attributes
-    ----------
-    flowchart : FlowchartProfile or None
-        The constants of the profile `flowchart`; None for the profile `outcome`.
-    estimates_power : bool
-        Whether the candidate's commands carry an estimate of the input power.
-    speed_range_rpm : tuple of float or None
-        Lowest and highest speed that the candidate is made for (rpm); None for all.
-    power_window_s : float
-        Time over which the estimate is a mean (s); 0 when it is that of the last control period alone.
-    references : tuple of str
-        References that the candidate follows, where its drive can give either; those of currents follow a speed.
-    detects : tuple of str
-        Failures that the candidate brings its drive into a safe state for, or keeps its torque behind if they are
-        `SURVIVABLE`.
-    """
+    """What a candidate declares of itself."""
 
     flowchart: FlowchartProfile | None = None
+    """The constants of the profile `flowchart`; None for the profile `outcome`."""
     estimates_power: bool = False
+    """Whether the candidate's commands carry an estimate of the input power."""
     speed_range_rpm: tuple[float, float] | None = None
+    """Lowest and highest speed that the candidate is made for (rpm); None for all."""
     power_window_s: float = 0.0
+    """Time over which the estimate is a mean (s); 0 when it is that of the last control period alone."""
     references: tuple[Reference, ...] = ("speed", "torque")
+    """References that the candidate follows, where its drive can give either; those of currents follow a
+    speed."""
     detects: tuple[FailureKind, ...] = ()
+    """Failures that the candidate brings its drive into a safe state for, or keeps its torque behind if they
+    are `SURVIVABLE`."""

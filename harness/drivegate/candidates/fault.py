@@ -40,37 +40,25 @@ class FaultKind(StrEnum):
 
 @dataclass(frozen=True)
 class Fault:
-    """What happened, when, and what the candidate had sensed then.
-
-    Attributes
-    ----------
-    kind : FaultKind
-        The verdict.
-    message : str
-        One line of at most `LONGEST_MESSAGE` characters.
-    phase : {"loading", "reset", "step"}
-        What the candidate was doing.
-    error : str
-        Name of the exception's class or of the signal; empty where there is neither.
-    traceback : str
-        The candidate's own part of the traceback, or what a dying process printed, of at most
-        `LONGEST_TRACEBACK` characters.
-    step : int or None
-        Number of steps that the run had completed before, when the phase is a step.
-    time : float or None
-        Time of that step (s, simulated).
-    sense : mapping or None
-        The Sense of that step, by field name.
-    """
+    """What happened, when, and what the candidate had sensed then."""
 
     kind: FaultKind
+    """The verdict."""
     message: str
+    """One line of at most `LONGEST_MESSAGE` characters."""
     phase: Phase
+    """What the candidate was doing."""
     error: str = ""
+    """Name of the exception's class or of the signal; empty where there is neither."""
     traceback: str = ""
+    """The candidate's own part of the traceback, or what a dying process printed, of at most
+    `LONGEST_TRACEBACK` characters."""
     step: int | None = None
+    """Number of steps that the run had completed before, when the phase is a step."""
     time: float | None = None
+    """Time of that step (s, simulated)."""
     sense: Mapping[str, float | tuple[float, ...]] | None = None
+    """The Sense of that step, by field name."""
 
 
 class CandidateFault(Exception):

@@ -40,39 +40,26 @@ MANIFEST_SUFFIX: Final = ".toml"
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of candidate.
-
-    Attributes
-    ----------
-    name : str
-        Its name in manifests and results.
-    folder : str
-        The folder beside this module that has its code.
-    ways : tuple of str
-        How a user writes such a candidate, as messages show it.
-    prefixes : tuple of str
-        What the string of such a candidate begins with.
-    suffix : str
-        Suffix of the file that such a candidate is as a whole; empty for none.
-    manifest_keys : tuple of str
-        Keys of a manifest that are for this kind alone.
-    comes_along : bool
-        Whether all of its code is drivegate's own, and so needs no process to contain it.
-    reports_output : bool
-        Whether a fault without a traceback is reported with what the candidate's process printed.
-    way_of_running : str
-        How its steps run, without which their time says little; empty where the controller itself tells.
-    """
+    """A kind of candidate."""
 
     name: str
+    """Its name in manifests and results."""
     folder: str
+    """The folder beside this module that has its code."""
     ways: tuple[str, ...] = ()
+    """How a user writes such a candidate, as messages show it."""
     prefixes: tuple[str, ...] = ()
+    """What the string of such a candidate begins with."""
     suffix: str = ""
+    """Suffix of the file that such a candidate is as a whole; empty for none."""
     manifest_keys: tuple[str, ...] = ()
+    """Keys of a manifest that are for this kind alone."""
     comes_along: bool = False
+    """Whether all of its code is drivegate's own, and so needs no process to contain it."""
     reports_output: bool = False
+    """Whether a fault without a traceback is reported with what the candidate's process printed."""
     way_of_running: str = ""
+    """How its steps run, without which their time says little; empty where the controller itself tells."""
 
     def from_text(self, specification: str) -> Candidate:
         """Find the candidate that a string names."""

@@ -32,44 +32,29 @@ class Check:
     """A requirement and how it is judged.
 
     Its texts name a drive's numbers, such as ``{k1}``; `drivegate.contracts.drive_numbers.on_drive` fills them in.
-
-    Attributes
-    ----------
-    id : str
-        Identifier, such as ``ADV-1``.
-    requirement : str
-        The requirement in one sentence.
-    source : str
-        Facts of the publication that it rests on, such as ``P5``.
-    subject : {"candidate", "plant"}
-        Whose requirement it is; a failure of the plant is a fault of the harness.
-    level : {"required", "advisory"}
-        Whether a failure fails the candidate.
-    limit : str
-        The limit in people's units.
-    scenarios : str
-        The scenarios that it applies to, in words.
-    formula : str
-        How the margin follows from what is measured.
-    why : str
-        Why the requirement is worth checking.
-    evaluate : callable
-        The margin of a run.
-    reason_not_applicable : callable
-        Why the check does not apply, on a drive, to a candidate that declares what it does.
-    volatile : bool
-        Whether the measured numbers depend on the machine, so that they belong beside a result's times.
     """
 
     id: str
+    """Identifier, such as ``ADV-1``."""
     requirement: str
+    """The requirement in one sentence."""
     source: str
+    """Facts of the publication that it rests on, such as ``P5``."""
     subject: Literal["candidate", "plant"]
+    """Whose requirement it is; a failure of the plant is a fault of the harness."""
     level: Literal["required", "advisory"]
+    """Whether a failure fails the candidate."""
     limit: str
+    """The limit in people's units."""
     scenarios: str
+    """The scenarios that it applies to, in words."""
     formula: str
+    """How the margin follows from what is measured."""
     why: str
+    """Why the requirement is worth checking."""
     evaluate: Evaluate = judged_elsewhere
+    """The margin of a run."""
     reason_not_applicable: ReasonNotApplicable = always_applicable
+    """Why the check does not apply, on a drive, to a candidate that declares what it does."""
     volatile: bool = False
+    """Whether the measured numbers depend on the machine, so that they belong beside a result's times."""

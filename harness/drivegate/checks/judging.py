@@ -13,53 +13,34 @@ from drivegate.checks.record import Record
 
 @dataclass(frozen=True)
 class JudgedRun:
-    """A run's scenario and margins; what a worker hands back.
-
-    Attributes
-    ----------
-    scenario : dict
-        The scenario as plain data.
-    margins : tuple of Margin
-        Of every check that applies.
-    digest : int
-        Digest of the commands; 0 where they are not compared.
-    """
+    """A run's scenario and margins; what a worker hands back."""
 
     scenario: dict[str, Any]
+    """The scenario as plain data."""
     margins: tuple[Margin, ...]
+    """Of every check that applies."""
     digest: int = 0
+    """Digest of the commands; 0 where they are not compared."""
 
 
 @dataclass(frozen=True)
 class InfeasibleScenario:
-    """A drawn scenario on which no candidate may be judged; it was not run.
-
-    Attributes
-    ----------
-    scenario : str
-        Its name.
-    reason : str
-        Why no controller could do what it requires.
-    """
+    """A drawn scenario on which no candidate may be judged; it was not run."""
 
     scenario: str
+    """Its name."""
     reason: str
+    """Why no controller could do what it requires."""
 
 
 @dataclass(frozen=True)
 class ShardOutcome:
-    """What a job came to.
-
-    Attributes
-    ----------
-    runs : tuple of JudgedRun
-        In the order in which they were made.
-    infeasible : tuple of InfeasibleScenario
-        Drawn scenarios that no controller could do, which were not run.
-    """
+    """What a job came to."""
 
     runs: tuple[JudgedRun, ...]
+    """In the order in which they were made."""
     infeasible: tuple[InfeasibleScenario, ...] = ()
+    """Drawn scenarios that no controller could do, which were not run."""
 
 
 def judged(record: Record, checks: Iterable[Check]) -> JudgedRun:

@@ -14,25 +14,17 @@ _LEAST: Final = math.ulp(0.0)
 
 @dataclass(frozen=True)
 class Margin:
-    """What one check says of one run.
-
-    Attributes
-    ----------
-    check : str
-        Identifier of the check.
-    value : float
-        Distance from the limit over the limit: positive or zero when the requirement is met, negative when not;
-        within `GREATEST` of zero.
-    measured : str
-        The measured quantity in people's units.
-    advisory : bool
-        Whether the run lies where the check only advises.
-    """
+    """What one check says of one run."""
 
     check: str
+    """Identifier of the check."""
     value: float
+    """Distance from the limit over the limit: positive or zero when the requirement is met, negative when
+    not; within `GREATEST` of zero."""
     measured: str
+    """The measured quantity in people's units."""
     advisory: bool = False
+    """Whether the run lies where the check only advises."""
 
     @property
     def met(self) -> bool:

@@ -18,21 +18,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a command has come to.
-
-    Attributes
-    ----------
-    document : mapping
-        What ``--json`` prints; a number that is not finite becomes null.
-    show : callable
-        Prints the same for people.
-    exit_code : int
-        The exit code.
-    """
+    """What a command has come to."""
 
     document: Mapping[str, Any]
+    """What ``--json`` prints; a number that is not finite becomes null."""
     show: Callable[[Console], None]
+    """Prints the same for people."""
     exit_code: int = ExitCode.PASSED
+    """The exit code."""
 
 
 def wants_json(words: Sequence[str]) -> bool:

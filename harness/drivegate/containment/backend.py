@@ -24,21 +24,14 @@ ResultT = TypeVar("ResultT")
 
 @dataclass(frozen=True)
 class Backend:
-    """Where tasks are done.
-
-    Attributes
-    ----------
-    name : str
-        One of `BACKENDS`.
-    workers : int or None
-        Number of local processes; None for one a processor.
-    scheduler : str or None
-        Address of the scheduler of a dask cluster.
-    """
+    """Where tasks are done."""
 
     name: str = "local"
+    """One of `BACKENDS`."""
     workers: int | None = None
+    """Number of local processes; None for one a processor."""
     scheduler: str | None = None
+    """Address of the scheduler of a dask cluster."""
 
     def require(self) -> None:
         """Refuse a backend that is not installed."""

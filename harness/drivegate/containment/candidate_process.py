@@ -36,25 +36,17 @@ _CONNECTION_GARBLED = f"the process wrote into its connection to the harness; {_
 
 @dataclass(frozen=True)
 class Answered:
-    """What a candidate's process has answered in a run.
-
-    Attributes
-    ----------
-    commands : ndarray, shape (n,)
-        The commands, as they were given, of the contract's layout; the last one is what is wrong where the status says
-        so.
-    status : int
-        Status of the loop there, of `drivegate_models.loop.exchange` or `duty_command`.
-    check : bytes
-        Digest of what the plant there came to.
-    fault : Fault or None
-        What ended the run, where it is known there.
-    """
+    """What a candidate's process has answered in a run."""
 
     commands: NDArray[Any]
+    """The commands, as they were given, of the contract's layout; the last one is what is wrong where the
+    status says so, shape (n,)."""
     status: int
+    """Status of the loop there, of `drivegate_models.loop.exchange` or `duty_command`."""
     check: bytes
+    """Digest of what the plant there came to."""
     fault: Fault | None
+    """What ended the run, where it is known there."""
 
 
 class CandidateProcess:

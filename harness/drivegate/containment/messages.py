@@ -21,37 +21,24 @@ AnyController: TypeAlias = "Controller | ContainedController"
 
 @dataclass(frozen=True)
 class JudgedCandidate:
-    """A candidate as a job has it.
-
-    Attributes
-    ----------
-    candidate : Candidate
-        What it is.
-    controller : callable
-        Makes a new instance, so that nothing of an earlier job is left in it.
-    """
+    """A candidate as a job has it."""
 
     candidate: Candidate
+    """What it is."""
     controller: Callable[[], AnyController]
+    """Makes a new instance, so that nothing of an earlier job is left in it."""
 
 
 @dataclass(frozen=True)
 class Job(Generic[ResultT]):
-    """Something to do with a candidate, in a process that never runs its code.
-
-    Attributes
-    ----------
-    target : callable
-        A module's function, called with the candidate and the payload.
-    payload : object
-        Anything that can be pickled.
-    afresh : bool
-        Whether the candidate needs a process that has done nothing before.
-    """
+    """Something to do with a candidate, in a process that never runs its code."""
 
     target: Callable[[JudgedCandidate, Any], ResultT]
+    """A module's function, called with the candidate and the payload."""
     payload: Any
+    """Anything that can be pickled."""
     afresh: bool = False
+    """Whether the candidate needs a process that has done nothing before."""
 
 
 @dataclass(frozen=True)

@@ -27,18 +27,12 @@ WORD: Final = b"drivegat"
 
 @dataclass(frozen=True)
 class Setup:
-    """Take a candidate in hand, without running any of its code.
-
-    Attributes
-    ----------
-    candidate : Candidate
-        What it is.
-    memory_limit : int
-        Bytes that the process may allocate beyond what it has at its start.
-    """
+    """Take a candidate in hand, without running any of its code."""
 
     candidate: Candidate
+    """What it is."""
     memory_limit: int
+    """Bytes that the process may allocate beyond what it has at its start."""
 
 
 @dataclass(frozen=True)
@@ -48,71 +42,46 @@ class MakeInstance:
 
 @dataclass(frozen=True)
 class Reset:
-    """Reset the instance.
-
-    Attributes
-    ----------
-    nameplate : Nameplate or DutyNameplate
-        What it is told.
-    """
+    """Reset the instance."""
 
     nameplate: Nameplate | DutyNameplate
+    """What it is told."""
 
 
 @dataclass(frozen=True)
 class CloseLoop:
-    """Close the loop between the instance and a plant, and keep the commands.
-
-    Attributes
-    ----------
-    prepare : callable
-        A module's function that makes the run ready, `drivegate_models.loop.closed_loop.prepared_loop` of a drive or
-        `drivegate_models.pm_ac.closed_loop.prepared_duty_loop`.
-    plant : tuple
-        Its arguments: constants of the drive, load and schedule.
-    options : mapping
-        Its further arguments.
-    restart_steps : sequence of int
-        Steps before which the instance is reset, in the process that has it.
-    commands : dtype
-        Layout of the commands that are kept.
-    """
+    """Close the loop between the instance and a plant, and keep the commands."""
 
     prepare: Callable[..., Any]
+    """A module's function that makes the run ready, `drivegate_models.loop.closed_loop.prepared_loop` of a
+    drive or `drivegate_models.pm_ac.closed_loop.prepared_duty_loop`."""
     plant: tuple[Any, ...]
+    """Its arguments: constants of the drive, load and schedule."""
     options: Mapping[str, Any]
+    """Its further arguments."""
     restart_steps: Sequence[int] = ()
+    """Steps before which the instance is reset, in the process that has it."""
     commands: np.dtype[Any] = COMMAND
+    """Layout of the commands that are kept."""
 
 
 @dataclass(frozen=True)
 class GiveSenses:
-    """Step the instance through given Senses, which follow on those given since the reset, and keep the commands.
-
-    Attributes
-    ----------
-    senses : ndarray, shape (n, len(given_steps.SCALARS) + m)
-        One row for each step.
-    """
+    """Step the instance through given Senses, which follow on those given since the reset, and keep the commands."""
 
     senses: NDArray[np.float64]
+    """One row for each step, shape (n, len(given_steps.SCALARS)."""
     commands: ClassVar[np.dtype[Any]] = COMMAND
 
 
 @dataclass(frozen=True)
 class GiveDutySenses:
-    """Step the instance through given Senses of the contract of duty ratios, and keep the commands.
-
-    Attributes
-    ----------
-    senses : ndarray of DUTY_SENSE, shape (n,)
-        One for each step.
-    currents : ndarray, shape (n, 3)
-        Their phase currents (A).
-    """
+    """Step the instance through given Senses of the contract of duty ratios, and keep the commands."""
 
     senses: NDArray[Any]
+    """One for each step, shape (n,)."""
     currents: NDArray[np.float64]
+    """Their phase currents (A), shape (n, 3)."""
     commands: ClassVar[np.dtype[Any]] = DUTY_COMMAND
 
 

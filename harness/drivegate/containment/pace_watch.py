@@ -11,21 +11,14 @@ LONG: Final = 600.0
 
 @dataclass(frozen=True)
 class SlowRun:
-    """A run that will take long.
-
-    Attributes
-    ----------
-    steps : int
-        Its steps.
-    step_seconds : float
-        Time of one step so far, in the mean (s).
-    allowed_seconds : float
-        Time after which the run is ended as a hang (s).
-    """
+    """A run that will take long."""
 
     steps: int
+    """Its steps."""
     step_seconds: float
+    """Time of one step so far, in the mean (s)."""
     allowed_seconds: float
+    """Time after which the run is ended as a hang (s)."""
 
     @property
     def seconds(self) -> float:

@@ -38,33 +38,22 @@ class Ending(IntEnum):
 
 @dataclass(frozen=True)
 class Reply:
-    """How an order ended.
-
-    Attributes
-    ----------
-    ending : Ending
-        The way.
-    status : int
-        Status of the loop, of `drivegate_models.loop.exchange`.
-    steps : int
-        Number of steps that were answered.
-    is_python : bool
-        Whether the instance is stepped by the Python interpreter.
-    state_size : int
-        Bytes of a native instance's state; 0 where nobody tells.
-    check : bytes
-        Digest of what the plant came to, of `CHECK_BYTES` bytes.
-    text : str
-        A fault as `fault_text` writes it, a sentence for the user, or a traceback.
-    """
+    """How an order ended."""
 
     ending: Ending
+    """The way."""
     status: int = 0
+    """Status of the loop, of `drivegate_models.loop.exchange`."""
     steps: int = 0
+    """Number of steps that were answered."""
     is_python: bool = False
+    """Whether the instance is stepped by the Python interpreter."""
     state_size: int = 0
+    """Bytes of a native instance's state; 0 where nobody tells."""
     check: bytes = bytes(CHECK_BYTES)
+    """Digest of what the plant came to, of `CHECK_BYTES` bytes."""
     text: str = ""
+    """A fault as `fault_text` writes it, a sentence for the user, or a traceback."""
 
 
 def packed(reply: Reply) -> bytes:

@@ -7,30 +7,20 @@ from drivegate.containment.shared_progress import Activity
 
 @dataclass(frozen=True)
 class WorkerLimits:
-    """What a candidate's process may use.
-
-    Attributes
-    ----------
-    step_processor_seconds : float
-        Processor time of one step, the first one apart, and of the deletion of an instance (s).
-    start_processor_seconds : float
-        Processor time without progress of all else: imports, compilation, the first step (s).
-    idle_seconds : float
-        Time without progress in which hardly any processor time is used (s).
-    order_seconds : float
-        Time of a whole order, such as one run, beside what is allowed for each of its steps (s).
-    order_step_seconds : float
-        Time that a run is allowed for each step, in the mean (s).
-    memory_bytes : int
-        Memory that may be allocated beyond what the process has at its start.
-    """
+    """What a candidate's process may use."""
 
     step_processor_seconds: float = 5.0
+    """Processor time of one step, the first one apart, and of the deletion of an instance (s)."""
     start_processor_seconds: float = 120.0
+    """Processor time without progress of all else: imports, compilation, the first step (s)."""
     idle_seconds: float = 60.0
+    """Time without progress in which hardly any processor time is used (s)."""
     order_seconds: float = 120.0
+    """Time of a whole order, such as one run, beside what is allowed for each of its steps (s)."""
     order_step_seconds: float = 1e-3
+    """Time that a run is allowed for each step, in the mean (s)."""
     memory_bytes: int = 4 * 2**30
+    """Memory that may be allocated beyond what the process has at its start."""
 
     def allowed_seconds(self, steps: int) -> float:
         """Give the time of an order of so many steps (s)."""

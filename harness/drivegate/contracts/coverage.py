@@ -119,21 +119,14 @@ Values: TypeAlias = Mapping[str, set[Value]]
 
 @dataclass(frozen=True)
 class Varied:
-    """How one key of a scenario, or one field of the contract, varies.
-
-    Attributes
-    ----------
-    key : str
-        The key, with those above it, or the field.
-    families : tuple of str
-        Families that vary it.
-    values : tuple
-        Lowest and highest number, or all words.
-    """
+    """How one key of a scenario, or one field of the contract, varies."""
 
     key: str
+    """The key, with those above it, or the field."""
     families: tuple[str, ...]
+    """Families that vary it."""
     values: tuple[Value, ...]
+    """Lowest and highest number, or all words."""
 
 
 def document_keys(model: type[Section] = Scenario, prefix: str = "") -> Iterator[str]:

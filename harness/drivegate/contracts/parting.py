@@ -35,25 +35,17 @@ _MOST_DIGITS: Final = 17
 
 @dataclass(frozen=True)
 class Parting:
-    """The first step at which two runs of a scenario differ.
-
-    Attributes
-    ----------
-    step : int
-        Number of the step, from 0.
-    time : float
-        Its simulated time (s).
-    output : str
-        The first number of the command that differs.
-    again, first : float
-        That number in the repetition and in the first run, in SI units.
-    """
+    """The first step at which two runs of a scenario differ."""
 
     step: int
+    """Number of the step, from 0."""
     time: float
+    """Its simulated time (s)."""
     output: str
+    """The first number of the command that differs."""
     again: float
     first: float
+    """That number in the repetition and in the first run, in SI units."""
 
     def __str__(self) -> str:
         """Tell the step, its time and both numbers, with as many digits as it takes to tell them apart."""

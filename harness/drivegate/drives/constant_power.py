@@ -17,22 +17,15 @@ _HALVINGS: Final = 12
 
 @dataclass(frozen=True)
 class ConstantPower:
-    """The range of constant power.
-
-    Attributes
-    ----------
-    speeds : tuple of float
-        Speeds from the lowest at which rated power is required to overspeed (rad/s).
-    powers : tuple of float
-        Greatest power at the shaft that some angle gives there at the current limit (W).
-    reached : float or None
-        Speed up to which that is rated power without a gap (rad/s), overspeed at most; None where it is not from the
-        first speed on.
-    """
+    """The range of constant power."""
 
     speeds: tuple[float, ...]
+    """Speeds from the lowest at which rated power is required to overspeed (rad/s)."""
     powers: tuple[float, ...]
+    """Greatest power at the shaft that some angle gives there at the current limit (W)."""
     reached: float | None
+    """Speed up to which that is rated power without a gap (rad/s), overspeed at most; None where it is not
+    from the first speed on."""
 
 
 def constant_power(drive: RatedDrive) -> ConstantPower:

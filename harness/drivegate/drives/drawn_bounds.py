@@ -16,28 +16,19 @@ DIGITS: Final = 3
 
 @dataclass(frozen=True)
 class Bound:
-    """What one quantity of a drive is drawn within.
-
-    Attributes
-    ----------
-    quantity : str
-        The quantity.
-    unit : str
-        Its unit, or what it is a share of.
-    lowest, highest : float
-        The range.
-    reason : str
-        Why it is that.
-    by_ratio : bool
-        Whether equal ratios are equally likely, instead of equal differences.
-    """
+    """What one quantity of a drive is drawn within."""
 
     quantity: str
+    """The quantity."""
     unit: str
+    """Its unit, or what it is a share of."""
     lowest: float
     highest: float
+    """The range."""
     reason: str
+    """Why it is that."""
     by_ratio: bool = False
+    """Whether equal ratios are equally likely, instead of equal differences."""
 
     def drawn(self, source: Random) -> float:
         """Draw a value."""

@@ -24,18 +24,12 @@ MOST_DRAWS: Final = 1000
 
 @dataclass(frozen=True)
 class DrawnDrive:
-    """A drive that was drawn.
-
-    Attributes
-    ----------
-    document : DriveDocument
-        The drive.
-    rejected : int
-        Number of drives that were drawn before it and have a rating that no controller can meet.
-    """
+    """A drive that was drawn."""
 
     document: DriveDocument
+    """The drive."""
     rejected: int
+    """Number of drives that were drawn before it and have a rating that no controller can meet."""
 
 
 def drawn_drive(seed: int, number: int) -> DrawnDrive:

@@ -16,21 +16,14 @@ from drivegate_cases.drive.drive_document import DriveDocument
 
 @dataclass(frozen=True)
 class DrawnKind:
-    """How drives of a kind are drawn.
-
-    Attributes
-    ----------
-    bounds : mapping
-        What each quantity is drawn within, by its name.
-    draw : callable
-        From a seed and a number to a drive whose rating can be met.
-    per_unit : callable
-        From such a drive to its values without its size, by the names of the bounds.
-    """
+    """How drives of a kind are drawn."""
 
     bounds: Mapping[str, Bound]
+    """What each quantity is drawn within, by its name."""
     draw: Callable[[int, int], DrawnDrive]
+    """From a seed and a number to a drive whose rating can be met."""
     per_unit: Callable[[DriveDocument], dict[str, float]]
+    """From such a drive to its values without its size, by the names of the bounds."""
 
 
 DRAWN_KINDS: Final[Mapping[str, DrawnKind]] = MappingProxyType(

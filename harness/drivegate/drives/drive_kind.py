@@ -64,19 +64,13 @@ class Oracle(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class SteadyStates:
-    """The solver of many steady states.
-
-    Attributes
-    ----------
-    columns : tuple of str
-        Names of what is computed of each.
-    solve : callable
-        From a drive's constants and arrays of speed (rad/s), advance angle (rad) and current reference (A) to rows of
-        those columns, which it writes into its last argument.
-    """
+    """The solver of many steady states."""
 
     columns: tuple[str, ...]
+    """Names of what is computed of each."""
     solve: Callable[[Drive, FloatArray, FloatArray, FloatArray, FloatArray], None]
+    """From a drive's constants and arrays of speed (rad/s), advance angle (rad) and current reference (A) to
+    rows of those columns, which it writes into its last argument."""
 
 
 @dataclass(frozen=True, kw_only=True)

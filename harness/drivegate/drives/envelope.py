@@ -28,46 +28,31 @@ _HALVINGS: Final = 12
 
 @dataclass(frozen=True)
 class SpeedPoint:
-    """What a drive can do at one speed; NaN where rated power is out of reach.
-
-    Attributes
-    ----------
-    speed : float
-        Speed (rad/s).
-    rated_torque : float
-        Torque of rated power, constant below base speed (N·m).
-    greatest_torque, greatest_torque_advance : float
-        Greatest torque at the current limit (N·m), and the advance angle that gives it (rad).
-    torque_without_advance : float
-        Torque at the current limit and an angle of zero (N·m).
-    edge : float
-        Smallest angle that gives rated torque (rad).
-    advance : float
-        Angle that gives it with the least Σ|i| (rad).
-    current_sum : float
-        Σ|i| there (A).
-    input_power : float
-        Net input power there (W).
-    ripple : float
-        Torque ripple there, peak to peak over mean, of the ideal regulator (1).
-    line_advance : float
-        Angle of the recommended line (rad).
-    line_torque : float
-        Torque at the current limit along it (N·m).
-    """
+    """What a drive can do at one speed; NaN where rated power is out of reach."""
 
     speed: float
+    """Speed (rad/s)."""
     rated_torque: float
+    """Torque of rated power, constant below base speed (N·m)."""
     greatest_torque: float
     greatest_torque_advance: float
+    """Greatest torque at the current limit (N·m), and the advance angle that gives it (rad)."""
     torque_without_advance: float
+    """Torque at the current limit and an angle of zero (N·m)."""
     edge: float
+    """Smallest angle that gives rated torque (rad)."""
     advance: float
+    """Angle that gives it with the least Σ|i| (rad)."""
     current_sum: float
+    """Σ|i| there (A)."""
     input_power: float
+    """Net input power there (W)."""
     ripple: float
+    """Torque ripple there, peak to peak over mean, of the ideal regulator (1)."""
     line_advance: float
+    """Angle of the recommended line (rad)."""
     line_torque: float
+    """Torque at the current limit along it (N·m)."""
 
 
 def speeds_of(rating: Rating) -> tuple[float, ...]:

@@ -26,24 +26,16 @@ _LARGE_TORQUE: Final = 10.0
 
 @dataclass(frozen=True)
 class PowerReach:
-    """Rated power over speed, and what a drive can deliver of it.
-
-    Attributes
-    ----------
-    speeds : array of float
-        Speeds at which rated power is required, rising (rad/s).
-    needed : array of float
-        Torque that it needs at each (N·m).
-    greatest : array of float
-        Greatest torque that the drive delivers at each, less what is reserved for the regulator (N·m).
-    reserve : float
-        Share of the torque that is reserved (1).
-    """
+    """Rated power over speed, and what a drive can deliver of it."""
 
     speeds: FloatArray
+    """Speeds at which rated power is required, rising (rad/s)."""
     needed: FloatArray
+    """Torque that it needs at each (N·m)."""
     greatest: FloatArray
+    """Greatest torque that the drive delivers at each, less what is reserved for the regulator (N·m)."""
     reserve: float = 0.0
+    """Share of the torque that is reserved (1)."""
 
     @property
     def is_met(self) -> bool:
@@ -53,43 +45,30 @@ class PowerReach:
 
 @dataclass(frozen=True)
 class UnreachableRating:
-    """Rated power that the drive cannot deliver at some speed, whatever its controller does.
-
-    Attributes
-    ----------
-    speed : float
-        Where most is missing (rad/s).
-    rated_power : float
-        Rated power (W).
-    needed_torque : float
-        Torque that it needs there (N·m).
-    greatest_torque : float
-        Greatest torque that the drive delivers there at the current limit (N·m).
-    current_limit : float
-        The current limit (A).
-    reserve : float
-        Share of the torque that is reserved for the regulator (1).
-    nearest_power : float
-        Power, to three digits, that a check accepts over the same speeds (W); 0 where it accepts none.
-    nearest_range : (float, float) or None
-        The longest stretch of speeds over which rated power can be met (rad/s).
-    nearest_limit : float or None
-        Least current limit found, to three digits, that a check accepts (A); None up to fifty times the present one,
-        or to the peak current that the drive states.
-    nearest_speeds : mapping
-        Speeds of the rating that a check accepts with the same power, by their keys (rpm); empty where none were found.
-    """
+    """Rated power that the drive cannot deliver at some speed, whatever its controller does."""
 
     speed: float
+    """Where most is missing (rad/s)."""
     rated_power: float
+    """Rated power (W)."""
     needed_torque: float
+    """Torque that it needs there (N·m)."""
     greatest_torque: float
+    """Greatest torque that the drive delivers there at the current limit (N·m)."""
     current_limit: float
+    """The current limit (A)."""
     reserve: float
+    """Share of the torque that is reserved for the regulator (1)."""
     nearest_power: float
+    """Power, to three digits, that a check accepts over the same speeds (W); 0 where it accepts none."""
     nearest_range: tuple[float, float] | None
+    """The longest stretch of speeds over which rated power can be met (rad/s)."""
     nearest_limit: float | None
+    """Least current limit found, to three digits, that a check accepts (A); None up to fifty times the
+    present one, or to the peak current that the drive states."""
     nearest_speeds: Mapping[str, float]
+    """Speeds of the rating that a check accepts with the same power, by their keys (rpm); empty where none
+    were found."""
 
     @property
     def accepted(self) -> tuple[Mapping[str, float], ...]:

@@ -20,58 +20,39 @@ MOST_CHOPS: Final = 500.0
 
 @dataclass(frozen=True)
 class Rating:
-    """What a drive is rated for.
-
-    Attributes
-    ----------
-    base_speed : float
-        Speed up to which torque is constant, and above which power is (rad/s).
-    lowest_speed : float
-        Lowest speed at which rated power is required; right at base speed there is no advance yet (rad/s).
-    highest_speed : float
-        Highest speed at which rated power is required (rad/s).
-    overspeed : float
-        Greatest speed (rad/s).
-    power : float
-        Rated power at the shaft (W).
-    """
+    """What a drive is rated for."""
 
     base_speed: float
+    """Speed up to which torque is constant, and above which power is (rad/s)."""
     lowest_speed: float
+    """Lowest speed at which rated power is required; right at base speed there is no advance yet (rad/s)."""
     highest_speed: float
+    """Highest speed at which rated power is required (rad/s)."""
     overspeed: float
+    """Greatest speed (rad/s)."""
     power: float
+    """Rated power at the shaft (W)."""
 
 
 @dataclass(frozen=True)
 class RatedDrive:
-    """A drive with its rating.
-
-    Attributes
-    ----------
-    document : DriveDocument
-        The drive as a document.
-    oracle : Oracle
-        What such a drive can do at best.
-    constants : Drive
-        The plant's constants, its band none where it is so narrow that it chops more than `MOST_CHOPS` times.
-    ideal : Drive
-        The same with the ideal current regulator.
-    rating : Rating
-        What it is rated for.
-    limits : Limits
-        What its controllers are judged by.
-    has_band : bool
-        Whether the document's band is in the constants, or none was given.
-    """
+    """A drive with its rating."""
 
     document: DriveDocument
+    """The drive as a document."""
     oracle: Oracle
+    """What such a drive can do at best."""
     constants: Drive
+    """The plant's constants, its band none where it is so narrow that it chops more than `MOST_CHOPS` times.
+    """
     ideal: Drive
+    """The same with the ideal current regulator."""
     rating: Rating
+    """What it is rated for."""
     limits: Limits
+    """What its controllers are judged by."""
     has_band: bool = True
+    """Whether the document's band is in the constants, or none was given."""
 
     def demanded_torque(self, speed: float) -> float:
         """Give the torque of rated power at a speed (rad/s), constant below base speed (N·m)."""

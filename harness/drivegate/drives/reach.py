@@ -40,24 +40,16 @@ _LONGEST_STEP_S: Final = 500.0
 
 @dataclass(frozen=True)
 class TooSlow:
-    """A drive whose runs would take too long.
-
-    Attributes
-    ----------
-    time : float
-        Time that it needs (s).
-    longest : float
-        Longest time that is accepted (s).
-    until : str
-        What happens in that time, in words.
-    change : mapping
-        A value that a check accepts, by its key.
-    """
+    """A drive whose runs would take too long."""
 
     time: float
+    """Time that it needs (s)."""
     longest: float
+    """Longest time that is accepted (s)."""
     until: str
+    """What happens in that time, in words."""
     change: Mapping[str, float]
+    """A value that a check accepts, by its key."""
 
     @property
     def accepted(self) -> tuple[Mapping[str, float], ...]:

@@ -21,36 +21,24 @@ _BELOW_GREATEST: Final = 0.999
 
 @dataclass(frozen=True)
 class UnreachableRipple:
-    """A required point whose ripple, or torque, is out of reach.
-
-    Attributes
-    ----------
-    speed_rpm : float
-        Speed of the point (rpm).
-    torque_nm : float
-        Its torque (N·m).
-    limit : float
-        Limit of the ripple with the ideal regulator, peak to peak over mean (1).
-    least : float
-        Least ripple at the angles that CNV-2 allows (1); NaN where the torque is out of reach.
-    advance : float
-        Angle of the least ripple (rad electrical).
-    tolerance : float
-        Excess of the current sum that CNV-2 allows (1).
-    greatest_torque : float
-        Greatest torque at the speed (N·m).
-    follows_rating : bool
-        Whether the point follows from rated power, rather than being stated.
-    """
+    """A required point whose ripple, or torque, is out of reach."""
 
     speed_rpm: float
+    """Speed of the point (rpm)."""
     torque_nm: float
+    """Its torque (N·m)."""
     limit: float
+    """Limit of the ripple with the ideal regulator, peak to peak over mean (1)."""
     least: float
+    """Least ripple at the angles that CNV-2 allows (1); NaN where the torque is out of reach."""
     advance: float
+    """Angle of the least ripple (rad electrical)."""
     tolerance: float
+    """Excess of the current sum that CNV-2 allows (1)."""
     greatest_torque: float
+    """Greatest torque at the speed (N·m)."""
     follows_rating: bool
+    """Whether the point follows from rated power, rather than being stated."""
 
     @property
     def accepted(self) -> tuple[Mapping[str, float], ...]:

@@ -21,41 +21,29 @@ LAST_DECISIONS: Final = 3
 
 @dataclass(frozen=True)
 class TimeScales:
-    """Times that follow from a drive's constants and its rating.
-
-    Attributes
-    ----------
-    electrical : float
-        Time constant of a winding, L/R; infinite without resistance (s).
-    current_rise : float
-        Time in which half of the supply drives the current up to its limit at standstill, L·I/V (s).
-    mechanical_at_base, mechanical_at_highest : float
-        Time in which rated torque accelerates the shaft by its whole speed there, J·ω/T (s).
-    run_up : float
-        Time from base speed to the highest with rated power, J·(ω₂² − ω₁²)/(2·P) (s).
-    electrical_frequency : float
-        Electrical frequency at the highest speed (Hz).
-    half_cycle : float
-        Half an electrical cycle there, in which a command reaches each phase once (s).
-    drift : float
-        Time in which the shaft, at base speed, loses `SPEED_TOLERANCE_SHARE` of it without rated torque (s).
-    decision : float
-        Time for which a search watches Σ|i| before it moves again (s).
-    search : float
-        Time that a search takes from the recommended line to the least Σ|i|, at the speed where it is farthest
-        (s); NaN without a line.
-    """
+    """Times that follow from a drive's constants and its rating."""
 
     electrical: float
+    """Time constant of a winding, L/R; infinite without resistance (s)."""
     current_rise: float
+    """Time in which half of the supply drives the current up to its limit at standstill, L·I/V (s)."""
     mechanical_at_base: float
     mechanical_at_highest: float
+    """Time in which rated torque accelerates the shaft by its whole speed there, J·ω/T (s)."""
     run_up: float
+    """Time from base speed to the highest with rated power, J·(ω₂² − ω₁²)/(2·P) (s)."""
     electrical_frequency: float
+    """Electrical frequency at the highest speed (Hz)."""
     half_cycle: float
+    """Half an electrical cycle there, in which a command reaches each phase once (s)."""
     drift: float
+    """Time in which the shaft, at base speed, loses `SPEED_TOLERANCE_SHARE` of it without rated torque (s).
+    """
     decision: float
+    """Time for which a search watches Σ|i| before it moves again (s)."""
     search: float
+    """Time that a search takes from the recommended line to the least Σ|i|, at the speed where it is farthest
+    (s); NaN without a line."""
 
     @property
     def control_period(self) -> float:

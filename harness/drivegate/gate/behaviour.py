@@ -21,18 +21,12 @@ _OF_STEPS: Final = "STP-1"
 
 @dataclass(frozen=True)
 class BehaviourPlan:
-    """What is to be run.
-
-    Attributes
-    ----------
-    drive : DriveDocument
-        The drive.
-    step : dict or None
-        Scenario that shows how steps are followed, as plain data.
-    """
+    """What is to be run."""
 
     drive: DriveDocument
+    """The drive."""
     step: dict[str, Any] | None
+    """Scenario that shows how steps are followed, as plain data."""
 
 
 def behaviour_job(

@@ -10,18 +10,12 @@ from drivegate.results.result import CheckResult
 
 @dataclass(frozen=True)
 class CheckStarted:
-    """A candidate's check begins.
-
-    Attributes
-    ----------
-    candidate_name : str
-        The candidate.
-    planned_runs : int
-        Number of runs at most.
-    """
+    """A candidate's check begins."""
 
     candidate_name: str
+    """The candidate."""
     planned_runs: int
+    """Number of runs at most."""
 
 
 @dataclass(frozen=True)
@@ -31,56 +25,36 @@ class Compiling:
 
 @dataclass(frozen=True)
 class RunDone:
-    """Some runs have been made.
-
-    Attributes
-    ----------
-    done : int
-        Runs accounted for so far.
-    planned : int
-        Number of runs at most.
-    scenario : str
-        Name of the last scenario.
-    worst : str
-        Check with the least margin so far, with that margin; empty before there is one.
-    """
+    """Some runs have been made."""
 
     done: int
+    """Runs accounted for so far."""
     planned: int
+    """Number of runs at most."""
     scenario: str
+    """Name of the last scenario."""
     worst: str
+    """Check with the least margin so far, with that margin; empty before there is one."""
 
 
 @dataclass(frozen=True)
 class Shrinking:
-    """A failure has been made as simple as it could be had.
-
-    Attributes
-    ----------
-    check : str
-        Identifier of the check that fails; empty before the first one is done.
-    done : int
-        Failures that are done with.
-    planned : int
-        Number of failures.
-    """
+    """A failure has been made as simple as it could be had."""
 
     check: str
+    """Identifier of the check that fails; empty before the first one is done."""
     done: int
+    """Failures that are done with."""
     planned: int
+    """Number of failures."""
 
 
 @dataclass(frozen=True)
 class CheckFinished:
-    """A candidate's check has ended.
-
-    Attributes
-    ----------
-    result : CheckResult
-        The result.
-    """
+    """A candidate's check has ended."""
 
     result: CheckResult
+    """The result."""
 
 
 Event: TypeAlias = CheckStarted | Compiling | RunDone | Shrinking | CheckFinished

@@ -13,21 +13,14 @@ from drivegate.results.result import CheckOutcome
 
 @dataclass(frozen=True)
 class Focus:
-    """What a check is confined to; by default to nothing.
-
-    Attributes
-    ----------
-    only : tuple of str
-        Identifiers of the checks that are judged; empty for all.
-    stop_at_first : bool
-        Whether no more work is begun after the first failure that counts.
-    first : tuple of Counterexample
-        Counterexamples that are run before everything else.
-    """
+    """What a check is confined to; by default to nothing."""
 
     only: tuple[str, ...] = ()
+    """Identifiers of the checks that are judged; empty for all."""
     stop_at_first: bool = False
+    """Whether no more work is begun after the first failure that counts."""
     first: tuple[Counterexample, ...] = ()
+    """Counterexamples that are run before everything else."""
 
     def judges(self, check: str) -> bool:
         """Tell whether a check is judged."""

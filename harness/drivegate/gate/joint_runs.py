@@ -13,25 +13,17 @@ from drivegate_cases.drive.drive_document import DriveDocument
 
 @dataclass(frozen=True)
 class JointRuns:
-    """A part of the runs of joint changes.
-
-    Attributes
-    ----------
-    drive : DriveDocument
-        The drive.
-    seed : int
-        Seed of what the covering array leaves open.
-    part, parts : int
-        Which part of them, from 0, and how many parts there are.
-    only : tuple of str
-        Checks that are judged; empty for all.
-    """
+    """A part of the runs of joint changes."""
 
     drive: DriveDocument
+    """The drive."""
     seed: int
+    """Seed of what the covering array leaves open."""
     part: int
     parts: int
+    """Which part of them, from 0, and how many parts there are."""
     only: tuple[str, ...] = ()
+    """Checks that are judged; empty for all."""
 
 
 def run_joint(loaded: JudgedCandidate, plan: JointRuns) -> ShardOutcome:

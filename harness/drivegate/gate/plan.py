@@ -55,24 +55,16 @@ _OF_ONE_CHECK: Final = {Origin.SCRIPTS: "FLO-1", Origin.TIMED: "TIM-1"}
 
 @dataclass(frozen=True)
 class Work:
-    """A job and what it is.
-
-    Attributes
-    ----------
-    job : Job
-        The job.
-    runs : int
-        Number of runs at most.
-    label : str
-        Name of its last scenario.
-    origin : Origin
-        Where its scenarios come from.
-    """
+    """A job and what it is."""
 
     job: Job[ShardOutcome]
+    """The job."""
     runs: int
+    """Number of runs at most."""
     label: str
+    """Name of its last scenario."""
     origin: Origin
+    """Where its scenarios come from."""
 
 
 def planned_work(

@@ -20,34 +20,22 @@ _MOST_ROWS: Final = 60_000
 
 @dataclass(frozen=True)
 class RecordPlan:
-    """A run to be recorded.
-
-    Attributes
-    ----------
-    scenario : dict
-        The scenario as plain data.
-    checks : tuple of str
-        Checks that look at it.
-    """
+    """A run to be recorded."""
 
     scenario: dict[str, Any]
+    """The scenario as plain data."""
     checks: tuple[str, ...]
+    """Checks that look at it."""
 
 
 @dataclass(frozen=True)
 class Recorded:
-    """A recorded run.
-
-    Attributes
-    ----------
-    columns : dict
-        Lists of equal length by the name of the column.
-    windows : dict
-        By check, start and end of the stretch that it was judged on (s).
-    """
+    """A recorded run."""
 
     columns: dict[str, list[float]]
+    """Lists of equal length by the name of the column."""
     windows: dict[str, tuple[float, float]]
+    """By check, start and end of the stretch that it was judged on (s)."""
 
 
 def shown_scenario(outcome: CheckOutcome) -> dict[str, Any] | None:

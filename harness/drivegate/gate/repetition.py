@@ -27,18 +27,12 @@ _EARLIER: Final = (
 
 @dataclass(frozen=True)
 class Repetition:
-    """A run of a scenario in a process that has done nothing before.
-
-    Attributes
-    ----------
-    digest : int
-        Digest of its commands.
-    commands : ndarray of COMMAND, shape (n,), or None
-        The commands themselves, where they are asked for.
-    """
+    """A run of a scenario in a process that has done nothing before."""
 
     digest: int
+    """Digest of its commands."""
     commands: NDArray[Any] | None = None
+    """The commands themselves, where they are asked for, shape (n,)."""
 
 
 @dataclass(frozen=True)

@@ -41,49 +41,34 @@ _LOOKED_AT: Final = 100
 
 @dataclass(frozen=True)
 class FixedRuns:
-    """Scenarios to be run as they are.
-
-    Attributes
-    ----------
-    scenarios : tuple of Scenario
-        The scenarios.
-    repeat : bool
-        Whether the first of them is run again afterwards, on the same instance and on a new one.
-    only_fair : bool
-        Whether those that no controller could do on their drive are set aside.
-    only : tuple of str
-        Checks that are judged; empty for all. Scenarios that are not repeated are left out where none of them looks.
-    """
+    """Scenarios to be run as they are."""
 
     scenarios: tuple[Scenario, ...]
+    """The scenarios."""
     repeat: bool = False
+    """Whether the first of them is run again afterwards, on the same instance and on a new one."""
     only_fair: bool = False
+    """Whether those that no controller could do on their drive are set aside."""
     only: tuple[str, ...] = ()
+    """Checks that are judged; empty for all. Scenarios that are not repeated are left out where none of them
+    looks."""
 
 
 @dataclass(frozen=True)
 class DrawnRuns:
-    """A shard of the search.
-
-    Attributes
-    ----------
-    drive : DriveDocument
-        The drive.
-    seed : int
-        Seed of this shard; shards of consecutive seeds take turns at the families of scenarios.
-    examples : int
-        Number of scenarios to run at most.
-    search : bool
-        Whether to climb toward small margins; if not, scenarios are drawn at random throughout.
-    only : tuple of str
-        Checks that are judged; empty for all. The shard is left out where none of them judges what it draws.
-    """
+    """A shard of the search."""
 
     drive: DriveDocument
+    """The drive."""
     seed: int
+    """Seed of this shard; shards of consecutive seeds take turns at the families of scenarios."""
     examples: int
+    """Number of scenarios to run at most."""
     search: bool = True
+    """Whether to climb toward small margins; if not, scenarios are drawn at random throughout."""
     only: tuple[str, ...] = ()
+    """Checks that are judged; empty for all. The shard is left out where none of them judges what it draws.
+    """
 
 
 def content_key(scenario: Mapping[str, Any]) -> str:

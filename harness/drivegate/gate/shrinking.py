@@ -24,47 +24,31 @@ __all__ = ["ShrinkPlan", "Shrunk", "run_shrink", "size_of"]
 
 @dataclass(frozen=True)
 class ShrinkPlan:
-    """What is to be made simpler.
-
-    Attributes
-    ----------
-    scenario : mapping
-        A scenario as plain data that breaks the check, or a script.
-    check : str
-        Identifier of the check.
-    budget : int
-        Number of runs that may be spent.
-    worst : float or None
-        Least margin that the check is reported with, which no simpler scenario may fall below; that of the scenario
-        itself where None.
-    """
+    """What is to be made simpler."""
 
     scenario: Mapping[str, Any]
+    """A scenario as plain data that breaks the check, or a script."""
     check: str
+    """Identifier of the check."""
     budget: int = 60
+    """Number of runs that may be spent."""
     worst: float | None = None
+    """Least margin that the check is reported with, which no simpler scenario may fall below; that of the
+    scenario itself where None."""
 
 
 @dataclass(frozen=True)
 class Shrunk:
-    """What the shrinking came to.
-
-    Attributes
-    ----------
-    scenario : dict
-        The simplest scenario found that breaks the check, as plain data.
-    margin : Margin
-        The check's margin on it.
-    runs : int
-        Number of runs that were spent.
-    size : int
-        How complicated the scenario is, by `size_of`.
-    """
+    """What the shrinking came to."""
 
     scenario: dict[str, Any]
+    """The simplest scenario found that breaks the check, as plain data."""
     margin: Margin
+    """The check's margin on it."""
     runs: int
+    """Number of runs that were spent."""
     size: int
+    """How complicated the scenario is, by `size_of`."""
 
 
 def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:

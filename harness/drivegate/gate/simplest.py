@@ -23,24 +23,16 @@ _GONE: Final = f"run again, it did not fail: two runs of the same scenario diffe
 
 @dataclass(frozen=True)
 class FailedRun:
-    """The simplest run that breaks a check of the candidate.
-
-    Attributes
-    ----------
-    check : str
-        Identifier of the check.
-    margin : Margin
-        Its margin.
-    run : JudgedRun
-        The run.
-    worst : float or None
-        Least margin that the check is reported with.
-    """
+    """The simplest run that breaks a check of the candidate."""
 
     check: str
+    """Identifier of the check."""
     margin: Margin
+    """Its margin."""
     run: JudgedRun
+    """The run."""
     worst: float | None = None
+    """Least margin that the check is reported with."""
 
     def shrinks(self) -> bool:
         """Tell whether it is worth while to look for a simpler one."""

@@ -21,15 +21,10 @@ CHECK: Final = "TIM-1"
 
 @dataclass(frozen=True)
 class TimedSteps:
-    """Steps to be timed.
-
-    Attributes
-    ----------
-    scenario : Scenario
-        The run whose first Senses the controller is timed on.
-    """
+    """Steps to be timed."""
 
     scenario: Scenario
+    """The run whose first Senses the controller is timed on."""
 
 
 def time_steps(loaded: JudgedCandidate, plan: TimedSteps) -> ShardOutcome:

@@ -16,18 +16,12 @@ _TO_BE_MET: Final = ("fail", "waiver expired")
 
 @dataclass(frozen=True)
 class Cause:
-    """What the counterexamples of several checks show.
-
-    Attributes
-    ----------
-    words : str
-        What it is, in one clause.
-    checks : tuple of str
-        The failed checks whose counterexample shows it, in the order of the catalogue.
-    """
+    """What the counterexamples of several checks show."""
 
     words: str
+    """What it is, in one clause."""
     checks: tuple[str, ...]
+    """The failed checks whose counterexample shows it, in the order of the catalogue."""
 
     def __str__(self) -> str:
         """Tell the cause and its checks in one line."""

@@ -35,18 +35,13 @@ class ExitCode(IntEnum):
 
 @dataclass(frozen=True)
 class Failure:
-    """Why a command came to nothing.
-
-    Attributes
-    ----------
-    message : str
-        One sentence on one line; what exceeds `LONGEST_MESSAGE` is left out in its middle, between place and remedy.
-    exit_code : int
-        The exit code.
-    """
+    """Why a command came to nothing."""
 
     message: str
+    """One sentence on one line; what exceeds `LONGEST_MESSAGE` is left out in its middle, between place and
+    remedy."""
     exit_code: int
+    """The exit code."""
 
     def __post_init__(self) -> None:
         """Shorten the message, whoever wrote it."""

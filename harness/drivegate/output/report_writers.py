@@ -37,18 +37,12 @@ Reproduce: TypeAlias = Callable[[Path], dict[str, Any]]
 
 @dataclass(frozen=True)
 class WrittenReports:
-    """What has become of reports.
-
-    Attributes
-    ----------
-    pages : dict
-        What was written, relative to the folder, by the report's name.
-    errors : dict
-        What was raised where a report could not be written, by its name.
-    """
+    """What has become of reports."""
 
     pages: Mapping[str, Path]
+    """What was written, relative to the folder, by the report's name."""
     errors: Mapping[str, Exception]
+    """What was raised where a report could not be written, by its name."""
 
     def problems(self, verb: str = "written") -> list[str]:
         """Tell each report that could not be written, and why."""

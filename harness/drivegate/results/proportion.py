@@ -11,23 +11,16 @@ CONFIDENCE: Final = 0.95
 
 @dataclass(frozen=True)
 class Proportion:
-    """How often something happened, and how likely it therefore is.
-
-    Attributes
-    ----------
-    happened, runs : int
-        In how many runs it did, of how many.
-    estimate : float or None
-        The share; None where there were no runs.
-    low, high : float
-        Clopper-Pearson interval of the probability.
-    """
+    """How often something happened, and how likely it therefore is."""
 
     happened: int
     runs: int
+    """In how many runs it did, of how many."""
     estimate: float | None
+    """The share; None where there were no runs."""
     low: float
     high: float
+    """Clopper-Pearson interval of the probability."""
 
 
 def proportion(happened: int, runs: int, confidence: float = CONFIDENCE) -> Proportion:

@@ -31,95 +31,44 @@ def counted_levels(fail_on: str | None) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Found:
-    """What a counterexample gave.
-
-    Attributes
-    ----------
-    margin : float
-        Its margin.
-    measured : str
-        What the margin was measured as.
-    size : int
-        How much the scenario differs from the plainest one.
-    runs : int
-        Number of runs that it took to make it simpler.
-    """
+    """What a counterexample gave."""
 
     margin: float
+    """Its margin."""
     measured: str
+    """What the margin was measured as."""
     size: int
+    """How much the scenario differs from the plainest one."""
     runs: int
+    """Number of runs that it took to make it simpler."""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """Where the signals of the run that a report shows for a check are.
-
-    Attributes
-    ----------
-    trace : int
-        Place among the recorded signals of the result.
-    start_s, end_s : float
-        The stretch that the check was judged on (s).
-    """
+    """Where the signals of the run that a report shows for a check are."""
 
     trace: int
+    """Place among the recorded signals of the result."""
     start_s: float
     end_s: float
+    """The stretch that the check was judged on (s)."""
 
 
 @dataclass(frozen=True)
 class FixedMargins:
-    """A fixed scenario and its margins, with which a later result can be compared.
-
-    Attributes
-    ----------
-    name : str
-        Name of the scenario.
-    scenario : dict
-        The scenario as plain data.
-    margins : dict
-        Margins by check.
-    """
+    """A fixed scenario and its margins, with which a later result can be compared."""
 
     name: str
+    """Name of the scenario."""
     scenario: dict[str, Any]
+    """The scenario as plain data."""
     margins: dict[str, float]
+    """Margins by check."""
 
 
 @dataclass(frozen=True)
 class CheckOutcome:
-    """What one check came to over all runs.
-
-    Attributes
-    ----------
-    id, requirement, source, subject, level, limit : str
-        As in `drivegate.checks.check.Check`.
-    verdict : str
-        ``pass``, ``fail``, ``waived``, ``waiver expired``, ``unexpectedly passes``, ``not applicable`` or
-        ``inconclusive``.
-    margin : float or None
-        Least margin; None where the check did not apply, or depends on the machine.
-    measured : str
-        What the least margin was measured as; empty where there is none.
-    runs : int
-        Number of runs that the check applied to.
-    message : str
-        The outcome in one sentence.
-    scenario : dict or None
-        Worst scenario, as plain data.
-    counterexample : dict or None
-        When the check failed, the simplest scenario found that breaks it, as plain data.
-    found : Found or None
-        What the counterexample gave.
-    waiver : dict or None
-        Reason, owner, last day and margin of the waiver for the check.
-    margins : tuple of float
-        Margins of all runs that decide, from the least to the greatest; of more than `MOST_MARGINS` a part that is
-        spread evenly over their order. None of a check whose numbers depend on the machine.
-    recording : Recording or None
-        Signals of the counterexample, or of the worst scenario.
-    """
+    """What one check came to over all runs."""
 
     id: str
     requirement: str
@@ -127,118 +76,100 @@ class CheckOutcome:
     subject: str
     level: str
     limit: str
+    """As in `drivegate.checks.check.Check`."""
     verdict: str
+    """``pass``, ``fail``, ``waived``, ``waiver expired``, ``unexpectedly passes``, ``not applicable`` or
+    ``inconclusive``."""
     margin: float | None
+    """Least margin; None where the check did not apply, or depends on the machine."""
     measured: str
+    """What the least margin was measured as; empty where there is none."""
     runs: int
+    """Number of runs that the check applied to."""
     message: str
+    """The outcome in one sentence."""
     scenario: dict[str, Any] | None
+    """Worst scenario, as plain data."""
     counterexample: dict[str, Any] | None
+    """When the check failed, the simplest scenario found that breaks it, as plain data."""
     found: Found | None = None
+    """What the counterexample gave."""
     waiver: dict[str, Any] | None = None
+    """Reason, owner, last day and margin of the waiver for the check."""
     margins: tuple[float, ...] = ()
+    """Margins of all runs that decide, from the least to the greatest; of more than `MOST_MARGINS` a part
+    that is spread evenly over their order. None of a check whose numbers depend on the machine."""
     recording: Recording | None = None
+    """Signals of the counterexample, or of the worst scenario."""
 
 
 @dataclass(frozen=True)
 class BaselineComparison:
-    """How the margins of one check have changed.
-
-    Attributes
-    ----------
-    check, level : str
-        The check.
-    pairs : int
-        Number of scenarios that have a margin in both results.
-    median_change : float or None
-        Median of the new margin less the old one; None without pairs.
-    p_value : float or None
-        Probability of such a loss by chance, one-sided; None where nothing was tested.
-    verdict : str
-        ``pass``, ``fail``, ``no difference`` or ``too few pairs``.
-    message : str
-        The same in one sentence.
-    """
+    """How the margins of one check have changed."""
 
     check: str
     level: str
+    """The check."""
     pairs: int
+    """Number of scenarios that have a margin in both results."""
     median_change: float | None
+    """Median of the new margin less the old one; None without pairs."""
     p_value: float | None
+    """Probability of such a loss by chance, one-sided; None where nothing was tested."""
     verdict: str
+    """``pass``, ``fail``, ``no difference`` or ``too few pairs``."""
     message: str
+    """The same in one sentence."""
 
 
 @dataclass(frozen=True)
 class CheckResult:
-    """Everything that a check of one candidate came to.
-
-    Attributes
-    ----------
-    candidate : Candidate
-        The candidate.
-    drive : DriveDocument
-        The drive that it was checked on.
-    verdict : str
-        ``pass``, ``waived``, ``fail``, ``waiver expired``, ``unexpectedly passes``, ``inconclusive``,
-        ``harness fault``, or the kind of the candidate's fault.
-    exit_code : int
-        0, 1 or 3.
-    seed : int
-        Seed of the search.
-    effort : str
-        ``quick``, ``default`` or ``nightly``.
-    checks : tuple of CheckOutcome
-        In the order of the catalogue.
-    faults : tuple of Fault
-        The candidate's faults.
-    runs : int
-        Number of runs made.
-    infeasible : tuple of InfeasibleScenario
-        Drawn scenarios that no controller could do, which were not run.
-    provenance : dict
-        Versions and machine-independent origin.
-    timing : dict
-        Times, outside the content hash, and under ``checks`` the numbers of checks that depend on the machine.
-    corpus_runs : int
-        Number of scenarios of the corpus that were run.
-    fixed : tuple of FixedMargins
-        The fixed scenarios and their margins.
-    baseline : tuple of BaselineComparison or None
-        How margins have changed since an earlier result; None where it was not compared with one.
-    fail_on : str
-        ``required``, or ``advisory`` where advisory checks count like required ones.
-    traces : tuple of dict
-        Recorded signals: lists of equal length by column.
-    behaviour : dict or None
-        What its report tells of a controller of duty ratios beside its checks; None where that was not measured.
-    focus : dict or None
-        Under ``only`` the checks that were judged (empty for all), under ``stopped_at_first`` whether the check
-        ended with the first failure; None for a whole check.
-    drive_named : str or None
-        The string that named the drive; None where the candidate's manifest or nothing did.
-    """
+    """Everything that a check of one candidate came to."""
 
     candidate: Candidate
+    """The candidate."""
     drive: DriveDocument
+    """The drive that it was checked on."""
     verdict: str
+    """``pass``, ``waived``, ``fail``, ``waiver expired``, ``unexpectedly passes``, ``inconclusive``,
+    ``harness fault``, or the kind of the candidate's fault."""
     exit_code: int
+    """0, 1 or 3."""
     seed: int
+    """Seed of the search."""
     effort: str
+    """``quick``, ``default`` or ``nightly``."""
     checks: tuple[CheckOutcome, ...]
+    """In the order of the catalogue."""
     faults: tuple[Fault, ...]
+    """The candidate's faults."""
     runs: int
+    """Number of runs made."""
     infeasible: tuple[InfeasibleScenario, ...]
+    """Drawn scenarios that no controller could do, which were not run."""
     provenance: dict[str, Any]
+    """Versions and machine-independent origin."""
     timing: dict[str, Any]
+    """Times, outside the content hash, and under ``checks`` the numbers of checks that depend on the machine.
+    """
     corpus_runs: int = 0
+    """Number of scenarios of the corpus that were run."""
     fixed: tuple[FixedMargins, ...] = ()
+    """The fixed scenarios and their margins."""
     baseline: tuple[BaselineComparison, ...] | None = None
+    """How margins have changed since an earlier result; None where it was not compared with one."""
     fail_on: str = "required"
+    """``required``, or ``advisory`` where advisory checks count like required ones."""
     traces: tuple[dict[str, list[float]], ...] = ()
+    """Recorded signals: lists of equal length by column."""
     behaviour: dict[str, Any] | None = None
+    """What its report tells of a controller of duty ratios beside its checks; None where that was not
+    measured."""
     focus: dict[str, Any] | None = None
+    """Under ``only`` the checks that were judged (empty for all), under ``stopped_at_first`` whether the
+    check ended with the first failure; None for a whole check."""
     drive_named: str | None = None
+    """The string that named the drive; None where the candidate's manifest or nothing did."""
 
     def document(self) -> dict[str, Any]:
         """Write the result as plain data, with what its drive can do."""

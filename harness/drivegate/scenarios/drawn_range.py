@@ -40,20 +40,14 @@ NONE: Final = Interval(0.0, 0.0)
 
 @dataclass(frozen=True)
 class DrawnRange:
-    """The speeds and torques that runs of one kind are drawn from.
-
-    Attributes
-    ----------
-    loaded_rpm, idle_rpm : Interval
-        Speeds with and without a torque (rpm).
-    driving_share, braking_share : Interval
-        Torques with and against the rotation, over rated torque at their speed (1); 0 counts as neither.
-    """
+    """The speeds and torques that runs of one kind are drawn from."""
 
     loaded_rpm: Interval
     idle_rpm: Interval
+    """Speeds with and without a torque (rpm)."""
     driving_share: Interval
     braking_share: Interval
+    """Torques with and against the rotation, over rated torque at their speed (1); 0 counts as neither."""
 
     def covers(self, simpler: Scenario, start: Scenario) -> bool:
         """Return True if a simpler scenario goes no further than the range, or than simplification started from.

@@ -27,75 +27,53 @@ class DriveScale:
     Sizes are shares of the rating, in steps of 1, 2, 5 times a power of ten or of two digits, so that people can read
     them. Times are multiples of a unit that the drive's time constants give (`drivegate_cases.drive.limits.time_unit`).
     The control period, the encoder, the clock and the converters are the sensors' and the contract's, not the drive's.
-
-    Attributes
-    ----------
-    base_speed_rpm : float
-        Speed below which there is no advance (rpm).
-    lowest_loaded_rpm : float
-        Lowest speed of a loaded run (rpm): 5 % into the range of constant power; nearer to base speed, rated power is
-        out of reach without advance.
-    highest_loaded_rpm : float
-        Speed up to which constant power is required (rpm).
-    overspeed_rpm : float
-        Speed up to which constant power is advised (rpm).
-    speed_grain_rpm : float
-        What chosen speeds are rounded to (rpm): about 1 % of base speed, the default of k1.
-    speed_step_rpm : float
-        Step of drawn speeds (rpm): about 2 % of base speed, so that neighbours differ by more than k1.
-    rated_torque_nm : float
-        Torque of rated power at base speed (N m).
-    torque_step_nm : float
-        Step of friction that is added (N m): 0.35 % of rated torque; five of them are what is claimed.
-    standstill_torque_nm : float
-        Greatest torque of a joint run that comes to a standstill (N m): 42 % of rated torque, which needs no advance.
-    offset_step_a : float
-        Step of a current sensor's offset (A): about 0.08 % of the current limit; ten of them are drawn.
-    supply_step_v : float
-        Finest rounding of the supply (V): about 0.2 % of its voltage.
-    current_sum_a : float
-        Current sum of scripts (A): about a third of what all phases carry at the current limit.
-    mass_unit_kg : float
-        Mass of a vehicle per unit (kg), in proportion to rated power; a light vehicle has three or four.
-    gear_unit : float
-        Gear ratio per unit (1), in proportion to the highest speed, so that vehicles are equally fast.
-    drag_area_m2 : float
-        Drag area of a vehicle (m²), in proportion to rated power.
-    time_unit_s : float
-        The unit of time (s), in which a search decides at least ten times.
-    load_ramp_s : float
-        Time in which a load comes on, so that a run starts in a true steady state, unloaded at speed (s): a fifth of a
-        unit, and where torque is large for the inertia and for what an electrical period lets a speed regulator do,
-        as long as it takes to lose no more than 5 % of base speed.
-    settling_s : float
-        Time within which a search has to converge at a steady speed reference (s).
-    shortest_window_s : float
-        Shortest time over which convergence is judged (s): 3 units, many electrical periods.
-    dropout_step_s : float
-        Step of the time for which a signal is lost (s): 1 ms, or 1 % of the mechanical time constant where that is
-        less, but no less than the longest control period.
     """
 
     base_speed_rpm: float
+    """Speed below which there is no advance (rpm)."""
     lowest_loaded_rpm: float
+    """Lowest speed of a loaded run (rpm): 5 % into the range of constant power; nearer to base speed, rated
+    power is out of reach without advance."""
     highest_loaded_rpm: float
+    """Speed up to which constant power is required (rpm)."""
     overspeed_rpm: float
+    """Speed up to which constant power is advised (rpm)."""
     speed_grain_rpm: float
+    """What chosen speeds are rounded to (rpm): about 1 % of base speed, the default of k1."""
     speed_step_rpm: float
+    """Step of drawn speeds (rpm): about 2 % of base speed, so that neighbours differ by more than k1."""
     rated_torque_nm: float
+    """Torque of rated power at base speed (N m)."""
     torque_step_nm: float
+    """Step of friction that is added (N m): 0.35 % of rated torque; five of them are what is claimed."""
     standstill_torque_nm: float
+    """Greatest torque of a joint run that comes to a standstill (N m): 42 % of rated torque, which needs no
+    advance."""
     offset_step_a: float
+    """Step of a current sensor's offset (A): about 0.08 % of the current limit; ten of them are drawn."""
     supply_step_v: float
+    """Finest rounding of the supply (V): about 0.2 % of its voltage."""
     current_sum_a: float
+    """Current sum of scripts (A): about a third of what all phases carry at the current limit."""
     mass_unit_kg: float
+    """Mass of a vehicle per unit (kg), in proportion to rated power; a light vehicle has three or four."""
     gear_unit: float
+    """Gear ratio per unit (1), in proportion to the highest speed, so that vehicles are equally fast."""
     drag_area_m2: float
+    """Drag area of a vehicle (m²), in proportion to rated power."""
     time_unit_s: float
+    """The unit of time (s), in which a search decides at least ten times."""
     load_ramp_s: float
+    """Time in which a load comes on, so that a run starts in a true steady state, unloaded at speed (s): a
+    fifth of a unit, and where torque is large for the inertia and for what an electrical period lets a speed
+    regulator do, as long as it takes to lose no more than 5 % of base speed."""
     settling_s: float
+    """Time within which a search has to converge at a steady speed reference (s)."""
     shortest_window_s: float
+    """Shortest time over which convergence is judged (s): 3 units, many electrical periods."""
     dropout_step_s: float
+    """Step of the time for which a signal is lost (s): 1 ms, or 1 % of the mechanical time constant where
+    that is less, but no less than the longest control period."""
 
     @property
     def friction_claimed_nm(self) -> float:

@@ -83,40 +83,26 @@ def conformance_tests(
 
 @dataclass(frozen=True)
 class Judged:
-    """What has become of a candidate.
-
-    Attributes
-    ----------
-    specification : str
-        The string that names it on the command line.
-    document : mapping or None
-        The result document; None where there is no result.
-    folder : Path
-        Where the result and the counterexamples are.
-    refusal : str
-        Why there is no result; empty where there is one.
-    """
+    """What has become of a candidate."""
 
     specification: str
+    """The string that names it on the command line."""
     document: Mapping[str, Any] | None
+    """The result document; None where there is no result."""
     folder: Path
+    """Where the result and the counterexamples are."""
     refusal: str = ""
+    """Why there is no result; empty where there is one."""
 
 
 @dataclass(frozen=True)
 class Conformance:
-    """One item: a check of a candidate, or the candidate itself.
-
-    Attributes
-    ----------
-    item : str
-        Identifier of the check, or ``candidate``.
-    judged : Judged
-        What has become of the candidate.
-    """
+    """One item: a check of a candidate, or the candidate itself."""
 
     item: str
+    """Identifier of the check, or ``candidate``."""
     judged: Judged
+    """What has become of the candidate."""
 
     @property
     def result(self) -> Mapping[str, Any] | None:

@@ -26,18 +26,12 @@ _WRITABLE_BY_OTHERS: Final = stat.S_IWGRP | stat.S_IWOTH
 
 @dataclass(frozen=True)
 class CacheChoice:
-    """The folder for compiled code.
-
-    Attributes
-    ----------
-    folder : Path or None
-        The folder, which exists and can be written; None if there is none.
-    refusals : tuple of str
-        Why each folder that comes earlier in the order is not used.
-    """
+    """The folder for compiled code."""
 
     folder: Path | None
+    """The folder, which exists and can be written; None if there is none."""
     refusals: tuple[str, ...]
+    """Why each folder that comes earlier in the order is not used."""
 
 
 def choose_folder(key: str) -> CacheChoice:

@@ -30,18 +30,12 @@ from drivegate_models.machine.load import Load
 
 @dataclass(frozen=True)
 class Plant:
-    """A kind of drive that controllers can be run against.
-
-    Attributes
-    ----------
-    kernels : PlantKernels
-        What the loop needs of it.
-    loop : callable
-        The compiled loop.
-    """
+    """A kind of drive that controllers can be run against."""
 
     kernels: PlantKernels
+    """What the loop needs of it."""
     loop: Any
+    """The compiled loop."""
 
 
 @dataclass(frozen=True)
@@ -91,27 +85,18 @@ def plant_of(kernels: PlantKernels) -> Plant:
 
 @dataclass(frozen=True)
 class PreparedLoop:
-    """A run that is ready to begin.
-
-    Attributes
-    ----------
-    loop : callable
-        The compiled loop.
-    arguments : tuple
-        What it is called with.
-    exchange : Exchange
-        The records between loop and controller.
-    records : Records
-        What the run fills in.
-    trace_every : int
-        Every n-th control period is kept in the trace; 0 keeps none.
-    """
+    """A run that is ready to begin."""
 
     loop: Any
+    """The compiled loop."""
     arguments: tuple[Any, ...]
+    """What it is called with."""
     exchange: Exchange
+    """The records between loop and controller."""
     records: Records
+    """What the run fills in."""
     trace_every: int
+    """Every n-th control period is kept in the trace; 0 keeps none."""
 
     def run(self) -> ClosedLoopRun:
         """Run the controller, already reset, to the end or to where it stops."""

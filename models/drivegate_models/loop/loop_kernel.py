@@ -43,30 +43,21 @@ _BEGIN, _END, _RIPPLE_BEGIN = range(3)
 
 @dataclass(frozen=True)
 class PlantKernels:
-    """What the closed loop needs of a plant: five functions, compiled but for the first.
-
-    Attributes
-    ----------
-    make_phases : callable
-        ``(drive, longest_advance=0.0)`` gives phases at rest: a named tuple with `currents` (A), `magnitudes` (A s),
-        both of shape (m,), `rows` and `row_counts`, where the segments of an advance are kept.
-    advance_phases : callable
-        ``(drive, phases, angle, speed, upper, lower, reference, advance, duration, totals)`` advances them in SI
-        units and returns `machine.advance_status.COMPLETED`, or another status of it.
-    stored_energy : callable
-        ``(drive, currents)`` gives the energy in the windings (J).
-    drifted : callable
-        ``(drive, resistance_factor, emf_factor)`` gives the drive at another temperature.
-    torque_range : callable
-        ``(drive, phases, positions, duration, lowest, highest)`` widens a range by the torque over the last advance
-        (N m); `positions` is room of shape (m,).
-    """
+    """What the closed loop needs of a plant: five functions, compiled but for the first."""
 
     make_phases: Callable[..., Any]
+    """``(drive, longest_advance=0.0)`` gives phases at rest: a named tuple with `currents` (A), `magnitudes`
+    (A s), both of shape (m,), `rows` and `row_counts`, where the segments of an advance are kept."""
     advance_phases: Callable[..., int]
+    """``(drive, phases, angle, speed, upper, lower, reference, advance, duration, totals)`` advances them in
+    SI units and returns `machine.advance_status.COMPLETED`, or another status of it."""
     stored_energy: Callable[..., float]
+    """``(drive, currents)`` gives the energy in the windings (J)."""
     drifted: Callable[..., Any]
+    """``(drive, resistance_factor, emf_factor)`` gives the drive at another temperature."""
     torque_range: Callable[..., tuple[float, float]]
+    """``(drive, phases, positions, duration, lowest, highest)`` widens a range by the torque over the last
+    advance (N m); `positions` is room of shape (m,)."""
 
 
 class Timing(NamedTuple):

@@ -15,25 +15,18 @@ _VOLTAGE_NOISE = 0.00042
 
 @dataclass(frozen=True)
 class ConverterRanges:
-    """What converters chosen for a drive show of it: 40 A and 100 V on the paper's, the same shares on any other.
-
-    Attributes
-    ----------
-    current_range_a : float
-        Greatest current shown (A): half as much again as the current limit, and a little.
-    current_offset_a, current_noise_a : float
-        Greatest offset of a current sensor, and standard deviation of its noise (A): about 0.2 % and 0.08 % of the
-        current limit.
-    voltage_range_v, voltage_noise_v : float
-        Greatest voltage shown, and standard deviation of its noise (V): about twice the voltage of each half of the
-        supply, and 0.04 % of it.
-    """
+    """What converters chosen for a drive show of it: 40 A and 100 V on the paper's, the same shares on any other."""
 
     current_range_a: float
+    """Greatest current shown (A): half as much again as the current limit, and a little."""
     current_offset_a: float
     current_noise_a: float
+    """Greatest offset of a current sensor, and standard deviation of its noise (A): about 0.2 % and 0.08 % of
+    the current limit."""
     voltage_range_v: float
     voltage_noise_v: float
+    """Greatest voltage shown, and standard deviation of its noise (V): about twice the voltage of each half
+    of the supply, and 0.04 % of it."""
 
 
 def converter_ranges(drive: DriveDocument) -> ConverterRanges:

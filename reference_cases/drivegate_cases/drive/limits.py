@@ -38,36 +38,24 @@ _STEPS_OF_TIME: Final = ("1", "1.5", "2", "3", "5", "7")
 
 @dataclass(frozen=True)
 class Limits:
-    """What the controllers of a drive are judged by.
-
-    Attributes
-    ----------
-    speed_tolerance_rpm : float
-        Greatest speed error k1 of a search that has converged (rpm).
-    power_tolerance : float
-        Greatest variation k2 of the current sum, as a share of it (1).
-    angle_tolerance_deg : float
-        Greatest movement of the advance angle (electrical degrees).
-    settling_s : float
-        Time in which a search has to converge (s).
-    optimum_tolerance : float
-        Greatest excess of the current sum over the least one, as a share of it (1).
-    ripple : float
-        Limit of the torque ripple with the ideal regulator, peak to peak over mean (1); inf for none.
-    closed_loop_ripple : float
-        The same with hysteresis band and speed regulator (1).
-    points : tuple of RequiredPoint
-        Operating points at which the ripple is required.
-    """
+    """What the controllers of a drive are judged by."""
 
     speed_tolerance_rpm: float
+    """Greatest speed error k1 of a search that has converged (rpm)."""
     power_tolerance: float
+    """Greatest variation k2 of the current sum, as a share of it (1)."""
     angle_tolerance_deg: float
+    """Greatest movement of the advance angle (electrical degrees)."""
     settling_s: float
+    """Time in which a search has to converge (s)."""
     optimum_tolerance: float
+    """Greatest excess of the current sum over the least one, as a share of it (1)."""
     ripple: float
+    """Limit of the torque ripple with the ideal regulator, peak to peak over mean (1); inf for none."""
     closed_loop_ripple: float
+    """The same with hysteresis band and speed regulator (1)."""
     points: tuple[RequiredPoint, ...]
+    """Operating points at which the ripple is required."""
 
 
 @lru_cache(maxsize=_KEPT)

@@ -14,28 +14,19 @@ _PER_1000_RPM = 1.0 / (1000.0 * RADIANS_PER_RPM)
 
 @dataclass(frozen=True)
 class UsualRange:
-    """What a key of a drive usually is in drives of its kind.
-
-    Attributes
-    ----------
-    key : str
-        The key.
-    lowest, highest : float
-        The range, so wide that only a wrong unit leaves it.
-    unit : str
-        The unit that is expected.
-    kind : str
-        What the range follows from, in words.
-    mistaken : tuple of (str, float)
-        Units that the value may be in instead, each with its size in the expected one.
-    """
+    """What a key of a drive usually is in drives of its kind."""
 
     key: str
+    """The key."""
     lowest: float
     highest: float
+    """The range, so wide that only a wrong unit leaves it."""
     unit: str
+    """The unit that is expected."""
     kind: str
+    """What the range follows from, in words."""
     mistaken: tuple[tuple[str, float], ...] = ()
+    """Units that the value may be in instead, each with its size in the expected one."""
 
     def holds(self, value: float) -> bool:
         """Tell whether a value is usual; 0 leaves something out, and is no wrong unit."""

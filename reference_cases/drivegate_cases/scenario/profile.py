@@ -15,32 +15,22 @@ from drivegate_cases.scenario.scenario import Scenario
 
 @dataclass(frozen=True, slots=True)
 class Dwell:
-    """A stretch in which nothing outside of the controller changes.
-
-    Attributes
-    ----------
-    start, end : float
-        Time at which the stretch begins and ends (s).
-    speed_rpm : float
-        Speed reference (rpm).
-    load_factor : float
-        Share of the load; 1 for a locked shaft, the grade (%) for a vehicle.
-    supply_v : float
-        Mean voltage of the halves of the supply (V).
-    imbalance : float
-        Share by which the halves differ from it.
-    resistance_factor, emf_factor : float
-        Drift of the plant's parameters (1).
-    """
+    """A stretch in which nothing outside of the controller changes."""
 
     start: float
     end: float
+    """Time at which the stretch begins and ends (s)."""
     speed_rpm: float
+    """Speed reference (rpm)."""
     load_factor: float
+    """Share of the load; 1 for a locked shaft, the grade (%) for a vehicle."""
     supply_v: float
+    """Mean voltage of the halves of the supply (V)."""
     imbalance: float = 0.0
+    """Share by which the halves differ from it."""
     resistance_factor: float = 1.0
     emf_factor: float = 1.0
+    """Drift of the plant's parameters (1)."""
 
     @property
     def duration(self) -> float:

@@ -33,21 +33,14 @@ _ROOM: Final = 0.05
 
 @dataclass(frozen=True)
 class CheckDistribution:
-    """The margins of one check.
-
-    Attributes
-    ----------
-    check : str
-        The check.
-    margins : ndarray, shape (n,)
-        From the least to the greatest, at equal shares of the runs (1).
-    violated : str
-        How many runs violate it, in words.
-    """
+    """The margins of one check."""
 
     check: str
+    """The check."""
     margins: NDArray[np.float64]
+    """From the least to the greatest, at equal shares of the runs (1), shape (n,)."""
     violated: str
+    """How many runs violate it, in words."""
 
 
 def alternative(rows: Sequence[CheckDistribution]) -> str:

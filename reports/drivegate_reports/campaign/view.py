@@ -24,112 +24,76 @@ Row = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class ShareRow:
-    """How often something happened, as a row.
-
-    Attributes
-    ----------
-    name, level, requirement : str
-        The check, its level and what it requires; the last two are empty for a case.
-    share, probability, interval : str
-        How often it happened, of how many runs; the estimate, and its interval.
-    low, high, at : float
-        The interval and the estimate as percentages of a bar; None of them without runs.
-    tone : str
-        ``pass``, ``caution`` or ``fail``.
-    margins : tuple of str
-        Least margin, that of 5 % of the runs, and the median.
-    """
+    """How often something happened, as a row."""
 
     name: str
     level: str
     requirement: str
+    """The check, its level and what it requires; the last two are empty for a case."""
     share: str
     probability: str
     interval: str
+    """How often it happened, of how many runs; the estimate, and its interval."""
     low: float
     high: float
     at: float | None
+    """The interval and the estimate as percentages of a bar; None of them without runs."""
     tone: str
+    """``pass``, ``caution`` or ``fail``."""
     margins: tuple[str, str, str] = ("–", "–", "–")
+    """Least margin, that of 5 % of the runs, and the median."""
 
 
 @dataclass(frozen=True)
 class WorstRow:
-    """A run that can be run again.
-
-    Attributes
-    ----------
-    what : str
-        The check, or the kind of fault.
-    run : str
-        Number of the run.
-    facts : str
-        Its case and the values of its parameters.
-    margin, measured : str
-        What it came to.
-    tone : str
-        ``pass``, ``caution`` or ``fail``.
-    command : str
-        What runs it again, in the folder of the page.
-    """
+    """A run that can be run again."""
 
     what: str
+    """The check, or the kind of fault."""
     run: str
+    """Number of the run."""
     facts: str
+    """Its case and the values of its parameters."""
     margin: str
     measured: str
+    """What it came to."""
     tone: str
+    """``pass``, ``caution`` or ``fail``."""
     command: str
+    """What runs it again, in the folder of the page."""
 
 
 @dataclass(frozen=True)
 class CandidateView:
-    """One candidate as the page shows it.
-
-    Attributes
-    ----------
-    name : str
-        The candidate.
-    tone, outcome, sentence : str
-        Whether any of its runs failed: as a colour, in short, and with the probability.
-    rows : tuple of ShareRow
-        Any required check, then each check.
-    cases : tuple of ShareRow
-        By case; empty where there is one case alone.
-    worst : tuple of WorstRow
-        First of each kind of fault, then the worst run of each check, those that are violated first.
-    figure : PageFigure or None
-        The distribution of margins; None where no check decided.
-    """
+    """One candidate as the page shows it."""
 
     name: str
+    """The candidate."""
     tone: str
     outcome: str
     sentence: str
+    """Whether any of its runs failed: as a colour, in short, and with the probability."""
     rows: tuple[ShareRow, ...]
+    """Any required check, then each check."""
     cases: tuple[ShareRow, ...]
+    """By case; empty where there is one case alone."""
     worst: tuple[WorstRow, ...]
+    """First of each kind of fault, then the worst run of each check, those that are violated first."""
     figure: PageFigure | None
+    """The distribution of margins; None where no check decided."""
 
 
 @dataclass(frozen=True)
 class CampaignView:
-    """A campaign as the page shows it.
-
-    Attributes
-    ----------
-    name, confidence : str
-        Its name, and the confidence of the intervals.
-    facts : tuple of tuple of str
-        Names and values.
-    candidates : tuple of CandidateView
-        In the order of the file.
-    """
+    """A campaign as the page shows it."""
 
     name: str
     confidence: str
+    """Its name, and the confidence of the intervals."""
     facts: tuple[tuple[str, str], ...]
+    """Names and values."""
     candidates: tuple[CandidateView, ...]
+    """In the order of the file."""
 
 
 def view_of(document: Row) -> CampaignView:

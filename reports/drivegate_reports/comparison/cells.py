@@ -13,46 +13,30 @@ _LONGEST_NAME: Final = 80
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of a table.
-
-    Attributes
-    ----------
-    text : str
-        What is shown.
-    tone : str
-        ``pass``, ``caution``, ``fail`` or empty.
-    is_number : bool
-        Whether it is aligned as one.
-    sort : str
-        What it is sorted by, where that is not the text.
-    """
+    """A cell of a table."""
 
     text: str
+    """What is shown."""
     tone: str = ""
+    """``pass``, ``caution``, ``fail`` or empty."""
     is_number: bool = False
+    """Whether it is aligned as one."""
     sort: str = ""
+    """What it is sorted by, where that is not the text."""
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """A table.
-
-    Attributes
-    ----------
-    name : str
-        Name of its CSV file and of its place in the page.
-    caption : str
-        What it shows.
-    heads : tuple of str
-        Headings, with units.
-    rows : tuple of tuple of Cell
-        The first cell of each names the row.
-    """
+    """A table."""
 
     name: str
+    """Name of its CSV file and of its place in the page."""
     caption: str
+    """What it shows."""
     heads: tuple[str, ...]
+    """Headings, with units."""
     rows: tuple[tuple[Cell, ...], ...]
+    """The first cell of each names the row."""
 
 
 def name(value: object) -> str:

@@ -30,40 +30,27 @@ _ERROR_TICKS: Final = (-200.0, -40.0, -10.0, -3.0, -1.0, 0.0, 1.0, 3.0, 10.0, 40
 
 @dataclass(frozen=True)
 class Measured:
-    """A difference from the first candidate.
-
-    Attributes
-    ----------
-    candidate : str
-        The other candidate.
-    mean, low, high : float
-        Other less first, and its interval.
-    is_real : bool
-        Whether it is more than chance and matters.
-    """
+    """A difference from the first candidate."""
 
     candidate: str
+    """The other candidate."""
     mean: float
     low: float
     high: float
+    """Other less first, and its interval."""
     is_real: bool
+    """Whether it is more than chance and matters."""
 
 
 @dataclass(frozen=True)
 class DifferencePanel:
-    """The differences in one quantity.
-
-    Attributes
-    ----------
-    title, unit : str
-        What is compared.
-    rows : tuple of Measured
-        In the order of the ranking.
-    """
+    """The differences in one quantity."""
 
     title: str
     unit: str
+    """What is compared."""
     rows: tuple[Measured, ...]
+    """In the order of the ranking."""
 
 
 def measured_differences(document: Mapping[str, Any]) -> tuple[DifferencePanel, ...]:

@@ -17,37 +17,26 @@ _MOST_SENTENCES: Final = 6
 
 @dataclass(frozen=True)
 class DriveView:
-    """A comparison of drives as the page shows it.
-
-    Attributes
-    ----------
-    headline : str
-        What is compared.
-    sentences : tuple of tuple of str
-        A candidate, and what is to be said of the drives under it.
-    bases, losses : str
-        What per unit is, and how losses are split.
-    summary, drives, points : Sheet
-        Tables.
-    parts : tuple of tuple of str
-        Each drive, and the page of its own.
-    troubles : tuple of tuple of str
-        Who was refused or failed, where, how, and what happened.
-    facts, provenance : tuple of tuple of str
-        Names and values.
-    """
+    """A comparison of drives as the page shows it."""
 
     headline: str
+    """What is compared."""
     sentences: tuple[tuple[str, str], ...]
+    """A candidate, and what is to be said of the drives under it."""
     bases: str
     losses: str
+    """What per unit is, and how losses are split."""
     summary: Sheet
     drives: Sheet
     points: Sheet
+    """Tables."""
     parts: tuple[tuple[str, str], ...]
+    """Each drive, and the page of its own."""
     troubles: tuple[tuple[str, str, str, str], ...]
+    """Who was refused or failed, where, how, and what happened."""
     facts: tuple[tuple[str, str], ...]
     provenance: tuple[tuple[str, str], ...]
+    """Names and values."""
 
 
 def drive_view_of(document: Mapping[str, Any]) -> DriveView:

@@ -26,21 +26,14 @@ _APART: Final = 0.7
 
 @dataclass(frozen=True)
 class Panel:
-    """What a panel shows.
-
-    Attributes
-    ----------
-    label : str
-        Its axis.
-    key : str
-        The quantity in the rows.
-    limit : float or None
-        A limit to be drawn.
-    """
+    """What a panel shows."""
 
     label: str
+    """Its axis."""
     key: str
+    """The quantity in the rows."""
     limit: float | None = None
+    """A limit to be drawn."""
 
 
 POINT_PANELS: Final = (

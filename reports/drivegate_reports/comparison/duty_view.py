@@ -19,41 +19,28 @@ Row = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class DutyComparisonView:
-    """A comparison as the page shows it.
-
-    Attributes
-    ----------
-    candidates : tuple of str
-        Names.
-    headline : str
-        Who is first.
-    sentences : tuple of tuple of str
-        A name and what is to be said of it, best first.
-    rule : str
-        How candidates are ranked.
-    facts : tuple of tuple of str
-        Names and values about the comparison.
-    troubles : tuple of Trouble
-        Candidates that were refused or failed.
-    ranking, points, steps : Sheet
-        Tables.
-    checks : Sheet or None
-        Missing where the checks were not made.
-    provenance : tuple of tuple of str
-        Names and values.
-    """
+    """A comparison as the page shows it."""
 
     candidates: tuple[str, ...]
+    """Names."""
     headline: str
+    """Who is first."""
     sentences: tuple[tuple[str, str], ...]
+    """A name and what is to be said of it, best first."""
     rule: str
+    """How candidates are ranked."""
     facts: tuple[tuple[str, str], ...]
+    """Names and values about the comparison."""
     troubles: tuple[Trouble, ...]
+    """Candidates that were refused or failed."""
     ranking: Sheet
     points: Sheet
     steps: Sheet
+    """Tables."""
     checks: Sheet | None
+    """Missing where the checks were not made."""
     provenance: tuple[tuple[str, str], ...]
+    """Names and values."""
 
 
 def duty_view_of(document: Mapping[str, Any]) -> DutyComparisonView:

@@ -33,18 +33,13 @@ SHOWN_DISTURBANCES: Final = 2
 
 @dataclass(frozen=True)
 class ComparisonFigures:
-    """The figures by the section that they stand in.
-
-    Attributes
-    ----------
-    differences, points, disturbances, cycle : tuple of PageFigure
-        Empty where there is nothing to draw.
-    """
+    """The figures by the section that they stand in."""
 
     differences: tuple[PageFigure, ...]
     points: tuple[PageFigure, ...]
     disturbances: tuple[PageFigure, ...]
     cycle: tuple[PageFigure, ...]
+    """Empty where there is nothing to draw."""
 
 
 def comparison_figures(document: Mapping[str, Any]) -> ComparisonFigures:

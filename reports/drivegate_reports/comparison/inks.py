@@ -20,24 +20,16 @@ _LONGEST_LABEL: Final = 24
 
 @dataclass(frozen=True)
 class Ink:
-    """How a candidate is drawn.
-
-    Attributes
-    ----------
-    label : str
-        Its name, short enough for a figure.
-    colour : str
-        One of the house's colours.
-    dash : object
-        A line style of matplotlib.
-    marker : str
-        A marker of matplotlib.
-    """
+    """How a candidate is drawn."""
 
     label: str
+    """Its name, short enough for a figure."""
     colour: str
+    """One of the house's colours."""
     dash: Any
+    """A line style of matplotlib."""
     marker: str
+    """A marker of matplotlib."""
 
 
 def inks_of(document: Mapping[str, Any]) -> dict[str, Ink]:

@@ -26,23 +26,16 @@ _SHOWN_SHARE: Final = 0.93
 
 @dataclass(frozen=True)
 class MapQuantity:
-    """What a map shows.
-
-    Attributes
-    ----------
-    key : str
-        Column of the operating points.
-    title, caption, scale : str
-        Words of the figure and of its scale.
-    digits : int
-        Digits after the point.
-    """
+    """What a map shows."""
 
     key: str
+    """Column of the operating points."""
     title: str
     caption: str
     scale: str
+    """Words of the figure and of its scale."""
     digits: int
+    """Digits after the point."""
 
 
 MAPS: Final = (
@@ -81,24 +74,16 @@ MAPS: Final = (
 
 @dataclass(frozen=True)
 class CandidateMap:
-    """A candidate's values over speed and load.
-
-    Attributes
-    ----------
-    speed_rpm : ndarray, shape (n,)
-        Speeds (rpm).
-    torque_nm : ndarray, shape (m, n)
-        Torque of each load at each speed (N·m).
-    values : ndarray, shape (m, n)
-        The quantity; NaN where it is not known.
-    lost : ndarray, shape (m, n)
-        Whether the point was not held.
-    """
+    """A candidate's values over speed and load."""
 
     speed_rpm: NDArray[np.float64]
+    """Speeds (rpm), shape (n,)."""
     torque_nm: NDArray[np.float64]
+    """Torque of each load at each speed (N·m), shape (m, n)."""
     values: NDArray[np.float64]
+    """The quantity; NaN where it is not known, shape (m, n)."""
     lost: NDArray[np.bool_]
+    """Whether the point was not held, shape (m, n)."""
 
 
 def candidate_map(document: Mapping[str, Any], candidate: str, key: str) -> CandidateMap:

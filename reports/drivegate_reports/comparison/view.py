@@ -29,80 +29,55 @@ _LONGEST_BLOCK: Final = 4_000
 
 @dataclass(frozen=True)
 class Trouble:
-    """A candidate that could not be compared.
-
-    Attributes
-    ----------
-    candidate : str
-        Its name.
-    what : str
-        ``refused``, or the kind of fault.
-    message : str
-        What happened.
-    detail : str
-        Traceback; empty where there is none.
-    """
+    """A candidate that could not be compared."""
 
     candidate: str
+    """Its name."""
     what: str
+    """``refused``, or the kind of fault."""
     message: str
+    """What happened."""
     detail: str
+    """Traceback; empty where there is none."""
 
 
 @dataclass(frozen=True)
 class ComparisonView:
-    """A comparison as the page shows it.
-
-    Attributes
-    ----------
-    candidates : tuple of str
-        Names.
-    headline : str
-        Who is first.
-    sentences : tuple of tuple of str
-        The decision: a name and what is to be said of it, best first.
-    rule, method : str
-        How candidates are ranked, and how differences are judged.
-    facts : tuple of tuple of str
-        Names and values about the comparison.
-    troubles : tuple of Trouble
-        Candidates that were refused or failed.
-    ranking, regions, differences, points, disturbances, cycle : Sheet
-        Tables.
-    checks, timing : Sheet or None
-        Tables that may be missing.
-    sensors : str
-        The sensors of the noisy runs.
-    held_rpm : str
-        k1, the speed error within which a speed counts as held.
-    vehicle : str
-        The vehicle of the drive cycle, in a sentence.
-    cycle_words : str
-        The drive cycle, in a sentence.
-    provenance : tuple of tuple of str
-        Names and values.
-    """
+    """A comparison as the page shows it."""
 
     candidates: tuple[str, ...]
+    """Names."""
     headline: str
+    """Who is first."""
     sentences: tuple[tuple[str, str], ...]
+    """The decision: a name and what is to be said of it, best first."""
     rule: str
     method: str
+    """How candidates are ranked, and how differences are judged."""
     facts: tuple[tuple[str, str], ...]
+    """Names and values about the comparison."""
     troubles: tuple[Trouble, ...]
+    """Candidates that were refused or failed."""
     ranking: Sheet
     regions: Sheet
     differences: Sheet
     points: Sheet
     disturbances: Sheet
     cycle: Sheet
+    """Tables."""
     checks: Sheet | None
     timing: Sheet | None
+    """Tables that may be missing."""
     sensors: str
+    """The sensors of the noisy runs."""
     held_rpm: str
+    """k1, the speed error within which a speed counts as held."""
     vehicle: str
+    """The vehicle of the drive cycle, in a sentence."""
     cycle_words: str
+    """The drive cycle, in a sentence."""
     provenance: tuple[tuple[str, str], ...]
+    """Names and values."""
 
 
 def view_of(document: Mapping[str, Any]) -> ComparisonView:

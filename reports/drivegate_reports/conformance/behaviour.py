@@ -35,18 +35,13 @@ _OWN_WAY: Final = (
 
 @dataclass(frozen=True)
 class ShownBehaviour:
-    """How a candidate behaves.
-
-    Attributes
-    ----------
-    figures : tuple of PageFigure
-        Step, currents, torque and losses, as far as they were measured.
-    points : tuple of tuple of str
-        A row for each operating point: point, torque, loss, least loss, excess, efficiency, d current, best d current.
-    """
+    """How a candidate behaves."""
 
     figures: tuple[PageFigure, ...]
+    """Step, currents, torque and losses, as far as they were measured."""
     points: tuple[tuple[str, ...], ...]
+    """A row for each operating point: point, torque, loss, least loss, excess, efficiency, d current, best d
+    current."""
 
 
 def shown_behaviour(document: Mapping[str, Any], drive: DriveDocument) -> ShownBehaviour | None:

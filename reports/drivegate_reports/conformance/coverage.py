@@ -23,45 +23,30 @@ _SPECIAL: Final = frozenset(check for checks in SPECIAL.values() for check in ch
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a check rests on, and which runs exercise it.
-
-    Attributes
-    ----------
-    facts : tuple of str
-        Facts of the publication.
-    scenarios : str
-        Scenarios that it applies to, in words.
-    families : tuple of str
-        Kinds of runs that exercise it.
-    """
+    """What a check rests on, and which runs exercise it."""
 
     facts: tuple[str, ...]
+    """Facts of the publication."""
     scenarios: str
+    """Scenarios that it applies to, in words."""
     families: tuple[str, ...]
+    """Kinds of runs that exercise it."""
 
 
 @dataclass(frozen=True)
 class FactRow:
-    """A fact of the publication, and what holds it.
-
-    Attributes
-    ----------
-    id, title, source : str
-        The fact.
-    checks : tuple of str
-        Checks of candidates.
-    properties : int
-        Number of tests of the plant and of the controllers.
-    figures : tuple of str
-        Figures of the publication that are reproduced for it.
-    """
+    """A fact of the publication, and what holds it."""
 
     id: str
     title: str
     source: str
+    """The fact."""
     checks: tuple[str, ...]
+    """Checks of candidates."""
     properties: int
+    """Number of tests of the plant and of the controllers."""
     figures: tuple[str, ...]
+    """Figures of the publication that are reproduced for it."""
 
 
 def drive_of(document: Mapping[str, Any]) -> DriveDocument:

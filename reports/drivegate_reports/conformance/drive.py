@@ -21,24 +21,16 @@ from drivegate_reports.page.style import house_style, inline_svg
 
 @dataclass(frozen=True)
 class ShownDrive:
-    """The drive of a result.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    facts : tuple of str
-        Line of initial angles, times and what they mean for a controller, in sentences.
-    required : tuple of str
-        What is required of its controllers.
-    figures : tuple of PageFigure
-        What it can do over speed, and of a PM AC drive where in the plane of d and q current.
-    """
+    """The drive of a result."""
 
     name: str
+    """Its name."""
     facts: tuple[str, ...]
+    """Line of initial angles, times and what they mean for a controller, in sentences."""
     required: tuple[str, ...]
+    """What is required of its controllers."""
     figures: tuple[PageFigure, ...]
+    """What it can do over speed, and of a PM AC drive where in the plane of d and q current."""
 
 
 def shown_drive(document: Mapping[str, Any], drive: DriveDocument) -> ShownDrive | None:
@@ -62,21 +54,14 @@ def shown_drive(document: Mapping[str, Any], drive: DriveDocument) -> ShownDrive
 
 @dataclass(frozen=True)
 class StatedValue:
-    """A value of a drive, and where it comes from.
-
-    Attributes
-    ----------
-    key : str
-        Its table and key in the drive's document.
-    value : str
-        The value, in the unit that the key names.
-    source : str
-        What the document says of it.
-    """
+    """A value of a drive, and where it comes from."""
 
     key: str
+    """Its table and key in the drive's document."""
     value: str
+    """The value, in the unit that the key names."""
     source: str
+    """What the document says of it."""
 
 
 def stated_values(drive: DriveDocument) -> tuple[StatedValue, ...]:

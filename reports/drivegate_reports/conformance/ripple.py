@@ -18,21 +18,14 @@ _SHORT: Final = 0.999
 
 @dataclass(frozen=True)
 class Ripple:
-    """Torque over one electrical period at the operating point that a check judged.
-
-    Attributes
-    ----------
-    cycle : TorqueCycle
-        The torque in the steady state at the angle and the mean torque of the judged stretch.
-    limit : float
-        Largest peak-to-peak ripple over the mean (1).
-    demanded_nm : float
-        Mean torque of the judged stretch (N·m).
-    """
+    """Torque over one electrical period at the operating point that a check judged."""
 
     cycle: TorqueCycle
+    """The torque in the steady state at the angle and the mean torque of the judged stretch."""
     limit: float
+    """Largest peak-to-peak ripple over the mean (1)."""
     demanded_nm: float
+    """Mean torque of the judged stretch (N·m)."""
 
     @property
     def is_short(self) -> bool:

@@ -27,16 +27,11 @@ TONES: Final = {
 
 @dataclass(frozen=True)
 class MarginBar:
-    """A margin as a bar from the middle of a box of 100 by 10, to the right where it is met.
-
-    Attributes
-    ----------
-    start, width : float
-        Of the bar, in the box's units.
-    """
+    """A margin as a bar from the middle of a box of 100 by 10, to the right where it is met."""
 
     start: float
     width: float
+    """Of the bar, in the box's units."""
 
 
 @dataclass(frozen=True)
@@ -113,25 +108,18 @@ class ComparisonRow:
 
 @dataclass(frozen=True)
 class ShownFault:
-    """A fault as the page shows it; texts are bounded and printable.
-
-    Attributes
-    ----------
-    kind, message, phase, error, traceback : str
-        As in the result document.
-    when : str
-        Step and simulated time; empty where the candidate was not stepped.
-    sense : str
-        What the candidate had sensed; empty where it was not stepped.
-    """
+    """A fault as the page shows it; texts are bounded and printable."""
 
     kind: str
     message: str
     phase: str
     error: str
     traceback: str
+    """As in the result document."""
     when: str
+    """Step and simulated time; empty where the candidate was not stepped."""
     sense: str
+    """What the candidate had sensed; empty where it was not stepped."""
 
 
 def margin_bar(margin: float) -> MarginBar:

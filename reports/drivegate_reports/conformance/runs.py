@@ -26,24 +26,16 @@ from drivegate_reports.page.style import house_style, inline_svg
 
 @dataclass(frozen=True)
 class ShownRun:
-    """The run that is shown for a check.
-
-    Attributes
-    ----------
-    account : tuple of str
-        What happened in it, in sentences.
-    figure : PageFigure
-        Its signals.
-    drawn_before : bool
-        Whether the figure stands with an earlier check already.
-    ripple : PageFigure or None
-        The torque over one electrical period, where a check of the ripple fails.
-    """
+    """The run that is shown for a check."""
 
     account: tuple[str, ...]
+    """What happened in it, in sentences."""
     figure: PageFigure
+    """Its signals."""
     drawn_before: bool
+    """Whether the figure stands with an earlier check already."""
     ripple: PageFigure | None = None
+    """The torque over one electrical period, where a check of the ripple fails."""
 
 
 def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:

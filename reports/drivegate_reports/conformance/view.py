@@ -34,62 +34,44 @@ MOST_FAULTS: Final = 20
 
 @dataclass(frozen=True)
 class ResultView:
-    """A result document as the page shows it.
-
-    Attributes
-    ----------
-    candidate, kind, specification, candidate_hash : str
-        The candidate.
-    drive : str
-        The drive; empty in a result that does not tell it.
-    verdict, tone, meaning : str
-        The verdict, its colour, and what it means in one sentence.
-    exit_code, seed, runs, set_aside : int
-        As in the result document.
-    infeasible : tuple of (str, str)
-        Scenarios that were set aside, each with the reason.
-    effort : str
-        As in the result document.
-    failing : tuple of str
-        Identifiers of the required checks that fail.
-    rests_on : tuple of str
-        What the verdict rests on, in sentences.
-    next_step : str
-        A command to go on with.
-    checks : tuple of CheckRow
-        In the order of the document.
-    comparisons : tuple of ComparisonRow
-        Of each check with the baseline; empty where there was none.
-    faults : tuple of ShownFault
-        The first `MOST_FAULTS` of them.
-    more_faults : int
-        Number of further ones.
-    provenance : tuple of tuple of str
-        Names and values.
-    """
+    """A result document as the page shows it."""
 
     candidate: str
     kind: str
     specification: str
     candidate_hash: str
+    """The candidate."""
     drive: str
+    """The drive; empty in a result that does not tell it."""
     verdict: str
     tone: str
     meaning: str
+    """The verdict, its colour, and what it means in one sentence."""
     exit_code: int
     seed: int
     runs: int
     set_aside: int
+    """As in the result document."""
     infeasible: tuple[tuple[str, str], ...]
+    """Scenarios that were set aside, each with the reason."""
     effort: str
+    """As in the result document."""
     failing: tuple[str, ...]
+    """Identifiers of the required checks that fail."""
     rests_on: tuple[str, ...]
+    """What the verdict rests on, in sentences."""
     next_step: str
+    """A command to go on with."""
     checks: tuple[CheckRow, ...]
+    """In the order of the document."""
     comparisons: tuple[ComparisonRow, ...]
+    """Of each check with the baseline; empty where there was none."""
     faults: tuple[ShownFault, ...]
+    """The first `MOST_FAULTS` of them."""
     more_faults: int
+    """Number of further ones."""
     provenance: tuple[tuple[str, str], ...]
+    """Names and values."""
 
     @property
     def broken(self) -> tuple[CheckRow, ...]:

@@ -27,37 +27,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """A figure of the paper as the models give it.
-
-    Attributes
-    ----------
-    name : str
-        Name of its files.
-    label : str
-        What the paper calls it.
-    module : str
-        Name of its module in `drivegate_reports.paper.figures`, by which facts refer to it.
-    facts : tuple of str
-        Facts that it bears on.
-    title : str
-        Its title.
-    compute : callable
-        Computes its data, once.
-    draw : callable
-        Draws the data, in the house style.
-    alternative, caption : callable
-        Describe the data in words: for who cannot see it, and below the figure.
-    """
+    """A figure of the paper as the models give it."""
 
     name: str
+    """Name of its files."""
     label: str
+    """What the paper calls it."""
     module: str
+    """Name of its module in `drivegate_reports.paper.figures`, by which facts refer to it."""
     facts: tuple[str, ...]
+    """Facts that it bears on."""
     title: str
+    """Its title."""
     compute: Callable[[], Any]
+    """Computes its data, once."""
     draw: Callable[[Any], Figure]
+    """Draws the data, in the house style."""
     alternative: Callable[[Any], str]
     caption: Callable[[Any], str]
+    """Describe the data in words: for who cannot see it, and below the figure."""
 
 
 def _of(

@@ -31,34 +31,22 @@ _HALVINGS: Final = 16
 
 @dataclass(frozen=True)
 class ComparedDrive:
-    """A drive of the comparison, with ideal current regulators and no core loss.
-
-    Attributes
-    ----------
-    name : str
-        What it is called in figures.
-    document : DriveDocument
-        The drive.
-    """
+    """A drive of the comparison, with ideal current regulators and no core loss."""
 
     name: str
+    """What it is called in figures."""
     document: DriveDocument
+    """The drive."""
 
 
 @dataclass(frozen=True)
 class PowerPoint:
-    """Rated power at the angle of least Σ|i|.
-
-    Attributes
-    ----------
-    advance_deg : float
-        That angle (electrical deg).
-    point : TorquePoint
-        The steady state there.
-    """
+    """Rated power at the angle of least Σ|i|."""
 
     advance_deg: float
+    """That angle (electrical deg)."""
     point: TorquePoint
+    """The steady state there."""
 
     @property
     def ripple_percent(self) -> float:

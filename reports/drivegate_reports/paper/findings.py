@@ -34,18 +34,12 @@ _HALVINGS: Final = 11
 
 @dataclass(frozen=True)
 class RecomputedFinding:
-    """A finding, with numbers from the models as they are.
-
-    Attributes
-    ----------
-    finding : Finding
-        Title, statement, and the facts and checks that it bears on.
-    numbers : tuple of tuple of str
-        What is computed, and its value with its unit.
-    """
+    """A finding, with numbers from the models as they are."""
 
     finding: Finding
+    """Title, statement, and the facts and checks that it bears on."""
     numbers: tuple[tuple[str, str], ...]
+    """What is computed, and its value with its unit."""
 
 
 @cache

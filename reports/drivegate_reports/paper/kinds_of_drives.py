@@ -38,22 +38,15 @@ _HALVINGS: Final = 12
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """A power at a speed, at the best that a drive can do; NaN throughout where that is out of reach.
-
-    Attributes
-    ----------
-    ripple_percent : float
-        Torque ripple, peak to peak over mean (%).
-    current_sum_a : float
-        Mean of the sum of current magnitudes (A).
-    copper_loss_w, input_w : float
-        Copper loss and net input power (W).
-    """
+    """A power at a speed, at the best that a drive can do; NaN throughout where that is out of reach."""
 
     ripple_percent: float
+    """Torque ripple, peak to peak over mean (%)."""
     current_sum_a: float
+    """Mean of the sum of current magnitudes (A)."""
     copper_loss_w: float
     input_w: float
+    """Copper loss and net input power (W)."""
 
 
 OUT_OF_REACH: Final = OperatingPoint(nan, nan, nan, nan)
@@ -62,24 +55,17 @@ OUT_OF_REACH: Final = OperatingPoint(nan, nan, nan, nan)
 
 @dataclass(frozen=True)
 class KindOfDrive:
-    """A drive of the comparison.
-
-    Attributes
-    ----------
-    name : str
-        What it is called in figures.
-    document : DriveDocument
-        The drive, without band and core loss.
-    at : callable
-        From a speed (rpm) and a power at the shaft (W) to the operating point.
-    greatest_power : callable
-        From a speed (rpm) to the greatest power at the current limit (W); NaN or less than nothing where there is none.
-    """
+    """A drive of the comparison."""
 
     name: str
+    """What it is called in figures."""
     document: DriveDocument
+    """The drive, without band and core loss."""
     at: Callable[[float, float], OperatingPoint]
+    """From a speed (rpm) and a power at the shaft (W) to the operating point."""
     greatest_power: Callable[[float], float]
+    """From a speed (rpm) to the greatest power at the current limit (W); NaN or less than nothing where there
+    is none."""
 
     @property
     def current_sum_base_a(self) -> float:

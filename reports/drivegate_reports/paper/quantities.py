@@ -32,24 +32,16 @@ from drivegate_reports.paper.verdicts import ComparedStatement, Number, Verdict
 
 @dataclass(frozen=True)
 class Ours:
-    """A value of ours for a published quantity.
-
-    Attributes
-    ----------
-    value : float
-        In the quantity's unit.
-    note : str
-        How it was had.
-    given : bool
-        Whether it is an input of the model.
-    is_open : bool
-        Whether the paper leaves open what exactly is meant.
-    """
+    """A value of ours for a published quantity."""
 
     value: float
+    """In the quantity's unit."""
     note: str = ""
+    """How it was had."""
     given: bool = False
+    """Whether it is an input of the model."""
     is_open: bool = False
+    """Whether the paper leaves open what exactly is meant."""
 
 
 def _given(value: float) -> Ours:

@@ -33,43 +33,28 @@ FIGURE_FOLDER: Final = "figures"
 
 @dataclass(frozen=True)
 class Reproduced:
-    """A figure with the numbers that belong to it.
-
-    Attributes
-    ----------
-    label : str
-        What the paper calls it.
-    figure : PageFigure
-        The figure with its words.
-    files : tuple of str
-        Its files, relative to the page.
-    rows : tuple of ComparedStatement
-        Published numbers and statements that it bears on.
-    """
+    """A figure with the numbers that belong to it."""
 
     label: str
+    """What the paper calls it."""
     figure: PageFigure
+    """The figure with its words."""
     files: tuple[str, ...]
+    """Its files, relative to the page."""
     rows: tuple[ComparedStatement, ...]
+    """Published numbers and statements that it bears on."""
 
 
 @dataclass(frozen=True)
 class NumberRow:
-    """A comparison in the table of all.
-
-    Attributes
-    ----------
-    comparison : ComparedStatement
-        The comparison.
-    source : str
-        Where in the paper the published side stands.
-    first : bool
-        Whether it is the first of its fact.
-    """
+    """A comparison in the table of all."""
 
     comparison: ComparedStatement
+    """The comparison."""
     source: str
+    """Where in the paper the published side stands."""
     first: bool
+    """Whether it is the first of its fact."""
 
 
 def reproduce(folder: Path) -> dict[str, Any]:

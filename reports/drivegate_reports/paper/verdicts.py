@@ -13,56 +13,38 @@ Verdict: TypeAlias = Literal[
 
 @dataclass(frozen=True)
 class Number:
-    """A number with its unit.
-
-    Attributes
-    ----------
-    name : str
-        What it is, such as ``published`` or ``ours``.
-    value : float
-        The number.
-    unit : str
-        Its unit; empty for a pure number.
-    """
+    """A number with its unit."""
 
     name: str
+    """What it is, such as ``published`` or ``ours``."""
     value: float
+    """The number."""
     unit: str
+    """Its unit; empty for a pure number."""
 
 
 @dataclass(frozen=True)
 class ComparedStatement:
-    """A published statement beside ours.
-
-    Attributes
-    ----------
-    fact : str
-        Number of the fact, such as ``P8``.
-    quantity : str
-        What is compared.
-    published, ours : str
-        Both with their units.
-    residual, tolerance : str
-        Ours minus the published value, and what is allowed; empty where they have no number.
-    verdict : str
-        ``reproduced``, ``not reproduced``, ``open in the paper``, ``reproduced in kind`` for an effect of a machine
-        that the paper does not describe, on a machine of ours whose numbers cannot be held against it, or ``taken as
-        given`` for a value that the model has as an input, so that agreement proves nothing.
-    note : str
-        How ours was had.
-    numbers : tuple of Number
-        The numbers behind the words, for programs.
-    """
+    """A published statement beside ours."""
 
     fact: str
+    """Number of the fact, such as ``P8``."""
     quantity: str
+    """What is compared."""
     published: str
     ours: str
+    """Both with their units."""
     residual: str
     tolerance: str
+    """Ours minus the published value, and what is allowed; empty where they have no number."""
     verdict: Verdict
+    """``reproduced``, ``not reproduced``, ``open in the paper``, ``reproduced in kind`` for an effect of a
+    machine that the paper does not describe, on a machine of ours whose numbers cannot be held against it, or
+    ``taken as given`` for a value that the model has as an input, so that agreement proves nothing."""
     note: str
+    """How ours was had."""
     numbers: tuple[Number, ...] = ()
+    """The numbers behind the words, for programs."""
 
 
 def verdict_counts(rows: Sequence[ComparedStatement]) -> tuple[tuple[Verdict, int], ...]:

@@ -20,31 +20,22 @@ ENCODER_EDGES: Final = 10_000
 
 @dataclass(frozen=True)
 class DutyFault:
-    """A fault that is made by changing what the controller is told or its state, or its senses and answers.
-
-    Attributes
-    ----------
-    check : str
-        Check that must catch it.
-    sentence : str
-        What the controller does wrong.
-    told : callable or None
-        From a nameplate to the one that the controller is given.
-    alter : callable or None
-        Changes the record of the state, just reset.
-    spoilt : callable or None
-        From a nameplate to the fields of `SPOILT_STATE` that are not as they should be.
-    less_salient : tuple of (float, str) or None
-        Ratio of the inductances across the magnet's axis and along it up to which another check must catch it, and that
-        check: the less reluctance torque there is, the less torque and current a wrong angle or inductance costs.
-    """
+    """A fault that is made by changing what the controller is told or its state, or its senses and answers."""
 
     check: str
+    """Check that must catch it."""
     sentence: str
+    """What the controller does wrong."""
     told: Callable[[DutyNameplate], DutyNameplate] | None = None
+    """From a nameplate to the one that the controller is given."""
     alter: Callable[[Any], None] | None = None
+    """Changes the record of the state, just reset."""
     spoilt: Callable[[DutyNameplate], dict[str, float]] | None = None
+    """From a nameplate to the fields of `SPOILT_STATE` that are not as they should be."""
     less_salient: tuple[float, str] | None = None
+    """Ratio of the inductances across the magnet's axis and along it up to which another check must catch it,
+    and that check: the less reluctance torque there is, the less torque and current a wrong angle or
+    inductance costs."""
 
     @property
     def kind(self) -> str:

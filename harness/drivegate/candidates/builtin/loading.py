@@ -23,21 +23,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ControllerCode:
-    """Compiled code that several controllers share; each is chosen by a number.
-
-    Attributes
-    ----------
-    layout : dtype
-        The state.
-    step : callable
-        Returns the compiled `drivegate_step`.
-    reset : callable
-        Returns the compiled function that takes the state, a nameplate's record and the controller's number.
-    """
+    """Compiled code that several controllers share; each is chosen by a number."""
 
     layout: np.dtype[Any]
+    """The state."""
     step: Callable[[], Any]
+    """Returns the compiled `drivegate_step`."""
     reset: Callable[[], Any]
+    """Returns the compiled function that takes the state, a nameplate's record and the controller's number.
+    """
 
 
 SEARCHING: Final = ControllerCode(CONTROLLER_STATE, step_function, reset_function)

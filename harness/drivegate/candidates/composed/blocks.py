@@ -25,21 +25,14 @@ from drivegate_models.errors import InputError
 
 @dataclass(frozen=True)
 class Exchanged:
-    """What passes between blocks and the compiled rest besides Sense and Command; views of its state, shape (1,).
-
-    Attributes
-    ----------
-    line_speed : ndarray
-        The speed that the angle model is evaluated at (rad/s).
-    current_reference : ndarray
-        The regulator's answer, for the search (A).
-    integral : ndarray
-        What the regulator keeps and the reference controller's search may set back (A).
-    """
+    """What passes between blocks and the compiled rest besides Sense and Command; views of its state, shape (1,)."""
 
     line_speed: NDArray[np.float64]
+    """The speed that the angle model is evaluated at (rad/s)."""
     current_reference: NDArray[np.float64]
+    """The regulator's answer, for the search (A)."""
     integral: NDArray[np.float64]
+    """What the regulator keeps and the reference controller's search may set back (A)."""
 
 
 class AngleModelStep:

@@ -20,30 +20,20 @@ _FAILURES: Final = re.compile("error|fatal|warn", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class FmuDescription:
-    """What drivegate has to know of an FMU.
-
-    Attributes
-    ----------
-    version : int
-        Version of FMI: 2 or 3.
-    identifier : str
-        Name of its library, without a suffix.
-    token : str
-        What ties the library to the description.
-    only_once : bool
-        Whether a process may have only one instance of it at a time.
-    log_categories : tuple of str
-        Categories of messages in which it tells what went wrong.
-    connections : Connections
-        Which of its variables carry what.
-    """
+    """What drivegate has to know of an FMU."""
 
     version: int
+    """Version of FMI: 2 or 3."""
     identifier: str
+    """Name of its library, without a suffix."""
     token: str
+    """What ties the library to the description."""
     only_once: bool
+    """Whether a process may have only one instance of it at a time."""
     log_categories: tuple[str, ...]
+    """Categories of messages in which it tells what went wrong."""
     connections: Connections
+    """Which of its variables carry what."""
 
 
 def read_description(file: Path, folder: Path) -> FmuDescription:

@@ -20,36 +20,25 @@ LEGS: Final = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Ports:
-    """The variables of a controller of one contract.
-
-    Attributes
-    ----------
-    contract : str
-        The contract.
-    fields : tuple of str
-        Fields of its Sense, in order.
-    inputs, more_inputs : tuple of str
-        Inputs that a controller must have, and that it may have, phase currents apart.
-    outputs, more_outputs : tuple of str
-        Outputs that are one value each, likewise.
-    arrays, more_arrays : tuple of str
-        Outputs of one value for each leg, likewise.
-    parameters : mapping
-        Field of the nameplate that each parameter receives.
-    whole : tuple of str
-        Those of the fields that are whole numbers.
-    """
+    """The variables of a controller of one contract."""
 
     contract: ContractName
+    """The contract."""
     fields: tuple[str, ...]
+    """Fields of its Sense, in order."""
     inputs: tuple[str, ...]
     more_inputs: tuple[str, ...]
+    """Inputs that a controller must have, and that it may have, phase currents apart."""
     outputs: tuple[str, ...] = ()
     more_outputs: tuple[str, ...] = ()
+    """Outputs that are one value each, likewise."""
     arrays: tuple[str, ...] = ()
     more_arrays: tuple[str, ...] = ()
+    """Outputs of one value for each leg, likewise."""
     parameters: Mapping[str, str]
+    """Field of the nameplate that each parameter receives."""
     whole: tuple[str, ...]
+    """Those of the fields that are whole numbers."""
 
 
 def _parameters(fields: tuple[str, ...], renamed: str) -> dict[str, str]:

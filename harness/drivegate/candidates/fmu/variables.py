@@ -15,76 +15,49 @@ _INTEGERS: Final = {2: ("Integer",), 3: ("Int32", "Int64")}
 
 
 class Variable(NamedTuple):
-    """A variable of an FMU, as its description has it.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    value_reference : int
-        Its value reference.
-    causality : str
-        ``input``, ``output``, ``parameter``, ``local``, ...
-    kind : str
-        Its type, in the words of its version of FMI.
-    shape : tuple of int
-        Sizes of an array; empty for a single value.
-    """
+    """A variable of an FMU, as its description has it."""
 
     name: str
+    """Its name."""
     value_reference: int
+    """Its value reference."""
     causality: str
+    """``input``, ``output``, ``parameter``, ``local``, ..."""
     kind: str
+    """Its type, in the words of its version of FMI."""
     shape: tuple[int, ...] = ()
+    """Sizes of an array; empty for a single value."""
 
 
 class Parameter(NamedTuple):
-    """A parameter that takes a number of the nameplate.
-
-    Attributes
-    ----------
-    field : str
-        Name of the number.
-    value_reference : int
-        Value reference of the parameter.
-    kind : str
-        Its type.
-    """
+    """A parameter that takes a number of the nameplate."""
 
     field: str
+    """Name of the number."""
     value_reference: int
+    """Value reference of the parameter."""
     kind: str
+    """Its type."""
 
 
 @dataclass(frozen=True)
 class Connections:
-    """Which variables of an FMU carry what.
-
-    Attributes
-    ----------
-    contract : str
-        Contract that it answers by.
-    signals : tuple of str
-        Fields of the Sense that it takes, phase currents apart.
-    input_references : tuple of int
-        Their value references, then those of the phase currents.
-    phase_currents : int
-        Number of phase currents that it takes; 0 for none.
-    outputs : tuple of tuple of str and int
-        Fields of the command that it gives, each with its number of values.
-    output_references : tuple of int
-        Value references of these, one for an array.
-    parameters : tuple of Parameter
-        What it reads of the nameplate.
-    """
+    """Which variables of an FMU carry what."""
 
     contract: ContractName
+    """Contract that it answers by."""
     signals: tuple[str, ...]
+    """Fields of the Sense that it takes, phase currents apart."""
     input_references: tuple[int, ...]
+    """Their value references, then those of the phase currents."""
     phase_currents: int
+    """Number of phase currents that it takes; 0 for none."""
     outputs: tuple[tuple[str, int], ...]
+    """Fields of the command that it gives, each with its number of values."""
     output_references: tuple[int, ...]
+    """Value references of these, one for an array."""
     parameters: tuple[Parameter, ...]
+    """What it reads of the nameplate."""
 
 
 class Mismatch(Exception):

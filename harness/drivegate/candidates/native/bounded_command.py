@@ -24,21 +24,14 @@ _LIMITED: Final = (
 
 @dataclass(frozen=True)
 class Bounds:
-    """What a tool may use.
-
-    Attributes
-    ----------
-    seconds : float
-        Time, and processor time of each of its processes (s).
-    memory_bytes : int
-        Memory of each of its processes.
-    file_bytes : int
-        Size of each file that it writes.
-    """
+    """What a tool may use."""
 
     seconds: float = 60.0
+    """Time, and processor time of each of its processes (s)."""
     memory_bytes: int = 2 * 2**30
+    """Memory of each of its processes."""
     file_bytes: int = 64 * 2**20
+    """Size of each file that it writes."""
 
     def in_words(self) -> str:
         """Tell the bounds."""
@@ -52,18 +45,12 @@ COMPILATION: Final = Bounds()
 
 @dataclass(frozen=True)
 class Ended:
-    """How a tool ended.
-
-    Attributes
-    ----------
-    status : int or None
-        Exit status, negative for a signal; None when it was stopped because its time was up.
-    output : str
-        The beginning of what it printed.
-    """
+    """How a tool ended."""
 
     status: int | None
+    """Exit status, negative for a signal; None when it was stopped because its time was up."""
     output: str
+    """The beginning of what it printed."""
 
 
 def run_bounded(

@@ -42,30 +42,20 @@ _ESCAPED = re.compile(r"\\\s*\n|\\([ #])|\$(\$)")
 
 @dataclass(frozen=True)
 class Compilation:
-    """What is compiled, and how.
-
-    Attributes
-    ----------
-    folder : Path
-        Where the compiler runs; relative paths start from it.
-    sources : tuple of str
-        The C sources, as they are named to the compiler.
-    include : tuple of str
-        Folders of headers.
-    flags : tuple of str
-        The candidate's own flags.
-    further_files : tuple of Path
-        Files that are not compiled, but on which the result depends.
-    bounds : Bounds
-        What the compiler may use.
-    """
+    """What is compiled, and how."""
 
     folder: Path
+    """Where the compiler runs; relative paths start from it."""
     sources: tuple[str, ...]
+    """The C sources, as they are named to the compiler."""
     include: tuple[str, ...] = ()
+    """Folders of headers."""
     flags: tuple[str, ...] = ()
+    """The candidate's own flags."""
     further_files: tuple[Path, ...] = ()
+    """Files that are not compiled, but on which the result depends."""
     bounds: Bounds = COMPILATION
+    """What the compiler may use."""
 
 
 class CompilationError(InputError):

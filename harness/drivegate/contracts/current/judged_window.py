@@ -13,15 +13,10 @@ from drivegate.contracts.current.scenarios.windows import observed_windows
 
 @dataclass(frozen=True)
 class _PartialRecord(CurrentRecord):
-    """A run of which only some of the steady stretches are shown.
-
-    Attributes
-    ----------
-    shown : tuple of int
-        Their places among all of them.
-    """
+    """A run of which only some of the steady stretches are shown."""
 
     shown: tuple[int, ...] = ()
+    """Their places among all of them."""
 
     def windows(self) -> Iterator[SteadyWindow]:
         for place, window in enumerate(super().windows()):

@@ -23,21 +23,14 @@ _SAME = 1e-6
 
 @dataclass(frozen=True)
 class SteadyWindow:
-    """A stretch in which convergence is judged.
-
-    Attributes
-    ----------
-    scenario : Scenario
-        The scenario that it belongs to.
-    dwell : Dwell
-        The constant conditions it belongs to.
-    values : WindowObservation
-        What was observed.
-    """
+    """A stretch in which convergence is judged."""
 
     scenario: Scenario
+    """The scenario that it belongs to."""
     dwell: Dwell
+    """The constant conditions it belongs to."""
     values: WindowObservation
+    """What was observed."""
 
     @property
     def speed(self) -> float:

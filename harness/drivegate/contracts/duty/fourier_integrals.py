@@ -17,22 +17,15 @@ _Phasors: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class Stretches:
-    """A signal on stretches that follow one another; it may jump between them.
-
-    Attributes
-    ----------
-    starts, lengths : ndarray, shape (n,)
-        When they begin, and how long they are (s).
-    means : ndarray, shape (n,)
-        Mean of the signal over each.
-    rises : ndarray, shape (n,)
-        What it has at the end of each less what it has at the start.
-    """
+    """A signal on stretches that follow one another; it may jump between them."""
 
     starts: NDArray[np.float64]
     lengths: NDArray[np.float64]
+    """When they begin, and how long they are (s), shape (n,)."""
     means: NDArray[np.float64]
+    """Mean of the signal over each, shape (n,)."""
     rises: NDArray[np.float64]
+    """What it has at the end of each less what it has at the start, shape (n,)."""
 
     @property
     def mean(self) -> float:

@@ -21,35 +21,24 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 @dataclass(frozen=True)
 class DutyWindow:
-    """Means over a stretch in which a steady state is judged.
-
-    Attributes
-    ----------
-    dwell : DutyDwell
-        The constant conditions that it belongs to.
-    start_s, end_s : float
-        The stretch (s).
-    speed : float
-        Speed of the shaft (rad/s).
-    torque : float
-        Electromagnetic torque (N m).
-    direct, quadrature : float
-        Currents of the rotor frame (A).
-    voltage : float
-        Peak voltage of a phase that the duty ratios ask for (V).
-    link : float
-        Voltage of the dc link (V).
-    """
+    """Means over a stretch in which a steady state is judged."""
 
     dwell: DutyDwell
+    """The constant conditions that it belongs to."""
     start_s: float
     end_s: float
+    """The stretch (s)."""
     speed: float
+    """Speed of the shaft (rad/s)."""
     torque: float
+    """Electromagnetic torque (N m)."""
     direct: float
     quadrature: float
+    """Currents of the rotor frame (A)."""
     voltage: float
+    """Peak voltage of a phase that the duty ratios ask for (V)."""
     link: float
+    """Voltage of the dc link (V)."""
 
     @property
     def current(self) -> float:
@@ -69,19 +58,13 @@ class DutyWindow:
 
 @dataclass(frozen=True)
 class DutyRecord(Record):
-    """A finished run with what belongs to it; attributes as of any record, but for the run.
-
-    Attributes
-    ----------
-    run : DutyClosedLoopRun
-        What was observed.
-    other_dead_time : DutyRecord or None
-        The same run on the drive with another dead time, where there is one to compare with.
-    """
+    """A finished run with what belongs to it; attributes as of any record, but for the run."""
 
     # A run of duty ratios has columns of its own; the checks that take this record know no other.
     run: DutyClosedLoopRun
+    """What was observed."""
     other_dead_time: DutyRecord | None = None
+    """The same run on the drive with another dead time, where there is one to compare with."""
 
     @property
     def document(self) -> PmAcDocument:

@@ -40,30 +40,20 @@ _DIGEST_BITS: Final = 63
 
 @dataclass(frozen=True)
 class DutyClosedLoopRun:
-    """What is kept of one run.
-
-    Attributes
-    ----------
-    columns : tuple of str
-        Names of the trace's columns.
-    trace : ndarray, shape (n, len(columns))
-        A row for each control period, in SI units.
-    commands : ndarray of DUTY_COMMAND, shape (n,)
-        What the controller answered in each.
-    totals : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals over the run.
-    worst_balance : float
-        Greatest energy that a control period misses, over its throughput (1).
-    digest : int
-        Digest of all commands, bit for bit.
-    """
+    """What is kept of one run."""
 
     columns: tuple[str, ...]
+    """Names of the trace's columns."""
     trace: NDArray[np.float64]
+    """A row for each control period, in SI units, shape (n, len(columns)."""
     commands: NDArray[Any]
+    """What the controller answered in each, shape (n,)."""
     totals: NDArray[np.float64]
+    """Exact integrals over the run, shape (ledger.ENTRIES,)."""
     worst_balance: float
+    """Greatest energy that a control period misses, over its throughput (1)."""
     digest: int
+    """Digest of all commands, bit for bit."""
 
     def column(self, name: str) -> NDArray[np.float64]:
         """Give one column of the trace, shape (n,)."""

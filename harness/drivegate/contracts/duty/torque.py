@@ -29,26 +29,18 @@ _NO_RATIOS: Final = np.zeros(3)
 
 @dataclass(frozen=True)
 class TorqueCourse:
-    """Torque over some control periods at a held speed.
-
-    Attributes
-    ----------
-    torque : Stretches
-        On the stretches between instants of switching, and shorter ones (N·m).
-    period : float
-        Control period (s).
-    least, greatest : ndarray, shape (n,)
-        Exact extremes within each control period (N·m).
-    direct, quadrature : ndarray, shape (n,)
-        Currents of the rotor frame at the end of each (A).
-    """
+    """Torque over some control periods at a held speed."""
 
     torque: Stretches
+    """On the stretches between instants of switching, and shorter ones (N·m)."""
     period: float
+    """Control period (s)."""
     least: NDArray[np.float64]
     greatest: NDArray[np.float64]
+    """Exact extremes within each control period (N·m), shape (n,)."""
     direct: NDArray[np.float64]
     quadrature: NDArray[np.float64]
+    """Currents of the rotor frame at the end of each (A), shape (n,)."""
 
 
 def torque_course(record: DutyRecord, first: int, count: int) -> TorqueCourse:

@@ -23,18 +23,12 @@ _ROOT_THREE: Final = math.sqrt(3.0)
 
 @dataclass(frozen=True)
 class DutySignals:
-    """A run's signals, each a mean over a stretch of it.
-
-    Attributes
-    ----------
-    scenario : Scenario
-        What was run.
-    columns : mapping
-        Arrays of equal length, shape (n,), by the name of the column, which has the unit.
-    """
+    """A run's signals, each a mean over a stretch of it."""
 
     scenario: Scenario
+    """What was run."""
     columns: Mapping[str, NDArray[np.float64]]
+    """Arrays of equal length, shape (n,), by the name of the column, which has the unit."""
 
     @property
     def gives_torque(self) -> bool:

@@ -22,40 +22,26 @@ class NotMeasured(Exception):
 
 @dataclass(frozen=True)
 class Correctness:
-    """Whether the work that was timed gave the right result.
-
-    Attributes
-    ----------
-    valid : bool
-        Whether it did.
-    measured : str
-        What was looked at, with its numbers.
-    """
+    """Whether the work that was timed gave the right result."""
 
     valid: bool
+    """Whether it did."""
     measured: str
+    """What was looked at, with its numbers."""
 
 
 @dataclass(frozen=True)
 class Value:
-    """What a measurement gives.
-
-    Attributes
-    ----------
-    value : float
-        The best of all rounds, in the measurement's unit.
-    median : float
-        Their median; far from the best where the machine was busy.
-    rounds : int
-        How many there were.
-    correctness : Correctness
-        Whether the result was right.
-    """
+    """What a measurement gives."""
 
     value: float
+    """The best of all rounds, in the measurement's unit."""
     median: float
+    """Their median; far from the best where the machine was busy."""
     rounds: int
+    """How many there were."""
     correctness: Correctness
+    """Whether the result was right."""
 
 
 def timed(work: Callable[[], object], clock: Callable[[], float], rounds: int) -> list[float]:

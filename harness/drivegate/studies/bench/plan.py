@@ -55,33 +55,23 @@ _REPORTED = ("name", "title", "setting", "unit", "better", "bar")
 
 @dataclass(frozen=True)
 class Planned:
-    """Something to measure.
-
-    Attributes
-    ----------
-    name : str
-        Its name, such as ``loop.reference.1500.ideal``.
-    title : str
-        What it is, for people.
-    setting : str
-        What the work is; numbers of different settings are not compared.
-    unit : str
-        The number's unit.
-    better : str
-        Which way it is better.
-    bar : float or None
-        What it is meant to reach on an ordinary machine; a bar that is missed is reported and is no failure.
-    measure : callable
-        Does it.
-    """
+    """Something to measure."""
 
     name: str
+    """Its name, such as ``loop.reference.1500.ideal``."""
     title: str
+    """What it is, for people."""
     setting: str
+    """What the work is; numbers of different settings are not compared."""
     unit: str
+    """The number's unit."""
     better: Better
+    """Which way it is better."""
     bar: float | None
+    """What it is meant to reach on an ordinary machine; a bar that is missed is reported and is no failure.
+    """
     measure: Callable[[Workbench], Value]
+    """Does it."""
 
     def row(self, bench: Workbench) -> BenchRow:
         """Measure."""

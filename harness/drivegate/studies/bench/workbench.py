@@ -31,18 +31,12 @@ _SHARE_OF_POWER = 0.98
 
 @dataclass
 class Workbench:
-    """Where and how measurements are made.
-
-    Attributes
-    ----------
-    scratch : Path
-        An empty folder that is removed afterwards.
-    quick : bool
-        Whether few and short rounds will do.
-    """
+    """Where and how measurements are made."""
 
     scratch: Path
+    """An empty folder that is removed afterwards."""
     quick: bool
+    """Whether few and short rounds will do."""
     _controllers: dict[str, Controller] = field(default_factory=dict)
 
     @property

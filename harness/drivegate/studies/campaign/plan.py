@@ -32,71 +32,46 @@ _PATH_ENDINGS = (".json", ".py", *WHOLE_FILE_SUFFIXES)
 
 @dataclass(frozen=True)
 class CampaignRun:
-    """One run, before it is made.
-
-    Attributes
-    ----------
-    number : int
-        Number of the run in the campaign, from 0.
-    case : str
-        Name of the case.
-    draw : int
-        Number of the drawn drive at this point of the grid, from 0.
-    seed : int
-        Seed of everything random in the run.
-    parameters : dict
-        Value of every parameter that differs between runs.
-    scenario : Scenario
-        The scenario, with all of that in it.
-    """
+    """One run, before it is made."""
 
     number: int
+    """Number of the run in the campaign, from 0."""
     case: str
+    """Name of the case."""
     draw: int
+    """Number of the drawn drive at this point of the grid, from 0."""
     seed: int
+    """Seed of everything random in the run."""
     parameters: dict[str, float]
+    """Value of every parameter that differs between runs."""
     scenario: Scenario
+    """The scenario, with all of that in it."""
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """Consecutive runs of one candidate, whose results share a file.
-
-    Attributes
-    ----------
-    candidate : int
-        Place of the candidate in the campaign.
-    part : int
-        Number of the file among those of the candidate, from 0.
-    first : int
-        Number of its first run in the campaign.
-    length : int
-        Number of runs.
-    """
+    """Consecutive runs of one candidate, whose results share a file."""
 
     candidate: int
+    """Place of the candidate in the campaign."""
     part: int
+    """Number of the file among those of the candidate, from 0."""
     first: int
+    """Number of its first run in the campaign."""
     length: int
+    """Number of runs."""
 
 
 @dataclass(frozen=True)
 class CampaignPlan:
-    """A campaign with everything that it names.
-
-    Attributes
-    ----------
-    campaign : Campaign
-        The file.
-    candidates : tuple of Candidate
-        Its candidates, none of whose code has run.
-    cases : tuple of Scenario
-        Its cases.
-    """
+    """A campaign with everything that it names."""
 
     campaign: Campaign
+    """The file."""
     candidates: tuple[Candidate, ...]
+    """Its candidates, none of whose code has run."""
     cases: tuple[Scenario, ...]
+    """Its cases."""
 
     @property
     def contract(self) -> str:

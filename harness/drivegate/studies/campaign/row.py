@@ -45,46 +45,30 @@ JUDGED_CHECKS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 
 @dataclass(frozen=True)
 class RowRequest:
-    """What a worker is to run.
-
-    Attributes
-    ----------
-    scenario : Scenario
-        The scenario.
-    checks : tuple of str
-        The checks that judge it.
-    """
+    """What a worker is to run."""
 
     scenario: Scenario
+    """The scenario."""
     checks: tuple[str, ...]
+    """The checks that judge it."""
 
 
 @dataclass(frozen=True)
 class CampaignRow:
-    """What a run came to.
-
-    Attributes
-    ----------
-    verdict : str
-        `PASS`, `FAIL`, one of `UNCOUNTED`, or the kind of the candidate's fault.
-    message : str
-        The fault in one line; empty without one.
-    margins : dict
-        Margin of each check that applies.
-    measured : dict
-        What each of them was measured as.
-    advisory : tuple of str
-        Checks among them that only advise in this run.
-    observed : dict
-        Values by the names in the contract's `observations`; empty of a run that did not come to its end.
-    """
+    """What a run came to."""
 
     verdict: str
+    """`PASS`, `FAIL`, one of `UNCOUNTED`, or the kind of the candidate's fault."""
     message: str = ""
+    """The fault in one line; empty without one."""
     margins: dict[str, float] | None = None
+    """Margin of each check that applies."""
     measured: dict[str, str] | None = None
+    """What each of them was measured as."""
     advisory: tuple[str, ...] = ()
+    """Checks among them that only advise in this run."""
     observed: dict[str, float] | None = None
+    """Values by the names in the contract's `observations`; empty of a run that did not come to its end."""
 
 
 def run_row(loaded: JudgedCandidate, request: RowRequest) -> CampaignRow:

@@ -20,18 +20,12 @@ from drivegate_models.errors import InputError
 
 @dataclass(frozen=True)
 class ChunkResult:
-    """What the runs of one file came to.
-
-    Attributes
-    ----------
-    chunk : Chunk
-        Which runs.
-    rows : tuple of CampaignRow
-        One for each of them.
-    """
+    """What the runs of one file came to."""
 
     chunk: Chunk
+    """Which runs."""
     rows: tuple[CampaignRow, ...]
+    """One for each of them."""
 
 
 def packed(plan: CampaignPlan) -> bytes:

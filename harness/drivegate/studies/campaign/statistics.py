@@ -26,61 +26,40 @@ CURVE_POINTS: Final = 200
 
 @dataclass(frozen=True)
 class CheckStatistics:
-    """What all runs say of one check of one candidate.
-
-    Attributes
-    ----------
-    check : str
-        Identifier of the check.
-    violated : Proportion
-        How often it was violated, of the runs in which it is binding.
-    advised : int
-        Runs in which it only advises, which count nowhere here.
-    quantiles : tuple of float
-        Margins at `QUANTILES`; empty without runs.
-    worst_run : int or None
-        The run with the least margin, the first of equals; None without runs.
-    worst_margin : float or None
-        Its margin.
-    curve : tuple of float
-        All margins from the least to the greatest, or `CURVE_POINTS` of them at equal shares of the runs.
-    """
+    """What all runs say of one check of one candidate."""
 
     check: str
+    """Identifier of the check."""
     violated: Proportion
+    """How often it was violated, of the runs in which it is binding."""
     advised: int
+    """Runs in which it only advises, which count nowhere here."""
     quantiles: tuple[float, ...] = ()
+    """Margins at `QUANTILES`; empty without runs."""
     worst_run: int | None = None
+    """The run with the least margin, the first of equals; None without runs."""
     worst_margin: float | None = None
+    """Its margin."""
     curve: tuple[float, ...] = ()
+    """All margins from the least to the greatest, or `CURVE_POINTS` of them at equal shares of the runs."""
 
 
 @dataclass(frozen=True)
 class CandidateStatistics:
-    """What all runs say of one candidate.
-
-    Attributes
-    ----------
-    name : str
-        The candidate.
-    verdicts : dict
-        Number of runs by verdict.
-    violated : Proportion
-        How often a run did not pass, of those that were made.
-    cases : dict
-        The same by case.
-    checks : tuple of CheckStatistics
-        In the order of the catalogue; those that never applied are left out.
-    first_faults : dict
-        By kind of fault, the first run that it ended.
-    """
+    """What all runs say of one candidate."""
 
     name: str
+    """The candidate."""
     verdicts: dict[str, int]
+    """Number of runs by verdict."""
     violated: Proportion
+    """How often a run did not pass, of those that were made."""
     cases: dict[str, Proportion]
+    """The same by case."""
     checks: tuple[CheckStatistics, ...]
+    """In the order of the catalogue; those that never applied are left out."""
     first_faults: dict[str, int] = field(default_factory=dict)
+    """By kind of fault, the first run that it ended."""
 
 
 def quantiles_of(margins: NDArray[np.float64]) -> tuple[float, ...]:

@@ -33,65 +33,42 @@ _Result = TypeVar("_Result")
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is searched, and with what.
-
-    Attributes
-    ----------
-    name : str
-        ``quick``, ``default`` or ``nightly``.
-    seed : int
-        Seed of the search.
-    workers : int or None
-        Number of processes; None for as many as there are processors.
-    max_time : float or None
-        Time after which no more work is begun (s).
-    search : bool
-        Whether the search climbs toward small margins.
-    fail_on : str
-        ``required``, or ``advisory`` where advisory checks count like required ones.
-    """
+    """How much is searched, and with what."""
 
     name: str = "default"
+    """``quick``, ``default`` or ``nightly``."""
     seed: int = 0
+    """Seed of the search."""
     workers: int | None = None
+    """Number of processes; None for as many as there are processors."""
     max_time: float | None = None
+    """Time after which no more work is begun (s)."""
     search: bool = True
+    """Whether the search climbs toward small margins."""
     fail_on: str = "required"
+    """``required``, or ``advisory`` where advisory checks count like required ones."""
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where the files of a candidate are written.
-
-    Attributes
-    ----------
-    staging : Path
-        Where they are written.
-    shown : Path
-        Where they will be.
-    """
+    """Where the files of a candidate are written."""
 
     staging: Path
+    """Where they are written."""
     shown: Path
+    """Where they will be."""
 
 
 @dataclass(frozen=True)
 class Records:
-    """Files of earlier checks, and of people, that a check takes into account.
-
-    Attributes
-    ----------
-    corpus : Path or None
-        Folder of counterexamples that are run again.
-    waivers : Path or None
-        File of failures that are accepted.
-    baseline : Path or None
-        Earlier result that margins are compared with.
-    """
+    """Files of earlier checks, and of people, that a check takes into account."""
 
     corpus: Path | None = None
+    """Folder of counterexamples that are run again."""
     waivers: Path | None = None
+    """File of failures that are accepted."""
     baseline: Path | None = None
+    """Earlier result that margins are compared with."""
 
 
 def check_all(

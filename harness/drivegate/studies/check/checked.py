@@ -16,30 +16,20 @@ SCHEMA: Final = 1
 
 @dataclass
 class Checked:
-    """What has become of one candidate.
-
-    Attributes
-    ----------
-    specification : str
-        The string that named it.
-    candidate : Candidate or None
-        The candidate, if there is one.
-    document : dict or None
-        The result document, if there is one.
-    folder : Path or None
-        Where its files are.
-    pages : tuple of Path
-        The written reports.
-    error : Exception or None
-        Why there is no result, or no report.
-    """
+    """What has become of one candidate."""
 
     specification: str
+    """The string that named it."""
     candidate: Candidate | None = None
+    """The candidate, if there is one."""
     document: dict[str, Any] | None = None
+    """The result document, if there is one."""
     folder: Path | None = None
+    """Where its files are."""
     pages: tuple[Path, ...] = ()
+    """The written reports."""
     error: Exception | None = None
+    """Why there is no result, or no report."""
 
     @property
     def exit_code(self) -> int:

@@ -20,21 +20,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Part:
-    """What is requested of a check; by default the whole.
-
-    Attributes
-    ----------
-    only : tuple of str
-        Checks, families of checks or lists of them with commas; empty for all.
-    stop_at_first : bool
-        Whether to end with the first failure.
-    last_failed : bool
-        Whether only what failed in the last check is judged, its counterexamples first.
-    """
+    """What is requested of a check; by default the whole."""
 
     only: tuple[str, ...] = ()
+    """Checks, families of checks or lists of them with commas; empty for all."""
     stop_at_first: bool = False
+    """Whether to end with the first failure."""
     last_failed: bool = False
+    """Whether only what failed in the last check is judged, its counterexamples first."""
 
 
 WHOLE_CHECK: Final = Part()

@@ -34,21 +34,14 @@ TABLES: Final = "tables"
 
 @dataclass(frozen=True)
 class ComparisonEnding:
-    """What a comparison came to.
-
-    Attributes
-    ----------
-    document : dict or None
-        The comparison document; None where no candidate could be run.
-    pages : tuple of Path
-        The written reports.
-    refused : tuple of tuple
-        Specification and error of each candidate that could not be compared.
-    """
+    """What a comparison came to."""
 
     document: dict[str, Any] | None
+    """The comparison document; None where no candidate could be run."""
     pages: tuple[Path, ...]
+    """The written reports."""
     refused: tuple[tuple[str, Exception], ...]
+    """Specification and error of each candidate that could not be compared."""
 
 
 def compare_all(specifications: Sequence[str], output: Path, options: ComparisonOptions) -> ComparisonEnding:

@@ -30,24 +30,16 @@ from drivegate_cases.scenario.drive_cycle import DriveCycle
 
 @dataclass(frozen=True)
 class ComparedDrive:
-    """What the candidates came to on one drive.
-
-    Attributes
-    ----------
-    drive : DriveDocument
-        The drive.
-    plan : tuple of Planned
-        What every candidate ran, as its contract has it.
-    all_compared : list of Compared
-        What has become of each candidate.
-    document : dict or None
-        The comparison document; None where no candidate could be run.
-    """
+    """What the candidates came to on one drive."""
 
     drive: DriveDocument
+    """The drive."""
     plan: tuple[Planned, ...]
+    """What every candidate ran, as its contract has it."""
     all_compared: list[Compared]
+    """What has become of each candidate."""
     document: dict[str, Any] | None
+    """The comparison document; None where no candidate could be run."""
 
     @property
     def refused(self) -> Refused:

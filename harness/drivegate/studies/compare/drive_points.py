@@ -23,36 +23,25 @@ _DIGITS: Final = 6
 
 @dataclass(frozen=True)
 class DrivePoint:
-    """One operating point of a candidate on a drive.
-
-    Attributes
-    ----------
-    speed_share : float
-        Share of the drive's range by which drives are compared (1).
-    load_percent : float
-        Load over that of rated power, constant torque below base speed (%).
-    speed_rpm, torque_nm : float
-        Speed and load (rpm, N·m).
-    held : bool
-        Whether the candidate holds it.
-    speed_mean_rpm, torque_mean_nm : float
-        Means of the steady stretch (rpm, N·m).
-    input_power_w, current_sum_a : float
-        Means of input power and Σ|i| (W, A).
-    ripple_percent : float
-        Torque ripple, peak to peak over mean (%).
-    """
+    """One operating point of a candidate on a drive."""
 
     speed_share: float
+    """Share of the drive's range by which drives are compared (1)."""
     load_percent: float
+    """Load over that of rated power, constant torque below base speed (%)."""
     speed_rpm: float
     torque_nm: float
+    """Speed and load (rpm, N·m)."""
     held: bool
+    """Whether the candidate holds it."""
     speed_mean_rpm: float
     torque_mean_nm: float
+    """Means of the steady stretch (rpm, N·m)."""
     input_power_w: float
     current_sum_a: float
+    """Means of input power and Σ|i| (W, A)."""
     ripple_percent: float
+    """Torque ripple, peak to peak over mean (%)."""
 
 
 def drive_points(made: ComparedDrive, compared: Compared, effort: str) -> Iterator[DrivePoint]:

@@ -46,39 +46,26 @@ class Planned(Protocol):
 
 @dataclass
 class Compared:
-    """What has become of one candidate.
-
-    Attributes
-    ----------
-    specification : str
-        The string that named it.
-    label : str
-        Its name, which no other candidate of the comparison has.
-    candidate : Candidate or None
-        The candidate, if there is one.
-    error : Exception or None
-        Why it was refused, or what failed in drivegate.
-    figures : dict
-        What was measured, by the index of the planned run.
-    faults : list of Fault
-        The candidate's faults.
-    complete : bool
-        Whether every planned run was made.
-    outcomes : tuple of CheckOutcome or None
-        What the checks came to; None where they were not made.
-    timing : dict
-        Numbers that depend on the machine.
-    """
+    """What has become of one candidate."""
 
     specification: str
+    """The string that named it."""
     label: str
+    """Its name, which no other candidate of the comparison has."""
     candidate: Candidate | None = None
+    """The candidate, if there is one."""
     error: Exception | None = None
+    """Why it was refused, or what failed in drivegate."""
     figures: dict[int, Figures] = field(default_factory=dict)
+    """What was measured, by the index of the planned run."""
     faults: list[Fault] = field(default_factory=list)
+    """The candidate's faults."""
     complete: bool = True
+    """Whether every planned run was made."""
     outcomes: tuple[CheckOutcome, ...] | None = None
+    """What the checks came to; None where they were not made."""
     timing: dict[str, Any] = field(default_factory=dict)
+    """Numbers that depend on the machine."""
 
     def goes_on_after(self, fault: Fault) -> bool:
         """Keep a fault, and tell whether the candidate is run any further."""

@@ -18,30 +18,20 @@ DEFAULT_CYCLE: Final = "ece-15"
 
 @dataclass(frozen=True)
 class ComparisonOptions:
-    """How much is compared, and on what.
-
-    Attributes
-    ----------
-    effort : str
-        ``quick``, ``default`` or ``nightly``.
-    stated_seed : int or None
-        Seed of everything drawn, where one is stated.
-    workers : int or None
-        Number of processes; None for as many as there are processors.
-    checks : bool
-        Whether the checks are made as well.
-    cycle : str or None
-        Name or file of the drive cycle; None for the default.
-    drive : DriveDocument or None
-        The drive; None for that of the candidates' manifests, or the default.
-    """
+    """How much is compared, and on what."""
 
     effort: str = "default"
+    """``quick``, ``default`` or ``nightly``."""
     stated_seed: int | None = None
+    """Seed of everything drawn, where one is stated."""
     workers: int | None = None
+    """Number of processes; None for as many as there are processors."""
     checks: bool = True
+    """Whether the checks are made as well."""
     cycle: str | None = None
+    """Name or file of the drive cycle; None for the default."""
     drive: DriveDocument | None = None
+    """The drive; None for that of the candidates' manifests, or the default."""
 
     @property
     def seed(self) -> int:

@@ -15,22 +15,15 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 @dataclass(frozen=True)
 class OraclePoint:
-    """An operating point to be solved.
-
-    Attributes
-    ----------
-    drive : DriveDocument
-        The drive.
-    speed_rpm : float
-        Speed (rpm).
-    torques_nm : tuple of float
-        Two torques, without and with the most that core loss can take at the shaft, between which every
-        candidate's mean torque lies (N·m).
-    """
+    """An operating point to be solved."""
 
     drive: DriveDocument
+    """The drive."""
     speed_rpm: float
+    """Speed (rpm)."""
     torques_nm: tuple[float, float]
+    """Two torques, without and with the most that core loss can take at the shaft, between which every
+    candidate's mean torque lies (N·m)."""
 
 
 def oracle_point(planned: PlannedRun) -> OraclePoint:

@@ -22,24 +22,16 @@ _SHOWN_OF_HASH: Final = 8
 
 @dataclass(frozen=True)
 class Bases:
-    """What one per unit is on a drive.
-
-    Attributes
-    ----------
-    speed_rpm : float
-        Base speed (rpm).
-    torque_nm : float
-        Torque of rated power at base speed (N·m).
-    current_sum_a : float
-        Current limit of all phases (A).
-    power_w : float
-        Rated power (W).
-    """
+    """What one per unit is on a drive."""
 
     speed_rpm: float
+    """Base speed (rpm)."""
     torque_nm: float
+    """Torque of rated power at base speed (N·m)."""
     current_sum_a: float
+    """Current limit of all phases (A)."""
     power_w: float
+    """Rated power (W)."""
 
     def document(self) -> dict[str, float]:
         """Give the bases as plain data."""

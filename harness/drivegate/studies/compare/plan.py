@@ -32,28 +32,19 @@ Group: TypeAlias = Literal["points", "disturbances", "noise", "drawn", "cycle"]
 
 @dataclass(frozen=True)
 class ComparisonEffort:
-    """How much is run.
-
-    Attributes
-    ----------
-    speeds : tuple of float
-        Speeds of the operating points: up to 1, shares of the range from base speed to the highest; beyond, 1 and the
-        share of the range from there to overspeed (1).
-    shares : tuple of float
-        Their loads, as shares of the drive's rated power (1).
-    disturbances : int
-        How many of the disturbances.
-    noise_seeds : int
-        Repetitions of each noisy operating point, and of the drive cycle, with other noise.
-    drawn : int
-        Scenarios drawn at random.
-    """
+    """How much is run."""
 
     speeds: tuple[float, ...]
+    """Speeds of the operating points: up to 1, shares of the range from base speed to the highest; beyond, 1
+    and the share of the range from there to overspeed (1)."""
     shares: tuple[float, ...]
+    """Their loads, as shares of the drive's rated power (1)."""
     disturbances: int
+    """How many of the disturbances."""
     noise_seeds: int
+    """Repetitions of each noisy operating point, and of the drive cycle, with other noise."""
     drawn: int
+    """Scenarios drawn at random."""
 
 
 EFFORTS: Final = {
@@ -83,31 +74,21 @@ _MOST_DRAWS: Final = 100
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """One run that every candidate makes.
-
-    Attributes
-    ----------
-    group : str
-        What the run is for.
-    label : str
-        What it is, for people; the same label stands for repetitions with other noise.
-    scenario : Scenario
-        The scenario.
-    speed_rpm, share : float or None
-        The operating point where it is one; share of rated power (1).
-    change_s : float or None
-        When the disturbance is over (s).
-    seed : int or None
-        Number of the repetition or draw.
-    """
+    """One run that every candidate makes."""
 
     group: Group
+    """What the run is for."""
     label: str
+    """What it is, for people; the same label stands for repetitions with other noise."""
     scenario: Scenario
+    """The scenario."""
     speed_rpm: float | None = None
     share: float | None = None
+    """The operating point where it is one; share of rated power (1)."""
     change_s: float | None = None
+    """When the disturbance is over (s)."""
     seed: int | None = None
+    """Number of the repetition or draw."""
 
 
 def planned_runs(drive: DriveDocument, cycle: DriveCycle, effort: str, seed: int) -> tuple[PlannedRun, ...]:

@@ -25,28 +25,19 @@ METHOD: Final = (
 
 @dataclass(frozen=True)
 class PairedDifference:
-    """How the second candidate differs from the first.
-
-    Attributes
-    ----------
-    pairs : int
-        Number of pairs.
-    mean : float or None
-        Mean of first less second; None without pairs.
-    low, high : float or None
-        Interval of the mean; None with too few pairs.
-    relative_percent : float or None
-        Mean difference over the second's mean (%).
-    verdict : str
-        ``first lower``, ``first higher``, ``no real difference`` or ``too few pairs``.
-    """
+    """How the second candidate differs from the first."""
 
     pairs: int
+    """Number of pairs."""
     mean: float | None
+    """Mean of first less second; None without pairs."""
     low: float | None
     high: float | None
+    """Interval of the mean; None with too few pairs."""
     relative_percent: float | None
+    """Mean difference over the second's mean (%)."""
     verdict: str
+    """``first lower``, ``first higher``, ``no real difference`` or ``too few pairs``."""
 
 
 def mean_of(values: Iterable[float]) -> float | None:

@@ -35,30 +35,20 @@ from drivegate_models.loop.exchange import OUTPUTS
 
 @dataclass(frozen=True)
 class Difference:
-    """The first step at which two candidates differ, and what is around it.
-
-    Attributes
-    ----------
-    step : int
-        Number of the step, from 0.
-    sense : Sense
-        What both sensed.
-    plant : PlantState
-        State of the plant at the start of that step.
-    begin : int
-        Step of the first row.
-    rows : ndarray, shape (n, row_length(phases))
-        The record of the first candidate from there on.
-    answers : ndarray, shape (k, 3)
-        The second candidate's commands for these rows, or for the first of them.
-    """
+    """The first step at which two candidates differ, and what is around it."""
 
     step: int
+    """Number of the step, from 0."""
     sense: Sense
+    """What both sensed."""
     plant: PlantState
+    """State of the plant at the start of that step."""
     begin: int
+    """Step of the first row."""
     rows: NDArray[np.float64]
+    """The record of the first candidate from there on, shape (n, row_length(phases)."""
     answers: NDArray[np.float64]
+    """The second candidate's commands for these rows, or for the first of them, shape (k, 3)."""
 
 
 def compared(

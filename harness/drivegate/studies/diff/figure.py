@@ -23,25 +23,17 @@ _PANELS: Final = (("current reference (A)", 0, 1.0), ("advance angle (el. deg)",
 
 @dataclass(frozen=True)
 class DrawnSteps:
-    """Commands of both candidates around the first difference.
-
-    Attributes
-    ----------
-    step, begin : int
-        Number of the step that differs first, and of the first that is drawn.
-    time_s : float
-        Time of the one that differs (s).
-    panels : tuple of tuple
-        Name with unit, commands of the first candidate, and of the second, which may be fewer.
-    speed_rpm : ndarray, shape (n,)
-        Speed that was sensed (rpm).
-    """
+    """Commands of both candidates around the first difference."""
 
     step: int
     begin: int
+    """Number of the step that differs first, and of the first that is drawn."""
     time_s: float
+    """Time of the one that differs (s)."""
     panels: tuple[tuple[str, NDArray[np.float64], NDArray[np.float64]], ...]
+    """Name with unit, commands of the first candidate, and of the second, which may be fewer."""
     speed_rpm: NDArray[np.float64]
+    """Speed that was sensed (rpm), shape (n,)."""
 
 
 def drawn_steps(found: Difference) -> DrawnSteps:

@@ -26,77 +26,50 @@ BITWISE: Final = -1.0
 
 @dataclass(frozen=True)
 class Rule:
-    """When two commands count as different.
-
-    Attributes
-    ----------
-    tolerance : float
-        Greatest difference of a number, relative to the larger one, absolute where that is below 1; `BITWISE` for
-        none.
-    judged : tuple of str
-        The fields that are compared.
-    """
+    """When two commands count as different."""
 
     tolerance: float = BITWISE
+    """Greatest difference of a number, relative to the larger one, absolute where that is below 1; `BITWISE`
+    for none."""
     judged: tuple[str, ...] = OUTPUTS
+    """The fields that are compared."""
 
 
 @dataclass(frozen=True)
 class RecordRequest:
-    """What is to be recorded of the first candidate.
-
-    Attributes
-    ----------
-    path : Path
-        The file to write.
-    scenario : Scenario
-        The scenario.
-    """
+    """What is to be recorded of the first candidate."""
 
     path: Path
+    """The file to write."""
     scenario: Scenario
+    """The scenario."""
 
 
 @dataclass(frozen=True)
 class Shadowing:
-    """What the second candidate is to answer.
-
-    Attributes
-    ----------
-    path : Path
-        The record.
-    scenario : Scenario
-        Its scenario.
-    rule : Rule or None
-        When to stop; None to go on to the end whatever it answers.
-    begin, end : int
-        The first step whose answer is kept, and the one to stop before.
-    again : bool
-        Whether the instance has run the scenario once before, and was reset.
-    """
+    """What the second candidate is to answer."""
 
     path: Path
+    """The record."""
     scenario: Scenario
+    """Its scenario."""
     rule: Rule | None
+    """When to stop; None to go on to the end whatever it answers."""
     begin: int
     end: int
+    """The first step whose answer is kept, and the one to stop before."""
     again: bool = False
+    """Whether the instance has run the scenario once before, and was reset."""
 
 
 @dataclass(frozen=True)
 class Shadowed:
-    """How the second candidate answered.
-
-    Attributes
-    ----------
-    differs : int or None
-        The step of the first difference.
-    answers : ndarray, shape (n, 3)
-        The commands that were requested.
-    """
+    """How the second candidate answered."""
 
     differs: int | None
+    """The step of the first difference."""
     answers: NDArray[np.float64]
+    """The commands that were requested, shape (n, 3)."""
 
 
 def load_only(loaded: JudgedCandidate, _payload: None) -> None:

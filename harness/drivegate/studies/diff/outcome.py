@@ -14,21 +14,13 @@ FoundT = TypeVar("FoundT")
 
 @dataclass(frozen=True)
 class StepComparison(Generic[FoundT]):
-    """What the comparison of two candidates came to.
-
-    Attributes
-    ----------
-    steps : int
-        Number of steps at which both answered alike.
-    difference : Difference, DutyDifference or None
-        The first difference, as the contract has it.
-    fault : Fault or None
-        The fault of one of them.
-    faulted : {"first", "second"} or None
-        Which one.
-    """
+    """What the comparison of two candidates came to."""
 
     steps: int
+    """Number of steps at which both answered alike."""
     difference: FoundT | None = None
+    """The first difference, as the contract has it."""
     fault: Fault | None = None
+    """The fault of one of them."""
     faulted: str | None = None
+    """Which one."""

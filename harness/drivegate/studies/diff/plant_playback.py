@@ -17,24 +17,16 @@ from drivegate_models.errors import HarnessFault
 
 @dataclass(frozen=True)
 class PlantState:
-    """What the plant was at the start of a control period.
-
-    Attributes
-    ----------
-    speed : float
-        Speed of the shaft (rad/s).
-    angle : float
-        Electrical angle, 0 to 2π (rad).
-    phase_currents : tuple of float
-        (A).
-    half_supply_voltage : float
-        Mean of the two half-sources (V).
-    """
+    """What the plant was at the start of a control period."""
 
     speed: float
+    """Speed of the shaft (rad/s)."""
     angle: float
+    """Electrical angle, 0 to 2π (rad)."""
     phase_currents: tuple[float, ...]
+    """(A)."""
     half_supply_voltage: float
+    """Mean of the two half-sources (V)."""
 
 
 class _Reached(Exception):

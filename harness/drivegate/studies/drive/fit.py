@@ -31,27 +31,19 @@ _AT_BOUND: Final = 1e-3
 
 @dataclass(frozen=True)
 class FittedConstant:
-    """A constant beside the document's.
-
-    Attributes
-    ----------
-    key : str
-        Its key in the document.
-    stored : float
-        The document's value.
-    fitted : float
-        The fitted one.
-    uncertainty : float
-        Its standard uncertainty: NaN where nothing tells it, infinite where the points do not tell the constant.
-    at_bound : bool
-        Whether the search has stopped at its bound.
-    """
+    """A constant beside the document's."""
 
     key: str
+    """Its key in the document."""
     stored: float
+    """The document's value."""
     fitted: float
+    """The fitted one."""
     uncertainty: float
+    """Its standard uncertainty: NaN where nothing tells it, infinite where the points do not tell the
+    constant."""
     at_bound: bool
+    """Whether the search has stopped at its bound."""
 
     @property
     def is_determined(self) -> bool:

@@ -25,27 +25,18 @@ _HIGHEST_SPEED: Final = 1e6
 
 @dataclass(frozen=True)
 class MeasuredTorque:
-    """A mean torque that was measured or published.
-
-    Attributes
-    ----------
-    speed_rpm : float
-        Speed (rpm).
-    torque : float
-        Mean electromagnetic torque (N·m).
-    advance_deg : float
-        Advance angle (deg); NaN for that of the greatest torque.
-    current : float
-        Current reference (A); NaN for the current limit.
-    uncertainty : float
-        Standard uncertainty of the torque (N·m); NaN where it is not known.
-    """
+    """A mean torque that was measured or published."""
 
     speed_rpm: float
+    """Speed (rpm)."""
     torque: float
+    """Mean electromagnetic torque (N·m)."""
     advance_deg: float = nan
+    """Advance angle (deg); NaN for that of the greatest torque."""
     current: float = nan
+    """Current reference (A); NaN for the current limit."""
     uncertainty: float = nan
+    """Standard uncertainty of the torque (N·m); NaN where it is not known."""
 
     def torque_of(self, oracle: Oracle, constants: Drive) -> float:
         """Give the torque that a drive has there (N·m)."""

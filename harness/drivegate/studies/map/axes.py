@@ -22,18 +22,12 @@ _RANGE_PARTS = 3
 
 @dataclass(frozen=True)
 class MapAxes:
-    """The axes of a map, the last of which varies fastest.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Names of the axes, with their units.
-    values : tuple of tuple of float
-        Values of each.
-    """
+    """The axes of a map, the last of which varies fastest."""
 
     names: tuple[str, ...]
+    """Names of the axes, with their units."""
     values: tuple[tuple[float, ...], ...]
+    """Values of each."""
 
     @classmethod
     def of(cls, axes: Mapping[str, Sequence[float]]) -> MapAxes:

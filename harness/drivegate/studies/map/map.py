@@ -18,21 +18,14 @@ from drivegate.studies.map.tasks import compile_solver, compute_piece
 
 @dataclass(frozen=True)
 class OperatingMap:
-    """A finished map.
-
-    Attributes
-    ----------
-    plan : MapPlan
-        What was requested.
-    numbers : ndarray, shape (points, columns)
-        What was computed.
-    verdicts : list of str
-        What became of each closed-loop run; empty of other maps.
-    """
+    """A finished map."""
 
     plan: MapPlan
+    """What was requested."""
     numbers: NDArray[np.float64]
+    """What was computed, shape (points, columns)."""
     verdicts: list[str] = field(default_factory=list)
+    """What became of each closed-loop run; empty of other maps."""
 
     def table(self) -> dict[str, Any]:
         """Give the map as columns."""

@@ -57,24 +57,17 @@ _POINTS_AT_ONCE: Final = {"points": 20_000, "best": 16, "loop": 8}
 
 @dataclass(frozen=True)
 class MapPlan:
-    """A map, before it is computed.
-
-    Attributes
-    ----------
-    kind : {"points", "best", "loop"}
-        Steady states over speed, angle and current; the best angle over speed and torque; or closed-loop runs.
-    drive : DriveDocument
-        The nominal drive.
-    axes : MapAxes
-        The grid.
-    candidate : Candidate or None
-        Whose closed-loop runs.
-    """
+    """A map, before it is computed."""
 
     kind: str
+    """Steady states over speed, angle and current; the best angle over speed and torque; or closed-loop runs.
+    """
     drive: DriveDocument
+    """The nominal drive."""
     axes: MapAxes
+    """The grid."""
     candidate: Candidate | None = None
+    """Whose closed-loop runs."""
 
     @property
     def columns(self) -> tuple[str, ...]:

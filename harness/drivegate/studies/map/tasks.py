@@ -50,18 +50,12 @@ SOLVER_MARKER: Final = "map-solver"
 
 @dataclass(frozen=True)
 class MapPart:
-    """Some points of a map.
-
-    Attributes
-    ----------
-    values : ndarray, shape (points, columns)
-        What was computed.
-    verdicts : tuple of str
-        What became of each closed-loop run; empty of other maps.
-    """
+    """Some points of a map."""
 
     values: NDArray[np.float64]
+    """What was computed, shape (points, columns)."""
     verdicts: tuple[str, ...] = ()
+    """What became of each closed-loop run; empty of other maps."""
 
 
 def compute_piece(package: bytes, piece: tuple[int, int]) -> MapPart:

@@ -46,21 +46,14 @@ _PLACES: Final = MappingProxyType(
 
 @dataclass(frozen=True)
 class Template:
-    """A kind of candidate that there is a template of.
-
-    Attributes
-    ----------
-    source : str
-        The file that the controller is in.
-    build : str
-        The command that builds it; empty where drivegate does.
-    contract : str
-        What the controller answers with, which decides on the drives that it is for.
-    """
+    """A kind of candidate that there is a template of."""
 
     source: str
+    """The file that the controller is in."""
     build: str = ""
+    """The command that builds it; empty where drivegate does."""
     contract: ContractName = "current"
+    """What the controller answers with, which decides on the drives that it is for."""
 
 
 KINDS: Final = MappingProxyType(

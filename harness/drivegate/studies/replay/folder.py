@@ -26,21 +26,14 @@ SCHEMA: Final = 1
 
 @dataclass(frozen=True)
 class Kept:
-    """A counterexample of a folder, and who is to run it.
-
-    Attributes
-    ----------
-    file : Path
-        Where it is.
-    stored : Counterexample
-        What it says.
-    candidate : Candidate
-        The candidate to run.
-    """
+    """A counterexample of a folder, and who is to run it."""
 
     file: Path
+    """Where it is."""
     stored: Counterexample
+    """What it says."""
     candidate: Candidate
+    """The candidate to run."""
 
 
 def kept_in(folder: Path, given: str | None) -> tuple[Kept, ...]:

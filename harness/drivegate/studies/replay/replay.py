@@ -55,24 +55,16 @@ _PARTED: Final = (
 
 @dataclass(frozen=True)
 class Replay:
-    """What a counterexample came to when it was run again.
-
-    Attributes
-    ----------
-    margin : Margin or None
-        The check's margin; None where the check has nothing to judge.
-    run : object or None
-        The run of the scenario's contract, with its trace; None of a script.
-    window : tuple of float or None
-        Start and end of the stretch that the check was judged on (s); None of a script.
-    rows : tuple of int or None
-        First and last row of a script that the check was judged on, counted from 1; None of a scenario.
-    """
+    """What a counterexample came to when it was run again."""
 
     margin: Margin | None
+    """The check's margin; None where the check has nothing to judge."""
     run: Any = None
+    """The run of the scenario's contract, with its trace; None of a script."""
     window: tuple[float, float] | None = None
+    """Start and end of the stretch that the check was judged on (s); None of a script."""
     rows: tuple[int, int] | None = None
+    """First and last row of a script that the check was judged on, counted from 1; None of a scenario."""
 
 
 def candidate_for(stored: Counterexample, given: str | None) -> Candidate:

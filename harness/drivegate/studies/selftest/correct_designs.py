@@ -14,21 +14,14 @@ _WITHOUT_WEAKENING: Final = "foc-mtpa"
 
 @dataclass(frozen=True)
 class CorrectDesign:
-    """A controller that must pass.
-
-    Attributes
-    ----------
-    candidate : str
-        The string that names it.
-    checks : frozenset of str or None
-        Identifiers of the checks that it must pass; None for all of them.
-    near : bool
-        Whether it is near a limit by design.
-    """
+    """A controller that must pass."""
 
     candidate: str
+    """The string that names it."""
     checks: frozenset[str] | None = None
+    """Identifiers of the checks that it must pass; None for all of them."""
     near: bool = False
+    """Whether it is near a limit by design."""
 
 
 def correct_designs(contract: str = "current") -> tuple[CorrectDesign, ...]:

@@ -11,39 +11,27 @@ from drivegate.studies.selftest.trial import Catch
 
 @dataclass(frozen=True)
 class FaultRow:
-    """What has become of one faulty controller.
-
-    Attributes
-    ----------
-    name, kind, sentence, check : str
-        As in `SeededFault` and `FaultOnDrive`.
-    catches : dict
-        For each seed the catch, or None where the check missed the fault.
-    failing : tuple of str
-        Identifiers of all checks that failed where the controller without the fault passes.
-    runs : int
-        Number of runs made.
-    faults : tuple of str
-        What the controller did beside the contract.
-    unconvincing : int
-        Number of failures of the named check where the controller without the fault fails too.
-    shown_by : str
-        What a scenario must have to show the fault; empty where loaded steady runs do.
-    idle_because : str or None
-        Why the fault does nothing on the drive, and was not tried; None for one that was.
-    """
+    """What has become of one faulty controller."""
 
     name: str
     kind: str
     sentence: str
     check: str
+    """As in `SeededFault` and `FaultOnDrive`."""
     catches: Mapping[int, Catch | None]
+    """For each seed the catch, or None where the check missed the fault."""
     failing: tuple[str, ...]
+    """Identifiers of all checks that failed where the controller without the fault passes."""
     runs: int
+    """Number of runs made."""
     faults: tuple[str, ...] = ()
+    """What the controller did beside the contract."""
     unconvincing: int = 0
+    """Number of failures of the named check where the controller without the fault fails too."""
     shown_by: str = ""
+    """What a scenario must have to show the fault; empty where loaded steady runs do."""
     idle_because: str | None = None
+    """Why the fault does nothing on the drive, and was not tried; None for one that was."""
 
     @property
     def applies(self) -> bool:
@@ -74,27 +62,20 @@ class FaultRow:
 
 @dataclass(frozen=True)
 class KindRow:
-    """How well the faults of one kind are detected.
-
-    Attributes
-    ----------
-    kind : str
-        The kind.
-    faults, caught : int
-        Number of its faults that do something on the drive, and of those that their checks caught with every seed.
-    runs_median, runs_greatest : float, int or None
-        Runs to the first counterexample, of those caught with their slowest seed; None where none was.
-    facts_median, facts_greatest : float, int or None
-        Facts of the counterexamples when made simpler.
-    """
+    """How well the faults of one kind are detected."""
 
     kind: str
+    """The kind."""
     faults: int
     caught: int
+    """Number of its faults that do something on the drive, and of those that their checks caught with every
+    seed."""
     runs_median: float | None
     runs_greatest: int | None
+    """Runs to the first counterexample, of those caught with their slowest seed; None where none was."""
     facts_median: float | None
     facts_greatest: int | None
+    """Facts of the counterexamples when made simpler."""
 
 
 def detection_by_kind(rows: Sequence[FaultRow]) -> list[KindRow]:

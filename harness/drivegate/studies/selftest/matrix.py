@@ -17,94 +17,61 @@ SELFTEST_SCHEMA: Final = 1
 
 @dataclass(frozen=True)
 class LeastMargin:
-    """How near a controller comes to failing.
-
-    Attributes
-    ----------
-    check : str
-        Identifier of the check.
-    margin : float
-        Its margin.
-    measured : str
-        What was measured there.
-    """
+    """How near a controller comes to failing."""
 
     check: str
+    """Identifier of the check."""
     margin: float
+    """Its margin."""
     measured: str
+    """What was measured there."""
 
 
 @dataclass(frozen=True)
 class DesignRow:
-    """What has become of one correct design with one seed.
-
-    Attributes
-    ----------
-    name : str
-        The candidate.
-    seed : int
-        Seed of the search.
-    verdict : str
-        Verdict on the candidate, or on those checks that it must pass.
-    accused_by : dict
-        Message of each failed check that it must pass, by identifier.
-    acquitted : bool
-        Whether it passes everything required of it.
-    advised_by : tuple of str
-        Identifiers of advisory checks that it fails, which accuse nobody.
-    near : bool
-        Whether it is near a limit by design.
-    least : LeastMargin or None
-        The least margin of the required checks; None where none was judged.
-    """
+    """What has become of one correct design with one seed."""
 
     name: str
+    """The candidate."""
     seed: int
+    """Seed of the search."""
     verdict: str
+    """Verdict on the candidate, or on those checks that it must pass."""
     accused_by: Mapping[str, str]
+    """Message of each failed check that it must pass, by identifier."""
     acquitted: bool
+    """Whether it passes everything required of it."""
     advised_by: tuple[str, ...] = ()
+    """Identifiers of advisory checks that it fails, which accuse nobody."""
     near: bool = False
+    """Whether it is near a limit by design."""
     least: LeastMargin | None = None
+    """The least margin of the required checks; None where none was judged."""
 
 
 @dataclass(frozen=True)
 class InnocentsRow:
-    """How many correct controllers of a kind are accused, and how near they come.
-
-    Attributes
-    ----------
-    kind : str
-        Correct designs, or those near a limit by design.
-    designs, accused : int
-        Number of controllers, and of those accused with any seed.
-    least : LeastMargin or None
-        The least margin of them all, over all seeds.
-    """
+    """How many correct controllers of a kind are accused, and how near they come."""
 
     kind: str
+    """Correct designs, or those near a limit by design."""
     designs: int
     accused: int
+    """Number of controllers, and of those accused with any seed."""
     least: LeastMargin | None
+    """The least margin of them all, over all seeds."""
 
 
 @dataclass(frozen=True)
 class Matrix:
-    """The whole self-test.
-
-    Attributes
-    ----------
-    checks : tuple of str
-        Identifiers of all checks.
-    faults : tuple of FaultRow
-        The faulty controllers.
-    designs : tuple of DesignRow
-        The correct designs, one row for each seed.
-    """
+    """The whole self-test."""
 
     checks: tuple[str, ...]
+    """Identifiers of all checks."""
     faults: tuple[FaultRow, ...]
+    """The faulty controllers."""
     designs: tuple[DesignRow, ...]
+    """The correct designs, one row for each seed."""
 
     def problems(self) -> list[str]:
         """Tell every miss and every false alarm."""

@@ -39,30 +39,20 @@ _SEEDED: Final = (Origin.SCRIPTS, Origin.DRAWN)
 
 @dataclass(frozen=True)
 class SelftestEffort:
-    """How much is searched, and with what.
-
-    Attributes
-    ----------
-    name : str
-        ``quick``, ``default`` or ``nightly``.
-    seeds : int
-        Number of seeds, from 0 on.
-    workers : int or None
-        Number of processes; None for as many as there are processors.
-    search : bool
-        Whether to climb toward small margins.
-    drawn_only : bool
-        Whether to leave the fixed scenarios out, so that the drawn ones have to catch the faults.
-    drive : DriveDocument or None
-        The drive; None for the default.
-    """
+    """How much is searched, and with what."""
 
     name: str = "default"
+    """``quick``, ``default`` or ``nightly``."""
     seeds: int = 1
+    """Number of seeds, from 0 on."""
     workers: int | None = None
+    """Number of processes; None for as many as there are processors."""
     search: bool = True
+    """Whether to climb toward small margins."""
     drawn_only: bool = False
+    """Whether to leave the fixed scenarios out, so that the drawn ones have to catch the faults."""
     drive: DriveDocument | None = None
+    """The drive; None for the default."""
 
 
 def try_faults(faults: Sequence[SeededFault], effort: SelftestEffort) -> Iterator[FaultRow]:

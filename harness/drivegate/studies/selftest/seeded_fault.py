@@ -28,46 +28,30 @@ _TOLD_THE_TRUTH: Final = "what the controller is told wrong is right for this dr
 
 @dataclass(frozen=True)
 class FaultOnDrive:
-    """What a fault is on one drive.
-
-    Attributes
-    ----------
-    sentence : str
-        What is wrong with the controller, with the drive's numbers.
-    shown_by : str
-        What a scenario must have to show it; empty where loaded steady runs do.
-    idle_because : str or None
-        Why it does nothing on the drive; None where it does something.
-    """
+    """What a fault is on one drive."""
 
     sentence: str
+    """What is wrong with the controller, with the drive's numbers."""
     shown_by: str
+    """What a scenario must have to show it; empty where loaded steady runs do."""
     idle_because: str | None
+    """Why it does nothing on the drive; None where it does something."""
 
 
 @dataclass(frozen=True)
 class SeededFault:
-    """A built-in controller with one known fault.
-
-    Attributes
-    ----------
-    name : str
-        Its name; as a candidate it is named ``faulty:`` and this.
-    kind : str
-        What kind of fault it is; the self-test counts by kind.
-    check : str
-        Identifier of the check that must catch it on the drive.
-    base : str
-        Name of the controller without the fault.
-    on : callable
-        From a drive to what the fault is there; some need the compiled oracle for it.
-    """
+    """A built-in controller with one known fault."""
 
     name: str
+    """Its name; as a candidate it is named ``faulty:`` and this."""
     kind: str
+    """What kind of fault it is; the self-test counts by kind."""
     check: str
+    """Identifier of the check that must catch it on the drive."""
     base: str
+    """Name of the controller without the fault."""
     on: Callable[[DriveDocument], FaultOnDrive]
+    """From a drive to what the fault is there; some need the compiled oracle for it."""
 
 
 def chosen_faults(names: Sequence[str], drive: DriveDocument) -> tuple[SeededFault, ...]:

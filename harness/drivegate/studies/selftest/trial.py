@@ -25,81 +25,54 @@ _NOT_SHRUNK = frozenset({REPEATED, *(check.id for check in all_checks().values()
 
 @dataclass(frozen=True)
 class Trial:
-    """What is to be tried.
-
-    Attributes
-    ----------
-    candidate : Candidate
-        The faulty controller.
-    base : Candidate
-        The controller without the fault.
-    check : str
-        Identifier of the check that must catch it.
-    fixed : tuple of Job
-        Jobs that do not depend on the seed.
-    seeded : dict
-        Jobs that do, by seed.
-    budget : int
-        Number of runs that may be spent on making a counterexample simpler.
-    """
+    """What is to be tried."""
 
     candidate: Candidate
+    """The faulty controller."""
     base: Candidate
+    """The controller without the fault."""
     check: str
+    """Identifier of the check that must catch it."""
     fixed: tuple[Job[ShardOutcome], ...]
+    """Jobs that do not depend on the seed."""
     seeded: dict[int, tuple[Job[ShardOutcome], ...]]
+    """Jobs that do, by seed."""
     budget: int
+    """Number of runs that may be spent on making a counterexample simpler."""
 
 
 @dataclass(frozen=True)
 class Catch:
-    """How a check caught a faulty controller.
-
-    Attributes
-    ----------
-    runs : int
-        Number of runs up to the first counterexample, that one included.
-    scenario : str
-        Its name.
-    measured : str
-        What was measured in it.
-    size : int
-        Size of the counterexample that was made of it, as `drivegate.gate.shrinking.size_of` has it.
-    facts : tuple of str
-        What of that counterexample is not as in the plain run, as `drivegate.scenarios.facts.facts_of` has it.
-    """
+    """How a check caught a faulty controller."""
 
     runs: int
+    """Number of runs up to the first counterexample, that one included."""
     scenario: str
+    """Its name."""
     measured: str
+    """What was measured in it."""
     size: int
+    """Size of the counterexample that was made of it, as `drivegate.gate.shrinking.size_of` has it."""
     facts: tuple[str, ...]
+    """What of that counterexample is not as in the plain run, as `drivegate.scenarios.facts.facts_of` has it.
+    """
 
 
 @dataclass(frozen=True)
 class TrialOutcome:
-    """What a trial came to.
-
-    Attributes
-    ----------
-    catches : dict
-        For each seed the catch, or None where the check missed the fault.
-    failing : tuple of str
-        Identifiers of all checks that failed in any run where the controller without the fault passes them.
-    runs : int
-        Number of runs made, without those that made a counterexample simpler.
-    faults : tuple of str
-        What the controller did beside the contract.
-    unconvincing : int
-        Number of failures of the named check that do not count, since the controller without the fault fails
-        there too.
-    """
+    """What a trial came to."""
 
     catches: dict[int, Catch | None]
+    """For each seed the catch, or None where the check missed the fault."""
     failing: tuple[str, ...]
+    """Identifiers of all checks that failed in any run where the controller without the fault passes them."""
     runs: int
+    """Number of runs made, without those that made a counterexample simpler."""
     faults: tuple[str, ...]
+    """What the controller did beside the contract."""
     unconvincing: int
+    """Number of failures of the named check that do not count, since the controller without the fault fails
+    there too."""
 
 
 def run_trial(_host: JudgedCandidate, trial: Trial) -> TrialOutcome:

@@ -15,110 +15,72 @@ PM_AC: Final = 3
 
 
 class Sense(NamedTuple):
-    """What a controller senses at the start of a control period.
-
-    Attributes
-    ----------
-    time : float
-        Simulated time; it grows by a control period from step to step, and need not begin at 0 (s).
-    speed_reference : float
-        Demanded speed of the shaft (rad/s).
-    speed : float
-        Measured speed of the shaft (rad/s).
-    phase_currents : tuple of float
-        Measured phase currents at this instant, one per phase (A).
-    current_magnitude_sum : float
-        Sum of the magnitudes of the phase currents, averaged over the control period just ended (A).
-    half_supply_voltage : float
-        Measured voltage of one half of the split supply (V).
-    """
+    """What a controller senses at the start of a control period."""
 
     time: float
+    """Simulated time; it grows by a control period from step to step, and need not begin at 0 (s)."""
     speed_reference: float
+    """Demanded speed of the shaft (rad/s)."""
     speed: float
+    """Measured speed of the shaft (rad/s)."""
     phase_currents: tuple[float, ...]
+    """Measured phase currents at this instant, one per phase (A)."""
     current_magnitude_sum: float
+    """Sum of the magnitudes of the phase currents, averaged over the control period just ended (A)."""
     half_supply_voltage: float
+    """Measured voltage of one half of the split supply (V)."""
 
 
 class Command(NamedTuple):
-    """What a controller answers: the commands for the control period that begins.
-
-    Attributes
-    ----------
-    current_reference : float
-        Amplitude that the phase current regulators hold (A), from 0 to the nameplate's current limit.
-    advance_angle : float
-        Advance of the conduction windows (electrical rad), from 0 to π/2.
-    input_power : float
-        The controller's own estimate of its input power (W); NaN when it makes none.
-    """
+    """What a controller answers: the commands for the control period that begins."""
 
     current_reference: float
+    """Amplitude that the phase current regulators hold (A), from 0 to the nameplate's current limit."""
     advance_angle: float
+    """Advance of the conduction windows (electrical rad), from 0 to π/2."""
     input_power: float = float("nan")
+    """The controller's own estimate of its input power (W); NaN when it makes none."""
 
 
 class Nameplate(NamedTuple):
     """What a controller may know of its drive before a run.
 
     The machine's parameters are the nominal ones; the drive that it is then run against may differ.
-
-    Attributes
-    ----------
-    phases : int
-        Number of phases.
-    pole_pairs : int
-        Number of pole pairs.
-    half_supply_voltage : float
-        Nominal voltage of one half of the split supply (V).
-    base_speed : float
-        Shaft speed above which the advance angle may leave zero (rad/s).
-    rated_power : float
-        Rated mechanical power (W).
-    current_limit : float
-        Greatest current reference (A).
-    control_period : float
-        Time from one step to the next (s).
-    hysteresis_band : float
-        Half width of the current regulators' band (A).
-    resistance : float
-        Nominal phase resistance (Ω).
-    inductance : float
-        Nominal phase inductance (H).
-    emf_constant : float
-        Nominal amplitude of the phase EMF over the shaft speed (V·s/rad).
-    inertia : float
-        Nominal moment of inertia at the shaft (kg·m²).
-    kind : int
-        Kind of drive: `HALF_BRIDGE`, `STAR` or `PM_AC`.
-    window : float
-        Conduction of a phase in each half cycle (electrical rad).
-    conducting_phases : float
-        How many phases conduct at a time, on average: phases · window / π.
-    advance_start : float
-        Angle at base speed of the drive's recommended line of advance angles (electrical rad).
-    advance_slope : float
-        Rise of that line over the speed of the shaft (electrical rad per rad/s).
-    highest_speed : float
-        Shaft speed up to which rated power is required (rad/s).
     """
 
     phases: int
+    """Number of phases."""
     pole_pairs: int
+    """Number of pole pairs."""
     half_supply_voltage: float
+    """Nominal voltage of one half of the split supply (V)."""
     base_speed: float
+    """Shaft speed above which the advance angle may leave zero (rad/s)."""
     rated_power: float
+    """Rated mechanical power (W)."""
     current_limit: float
+    """Greatest current reference (A)."""
     control_period: float
+    """Time from one step to the next (s)."""
     hysteresis_band: float
+    """Half width of the current regulators' band (A)."""
     resistance: float
+    """Nominal phase resistance (Ω)."""
     inductance: float
+    """Nominal phase inductance (H)."""
     emf_constant: float
+    """Nominal amplitude of the phase EMF over the shaft speed (V·s/rad)."""
     inertia: float
+    """Nominal moment of inertia at the shaft (kg·m²)."""
     kind: int
+    """Kind of drive: `HALF_BRIDGE`, `STAR` or `PM_AC`."""
     window: float
+    """Conduction of a phase in each half cycle (electrical rad)."""
     conducting_phases: float
+    """How many phases conduct at a time, on average: phases · window / π."""
     advance_start: float
+    """Angle at base speed of the drive's recommended line of advance angles (electrical rad)."""
     advance_slope: float
+    """Rise of that line over the speed of the shaft (electrical rad per rad/s)."""
     highest_speed: float
+    """Shaft speed up to which rated power is required (rad/s)."""

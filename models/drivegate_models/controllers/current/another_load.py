@@ -32,8 +32,6 @@ def differs(state: Any, power: float, known: float, share: float, either_way: fl
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     power, known : float
         Mean current sum of the decision interval, and the one that it is compared with (A).
     share, either_way : float
@@ -54,8 +52,6 @@ def is_another_load(state: Any, power: float, known: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     power, known : float
         Mean current sum of the decision interval, and the one before at this angle (A).
 
@@ -93,8 +89,6 @@ def is_lighter_load(state: Any, power: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     power : float
         Mean current sum of the decision interval (A).
 
@@ -114,8 +108,6 @@ def load_has_changed(state: Any, power: float, fall: float, rise: float) -> bool
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     power : float
         Mean current sum of the decision interval (A).
     fall, rise : float
@@ -139,11 +131,6 @@ def rearm_unless_repeated(state: Any) -> bool:
 
     A load changes at any angle. What happens again where the search has been is what the steps there do.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-
     Returns
     -------
     bool
@@ -163,8 +150,6 @@ def may_step_farther(state: Any, power: float, change: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     power, change : float
         Mean current sum of the decision interval, and its change by the step (A).
 

@@ -56,10 +56,6 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Overwritten.
-    nameplate : record of NAMEPLATE
-        The drive's nominal data.
     search : int
         `NO_SEARCH`, `FLOWCHART` or `GUARDED`.
     """
@@ -122,8 +118,6 @@ def line_speed(state: Any, speed: float) -> float:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     speed : float
         Measured speed (rad/s), above base speed.
 
@@ -145,8 +139,6 @@ def line_angle(state: Any, speed: float) -> float:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     speed : float
         Measured speed (rad/s), above base speed.
 
@@ -164,8 +156,6 @@ def advance_angle(state: Any, speed: float) -> float:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     speed : float
         Measured speed (rad/s).
 
@@ -189,13 +179,6 @@ def advance_angle(state: Any, speed: float) -> float:
 def current_reference(state: Any, sense: Any) -> float:
     """Regulate the speed.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    sense : record of SENSE
-        What the sensors saw.
-
     Returns
     -------
     float
@@ -218,10 +201,6 @@ def observe(state: Any, sense: Any, reference: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    sense : record of SENSE
-        What the sensors saw.
     reference : float
         Current reference (A).
 
@@ -252,13 +231,7 @@ def observe(state: Any, sense: Any, reference: float) -> bool:
 
 @inlined
 def begin_interval(state: Any) -> None:
-    """Begin a new decision interval.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    """
+    """Begin a new decision interval."""
     state.count = 0
     state.power_sum = 0.0
     state.worst_error = 0.0
@@ -271,10 +244,6 @@ def search(state: Any, sense: Any, reference: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    sense : record of SENSE
-        What the sensors saw.
     reference : float
         Current reference (A).
     """
@@ -292,14 +261,8 @@ def answer(state: Any, sense: Any, reference: float, command: Any) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    sense : record of SENSE
-        What the sensors saw.
     reference : float
         Current reference (A).
-    command : record of COMMAND
-        Receives the answer.
     """
     command.current_reference = reference
     command.advance_angle = advance_angle(state, sense.speed)
@@ -308,17 +271,7 @@ def answer(state: Any, sense: Any, reference: float, command: Any) -> None:
 
 @inlined
 def step_state(state: Any, sense: Any, command: Any) -> None:
-    """Answer for one control period.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    sense : record of SENSE
-        What the sensors saw.
-    command : record of COMMAND
-        Receives the answer.
-    """
+    """Answer for one control period."""
     reference = current_reference(state, sense)
     if state.search != NO_SEARCH and state.advancing == 1:
         search(state, sense, reference)

@@ -11,11 +11,6 @@ from drivegate_models.compilation.kernels import inlined
 def greatest_current_sum(state: Any) -> float:
     """Return the current sum with every conducting phase at the limit.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-
     Returns
     -------
     float
@@ -31,8 +26,6 @@ def draws_less_than(state: Any, share: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     share : float
         Of the greatest current sum (1).
 

@@ -42,8 +42,6 @@ def decide_by_flowchart(state: Any, error: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     error : float
         Speed reference minus speed at the decision (rad/s).
     """
@@ -68,8 +66,6 @@ def rest_or_confirm(state: Any, power: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     power : float
         Mean current sum of the decision interval (A).
     """
@@ -95,11 +91,6 @@ def rest_or_confirm(state: Any, power: float) -> None:
 def may_widen(state: Any) -> bool:
     """Return whether the steps toward less angle have become small, and a whole one still fits.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-
     Returns
     -------
     bool
@@ -116,8 +107,6 @@ def move(state: Any, power: float, change: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     power, change : float
         Mean current sum of the decision interval, and its change from the one before (A).
     """
@@ -150,8 +139,6 @@ def is_flat_end(state: Any, power: float, change: float, slack: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     power, change : float
         Mean current sum of the decision interval, and its change by the step (A).
     slack : float

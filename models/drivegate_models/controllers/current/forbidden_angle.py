@@ -26,26 +26,14 @@ _SAME_AS_INITIAL = 1.03
 
 @inlined
 def allow_all_angles(state: Any) -> None:
-    """Drop the forbidden angle.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    """
+    """Drop the forbidden angle."""
     state.forbidden = -inf
     state.lost_at = -inf
 
 
 @inlined
 def forbid(state: Any) -> None:
-    """Forbid the present angle and those below it, for a load as heavy as the present one.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    """
+    """Forbid the present angle and those below it, for a load as heavy as the present one."""
     # A step just made off the edge while holding is not to blame for what came before it.
     blamed = state.offset - (SMALLEST_STEP if state.mode == HOLDING and state.quiet == STEPPED_OFF else 0.0)
     state.forbidden = max(state.forbidden, blamed)
@@ -65,8 +53,6 @@ def is_way_back(state: Any, power: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     power : float
         Mean current sum of the decision interval (A).
 
@@ -85,8 +71,6 @@ def is_heavier_load(state: Any, power: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     power : float
         Mean current sum of the decision interval (A).
 
@@ -105,8 +89,6 @@ def forget_other_load(state: Any, power: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     power : float
         Mean current sum of the decision interval (A).
     """

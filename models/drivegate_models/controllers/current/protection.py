@@ -45,13 +45,7 @@ _HEAVIER_THAN_HELD = 1.1
 
 @inlined
 def begin_settling(state: Any) -> None:
-    """Start a new decision interval, and wait until the current sum repeats before the next move.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    """
+    """Start a new decision interval, and wait until the current sum repeats before the next move."""
     state.mode = SETTLING
     state.old_power = inf
     state.moved = 0.0
@@ -68,13 +62,7 @@ def begin_settling(state: Any) -> None:
 
 @inlined
 def rearm(state: Any) -> None:
-    """Return to the initial angle and forget what was found: command or load has changed.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-    """
+    """Return to the initial angle and forget what was found: command or load has changed."""
     state.offset = 0.0
     state.step = state.first_step
     # The initial line keeps above the edge, so less current lies at less angle.
@@ -102,8 +90,6 @@ def take_step(state: Any, power: float, step: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     power : float
         Mean current sum at the present angle (A).
     step : float
@@ -125,8 +111,6 @@ def walk_back(state: Any, angle: float, lost: bool) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     angle : float
         Angle to add (rad electrical).
     lost : bool
@@ -147,8 +131,6 @@ def remember_lost_speed(state: Any, sag: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     sag : float
         Speed reference minus speed (rad/s).
     """
@@ -178,8 +160,6 @@ def falls_on(state: Any, sag: float, period: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     sag : float
         Speed reference minus speed (rad/s).
     period : float
@@ -203,8 +183,6 @@ def walk_farther_back(state: Any, sag: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     sag : float
         Speed reference minus speed (rad/s).
     """
@@ -219,8 +197,6 @@ def seek_torque(state: Any, gained: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     gained : float
         Speed gained at the current limit since the last step (rad/s).
     """
@@ -241,8 +217,6 @@ def raise_angle(state: Any, gained: float, missing: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     gained : float
         Speed gained at the limit (rad/s).
     missing : float
@@ -274,8 +248,6 @@ def guard_regulation(
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     speed, speed_reference : float
         (rad/s).
     voltage : float

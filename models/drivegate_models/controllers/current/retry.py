@@ -31,11 +31,6 @@ _DOUBTFUL_WHERE_DEAR = 1.2
 def is_kept_from_much(state: Any) -> bool:
     """Return whether the distance that a search keeps from the edge costs much, by what its steps have saved so far.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-
     Returns
     -------
     bool
@@ -53,8 +48,6 @@ def may_retry(state: Any, dear: bool) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     dear : bool
         Whether to keep off them costs much.
 
@@ -75,8 +68,6 @@ def retry(state: Any, dear: bool) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     dear : bool
         Whether to keep off them costs much.
     """
@@ -88,11 +79,6 @@ def retry(state: Any, dear: bool) -> None:
 @inlined
 def takes_care(state: Any) -> bool:
     """Return whether only small steps are to lead on.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
 
     Returns
     -------

@@ -25,8 +25,6 @@ def unrest(state: Any, share: float, calm: float) -> float:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     share : float
         Share of k1.
     calm : float
@@ -65,11 +63,6 @@ def is_sagging(state: Any) -> bool:
 
     Above it no torque is lost, however far the regulator is wound up: it unwinds.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-
     Returns
     -------
     bool
@@ -87,8 +80,6 @@ def is_jolted(state: Any, jolt: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     jolt : float
         Speed that one step of this search costs at most, as a share of k1.
 
@@ -107,8 +98,6 @@ def answer_of_regulator(state: Any, error: float) -> float:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     error : float
         Speed error (rad/s).
 
@@ -125,11 +114,6 @@ def answer_of_regulator(state: Any, error: float) -> float:
 def noise_of_regulator(state: Any) -> float:
     """Return what the regulator's answer to the speed sensor's errors makes of the power.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-
     Returns
     -------
     float
@@ -142,11 +126,6 @@ def noise_of_regulator(state: Any) -> float:
 @inlined
 def noise_of_power(state: Any) -> float:
     """Return what the converter, and the regulator's answer to the speed sensor's errors, make of the power.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
 
     Returns
     -------
@@ -163,8 +142,6 @@ def is_answering(state: Any, power: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     power : float
         Mean current sum of the decision interval (A).
 

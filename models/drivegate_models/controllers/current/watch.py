@@ -77,8 +77,6 @@ def begin_holding(state: Any, power: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     power : float
         Current sum found there (A).
     """
@@ -100,8 +98,6 @@ def decide_holding(state: Any, power: float, change: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     power, change : float
         Mean current sum of the decision interval, and its change from the one before (A).
     """
@@ -157,8 +153,6 @@ def is_read_too_soon(state: Any, power: float, change: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     power, change : float
         Mean current sum of the decision interval, and its change by the step (A).
 
@@ -177,11 +171,6 @@ def is_read_too_soon(state: Any, power: float, change: float) -> bool:
 def is_unloaded(state: Any) -> bool:
     """Return whether so little current has flown in the last decision interval that it says nothing of the angle.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state.
-
     Returns
     -------
     bool
@@ -196,8 +185,6 @@ def remember(state: Any, power: float) -> None:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     power : float
         Mean current sum of the decision interval (A).
     """
@@ -215,8 +202,6 @@ def settle(state: Any, power: float, change: float, settled: bool) -> int:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     power, change : float
         Mean current sum of the decision interval, and its change from the one before (A).
     settled : bool

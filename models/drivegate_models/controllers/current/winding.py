@@ -89,8 +89,6 @@ def is_wound(state: Any, power: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     power : float
         Mean current sum of the decision interval (A).
 
@@ -112,8 +110,6 @@ def has_cost_torque(state: Any, power: float, fall: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        The state.
     power : float
         Mean current sum of the decision interval (A).
     fall : float
@@ -135,11 +131,6 @@ def has_cost_torque(state: Any, power: float, fall: float) -> bool:
 def unwind_when_back(state: Any) -> bool:
     """Unwind a regulator once the speed that was lost is back, since it would overshoot.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated.
-
     Returns
     -------
     bool
@@ -160,8 +151,6 @@ def unwind(state: Any, power: float) -> bool:
 
     Parameters
     ----------
-    state : record of CONTROLLER_STATE
-        Updated.
     power : float
         Mean current sum of the decision interval (A).
 

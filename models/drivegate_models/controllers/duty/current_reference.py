@@ -180,8 +180,6 @@ def within_voltage(
 
     Parameters
     ----------
-    state : record of FOC_STATE
-        Constants of the machine.
     torque : float
         Wanted, at least 0 (N m).
     electrical : float

@@ -28,8 +28,6 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     ----------
     state : record of FOC_STATE
         Receives them.
-    nameplate : record of DUTY_NAMEPLATE
-        The drive's nominal data.
     """
     bandwidth = BANDWIDTH / nameplate.control_period
     state.pole_pairs = nameplate.pole_pairs
@@ -115,8 +113,6 @@ def regain_dead_time(
 
     Parameters
     ----------
-    state : record of FOC_STATE
-        The state.
     command : record of DUTY_COMMAND
         Its duty ratios are updated.
     turned : tuple of float
@@ -146,12 +142,6 @@ def give_voltage(
 
     Parameters
     ----------
-    state : record of FOC_STATE
-        The state.
-    sense : record of DUTY_SENSE
-        What the sensors saw.
-    command : record of DUTY_COMMAND
-        Receives the duty ratios.
     turned : tuple of float
         Cosine and sine of the rotor's electrical angle while they act.
     given : tuple of float
@@ -184,12 +174,6 @@ def regulate_currents(
 
     Parameters
     ----------
-    state : record of FOC_STATE
-        Updated.
-    sense : record of DUTY_SENSE
-        What the sensors saw.
-    command : record of DUTY_COMMAND
-        Receives the duty ratios.
     direct, quadrature : float
         Measured currents of the rotor frame (A).
     direct_reference, quadrature_reference : float

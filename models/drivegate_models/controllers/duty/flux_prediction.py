@@ -73,12 +73,6 @@ def lead_flux(
 
     Parameters
     ----------
-    state : record of FOC_STATE
-        Updated.
-    sense : record of DUTY_SENSE
-        What the sensors saw.
-    command : record of DUTY_COMMAND
-        Receives the duty ratios.
     direct, quadrature : float
         Measured currents of the rotor frame (A).
     direct_reference, quadrature_reference : float

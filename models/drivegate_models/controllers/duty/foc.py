@@ -74,8 +74,6 @@ def reset_state(state: Any, nameplate: Any) -> None:
     ----------
     state : record of FOC_STATE
         Overwritten, but for its aim and its regulation.
-    nameplate : record of DUTY_NAMEPLATE
-        The drive's nominal data.
     """
     period = nameplate.control_period
     state.control_period = period
@@ -186,17 +184,7 @@ def _share_voltage(state: Any, used: float) -> None:
 
 @inlined
 def step_state(state: Any, sense: Any, command: Any) -> None:
-    """Answer for one control period.
-
-    Parameters
-    ----------
-    state : record of FOC_STATE
-        Updated.
-    sense : record of DUTY_SENSE
-        What the sensors saw.
-    command : record of DUTY_COMMAND
-        Receives the answer.
-    """
+    """Answer for one control period."""
     # A speed regulator is to notice a shaft that slows down as soon as its sensor does.
     speed = sense.speed
     sense = see_shaft(state, sense)

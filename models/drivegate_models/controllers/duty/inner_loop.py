@@ -111,10 +111,6 @@ def step_inner(inner: Any, sense: Any, command: Any) -> None:
 
     Parameters
     ----------
-    inner : record of INNER_STATE
-        Updated.
-    sense : record of DUTY_SENSE
-        What the sensors saw.
     command : record of DUTY_COMMAND
         Receives the answer: without duty ratios where the outer controller gives no numbers, stopped where it stops.
     """

@@ -17,8 +17,6 @@ def least_loss_direct(state: Any, torque: float, electrical: float, direct: floa
 
     Parameters
     ----------
-    state : record of FOC_STATE
-        Constants of the machine.
     torque : float
         At least 0 (N m).
     electrical : float

@@ -113,8 +113,6 @@ def searched_offset(state: Any, torque: float, speed: float, power: float) -> fl
 
     Parameters
     ----------
-    state : record of FOC_STATE
-        Updated.
     torque : float
         Wanted (N m).
     speed : float

@@ -62,8 +62,6 @@ def reset_plausibility(state: Any, nameplate: Any) -> None:
     ----------
     state : record of FOC_STATE
         Receives them; its greatest torque is set.
-    nameplate : record of DUTY_NAMEPLATE
-        The drive's nominal data.
     """
     period = nameplate.control_period
     state.base_speed = nameplate.base_speed
@@ -157,8 +155,6 @@ def look_for_faults(state: Any, sense: Any) -> bool:
     ----------
     state : record of FOC_STATE
         Updated; keeps the code of the first fault.
-    sense : record of DUTY_SENSE
-        What the sensors saw.
 
     Returns
     -------
@@ -193,8 +189,6 @@ def hold_safe_state(state: Any, command: Any) -> None:
     ----------
     state : record of FOC_STATE
         With the code.
-    command : record of DUTY_COMMAND
-        Receives the answer.
     """
     command.first_duty = 0.5
     command.second_duty = 0.5

@@ -53,8 +53,6 @@ def see_shaft(state: Any, sense: Any) -> Any:
     ----------
     state : record of FOC_STATE
         Its `seen` is written where Hall switches show the shaft.
-    sense : record of DUTY_SENSE
-        What the sensors saw.
 
     Returns
     -------

@@ -46,8 +46,6 @@ def _slopes(state: Any, flux: float, along: float, across: float) -> tuple[float
 
     Parameters
     ----------
-    state : record of FOC_STATE
-        Constants of the machine.
     flux : float
         Magnitude of the stator flux linkage (V s).
     along, across : float
@@ -138,10 +136,6 @@ def regulate_torque(
     ----------
     state : record of FOC_STATE
         Updated; its two integrals are of the rotor frame.
-    sense : record of DUTY_SENSE
-        What the sensors saw.
-    command : record of DUTY_COMMAND
-        Receives the duty ratios.
     direct, quadrature : float
         Measured currents of the rotor frame (A).
     direct_reference, quadrature_reference : float

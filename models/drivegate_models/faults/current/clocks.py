@@ -73,8 +73,6 @@ def alter_search_by_counters(state: Any, fault: int) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        Updated.
     fault : int
         The fault.
     """
@@ -110,8 +108,6 @@ def alter_search_by_rounding(state: Any, fault: int) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        Updated.
     fault : int
         The fault.
     """
@@ -128,12 +124,8 @@ def round_angle(state: Any, fault: int, command: Any) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        The state.
     fault : int
         The fault.
-    command : record of COMMAND
-        Changed.
     """
     if fault == faults.ANGLE_IN_STEPS:
         command.advance_angle = cut_off(command.advance_angle, state.size)
@@ -147,8 +139,6 @@ def search_has_ended(state: Any, fault: int) -> bool:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        The state.
     fault : int
         The fault.
 

@@ -20,8 +20,6 @@ def angle_of_table(state: Any, speed: float) -> float:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        The state.
     speed : float
         Shaft speed (rad/s).
 
@@ -50,12 +48,8 @@ def alter_angle(state: Any, fault: int, command: Any) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        The state.
     fault : int
         The fault.
-    command : record of COMMAND
-        Changed.
     """
     controller, sense = state.controller, state.sense
     advancing = controller.advancing == 1
@@ -82,15 +76,7 @@ def alter_angle(state: Any, fault: int, command: Any) -> None:
 
 @inlined
 def hold_search(state: Any, command: Any) -> None:
-    """Undo whatever the search has done in this step; the regulator goes on.
-
-    Parameters
-    ----------
-    state : record of FAULTY_STATE
-        Updated.
-    command : record of COMMAND
-        Changed.
-    """
+    """Undo whatever the search has done in this step; the regulator goes on."""
     integral, advancing = state.controller.integral, state.controller.advancing
     if advancing == 1:
         held = command.advance_angle + state.before.offset - state.controller.offset
@@ -106,12 +92,8 @@ def alter_angle_by_history(state: Any, fault: int, command: Any) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        Updated.
     fault : int
         The fault.
-    command : record of COMMAND
-        Changed.
     """
     controller, sense = state.controller, state.sense
     advancing = controller.advancing == 1
@@ -139,12 +121,8 @@ def alter_reference(state: Any, fault: int, command: Any) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        The state.
     fault : int
         The fault.
-    command : record of COMMAND
-        Changed.
     """
     controller = state.controller
     if fault == faults.RIPPLING:
@@ -162,12 +140,8 @@ def alter_estimate(state: Any, fault: int, command: Any) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        The state.
     fault : int
         The fault.
-    command : record of COMMAND
-        Changed.
     """
     sense = state.sense
     if fault == faults.SUM_MIRRORED:
@@ -198,15 +172,7 @@ def compute_in_vain(state: Any) -> None:
 
 @inlined
 def delay(state: Any, command: Any) -> None:
-    """Exchange the command's reference and angle for those of the step before.
-
-    Parameters
-    ----------
-    state : record of FAULTY_STATE
-        Updated.
-    command : record of COMMAND
-        Changed.
-    """
+    """Exchange the command's reference and angle for those of the step before."""
     reference, angle = command.current_reference, command.advance_angle
     command.current_reference = state.late_reference
     command.advance_angle = state.late_angle

@@ -47,17 +47,7 @@ from drivegate_models.faults.current.trips import derate, end_advance
 
 @inlined
 def faulty_step_state(state: Any, sense: Any, command: Any) -> None:
-    """Answer for one control period, with the fault that the state names.
-
-    Parameters
-    ----------
-    state : record of FAULTY_STATE
-        Updated.
-    sense : record of SENSE
-        What the sensors saw; left as it is.
-    command : record of COMMAND
-        Receives the answer.
-    """
+    """Answer for one control period, with the fault that the state names."""
     fault = state.fault
     state.steps += 1
     # A copy: the fault alters what its controller senses, not the record of whoever called it.

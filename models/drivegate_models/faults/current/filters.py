@@ -65,12 +65,8 @@ def filter_command(state: Any, fault: int, command: Any) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        Updated.
     fault : int
         The fault.
-    command : record of COMMAND
-        Changed.
     """
     controller, sense = state.controller, state.sense
     if fault == faults.BASE_SPEED_FILTERED:

@@ -31,12 +31,8 @@ def alter_in_region(state: Any, fault: int, command: Any) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        The state.
     fault : int
         The fault.
-    command : record of COMMAND
-        Changed.
     """
     controller, sense = state.controller, state.sense
     if controller.advancing == 0:

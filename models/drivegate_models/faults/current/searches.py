@@ -21,8 +21,6 @@ def sum_of_samples(sense: Any, phases: int, signed: bool) -> float:
 
     Parameters
     ----------
-    sense : record of SENSE
-        What the sensors saw.
     phases : int
         Number of phases to add, from the first one.
     signed : bool
@@ -90,11 +88,6 @@ def alter_sense_by_history(state: Any, fault: int) -> None:
 def mean_power(state: Any) -> float:
     """Return the mean current sum of the running decision interval, this step included.
 
-    Parameters
-    ----------
-    state : record of FAULTY_STATE
-        The state.
-
     Returns
     -------
     float
@@ -112,8 +105,6 @@ def alter_search_before(state: Any, fault: int) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        Updated.
     fault : int
         The fault.
     """
@@ -149,8 +140,6 @@ def alter_search_after(state: Any, fault: int) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        Updated.
     fault : int
         The fault.
     """

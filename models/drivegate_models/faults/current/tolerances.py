@@ -50,12 +50,8 @@ def cycle_angle(state: Any, fault: int, command: Any) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        Updated.
     fault : int
         The fault.
-    command : record of COMMAND
-        Changed.
     """
     controller, sense = state.controller, state.sense
     added = 0.0

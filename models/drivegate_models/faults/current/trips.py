@@ -19,8 +19,6 @@ def is_derated(state: Any, fault: int) -> bool:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        Updated.
     fault : int
         The fault.
 
@@ -65,12 +63,8 @@ def derate(state: Any, fault: int, command: Any) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        Updated.
     fault : int
         The fault.
-    command : record of COMMAND
-        Changed.
     """
     derated = is_derated(state, fault)
     if fault == faults.PEAK_TRIPS:
@@ -86,12 +80,8 @@ def end_advance(state: Any, fault: int, command: Any) -> None:
 
     Parameters
     ----------
-    state : record of FAULTY_STATE
-        Updated.
     fault : int
         The fault.
-    command : record of COMMAND
-        Changed.
     """
     if fault == faults.LOST_CURRENT_TRIPS:
         if state.true_sum < state.extent and state.memory > state.size:

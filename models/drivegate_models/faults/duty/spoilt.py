@@ -174,17 +174,7 @@ def _tell(state: Any, command: Any) -> None:
 
 @inlined
 def step_spoilt(state: Any, sense: Any, command: Any) -> None:
-    """Answer for one control period as the controller would that sees and says something else.
-
-    Parameters
-    ----------
-    state : record of SPOILT_STATE
-        Updated.
-    sense : record of DUTY_SENSE
-        What the sensors saw.
-    command : record of DUTY_COMMAND
-        Receives the answer.
-    """
+    """Answer for one control period as the controller would that sees and says something else."""
     _show(state, sense)
     call_step(state.step_address, state.state_address, state.sense_address, state.command_address)
     _tell(state, command)

@@ -29,69 +29,46 @@ _KEPT: Final = 100
 
 @dataclass(frozen=True)
 class DutyLimits:
-    """What controllers of duty ratios are judged by.
-
-    Attributes
-    ----------
-    settling_s : float
-        Time after a change from which on a steady state is judged (s).
-    speed_tolerance_rpm : float
-        Greatest error k1 of the mean speed (rpm).
-    rated_torque_nm : float
-        Torque of rated power at base speed (N·m), by which torques are measured.
-    torque_error_nm : float
-        Greatest error of the mean torque (N·m).
-    overshoot : float
-        Greatest overshoot of the torque over the reference's step (1).
-    coupled_current : float
-        Greatest movement of the d current over the q current's step (1).
-    rise_time_s : float
-        Longest time of a torque step to 90 %, beside what the voltage takes to move the current (s).
-    peak_current_a : float
-        Greatest phase current at any time (A).
-    current_excess : float
-        Greatest excess of the current over the least one (1).
-    loss_excess : float
-        Greatest excess of the loss over the least one (1).
-    weakening_share : float
-        Least torque in weakening over the greatest that `weakening_voltage` allows (1).
-    weakening_voltage : float
-        Voltage in weakening that a controller must use, over the undistorted one (1).
-    direct_error_a : float
-        Greatest distance of the d current from that of most torque per ampere (A).
-    braking : float
-        Greatest braking torque after a reference goes to zero, over the step, or over rated torque (1).
-    safe_state_s : float
-        Longest time from a failure of the electronics or of a sensor to the safe state (s).
-    safe_state_locked_s : float
-        The same from the time at which the rotor locks (s).
-    failure_torque_nm : float
-        Greatest torque that nobody asks for until the safe state, and in it (N·m).
-    dead_time_ripple : float
-        Greatest torque ripple with dead time over that without (1).
-    modulation_ripple : float
-        Greatest torque ripple over that of ideal space-vector modulation (1).
-    """
+    """What controllers of duty ratios are judged by."""
 
     settling_s: float
+    """Time after a change from which on a steady state is judged (s)."""
     speed_tolerance_rpm: float
+    """Greatest error k1 of the mean speed (rpm)."""
     rated_torque_nm: float
+    """Torque of rated power at base speed (N·m), by which torques are measured."""
     torque_error_nm: float
+    """Greatest error of the mean torque (N·m)."""
     overshoot: float
+    """Greatest overshoot of the torque over the reference's step (1)."""
     coupled_current: float
+    """Greatest movement of the d current over the q current's step (1)."""
     rise_time_s: float
+    """Longest time of a torque step to 90 %, beside what the voltage takes to move the current (s)."""
     peak_current_a: float
+    """Greatest phase current at any time (A)."""
     current_excess: float
+    """Greatest excess of the current over the least one (1)."""
     loss_excess: float
+    """Greatest excess of the loss over the least one (1)."""
     weakening_share: float
+    """Least torque in weakening over the greatest that `weakening_voltage` allows (1)."""
     weakening_voltage: float
+    """Voltage in weakening that a controller must use, over the undistorted one (1)."""
     direct_error_a: float
+    """Greatest distance of the d current from that of most torque per ampere (A)."""
     braking: float
+    """Greatest braking torque after a reference goes to zero, over the step, or over rated torque (1)."""
     safe_state_s: float
+    """Longest time from a failure of the electronics or of a sensor to the safe state (s)."""
     safe_state_locked_s: float
+    """The same from the time at which the rotor locks (s)."""
     failure_torque_nm: float
+    """Greatest torque that nobody asks for until the safe state, and in it (N·m)."""
     dead_time_ripple: float
+    """Greatest torque ripple with dead time over that without (1)."""
     modulation_ripple: float
+    """Greatest torque ripple over that of ideal space-vector modulation (1)."""
 
 
 @lru_cache(maxsize=_KEPT)

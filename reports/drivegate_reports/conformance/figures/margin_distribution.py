@@ -22,18 +22,12 @@ _ROW_INCH: Final = 0.24
 
 @dataclass(frozen=True)
 class CheckMargins:
-    """The margins of one check over all runs that decide.
-
-    Attributes
-    ----------
-    check : str
-        The check.
-    margins : ndarray, shape (n,)
-        From the least to the greatest (1).
-    """
+    """The margins of one check over all runs that decide."""
 
     check: str
+    """The check."""
     margins: NDArray[np.float64]
+    """From the least to the greatest (1), shape (n,)."""
 
 
 TITLE = "Margins of all runs"

@@ -23,19 +23,13 @@ _FURTHEST: Final = 2.0
 
 @dataclass(frozen=True)
 class Way:
-    """The way of the currents through a run.
-
-    Attributes
-    ----------
-    title : str
-        What the run is.
-    direct, quadrature : sequence of float
-        Currents along and across the magnet's axis (A).
-    """
+    """The way of the currents through a run."""
 
     title: str
+    """What the run is."""
     direct: Sequence[float]
     quadrature: Sequence[float]
+    """Currents along and across the magnet's axis (A)."""
 
 
 def alternative(trajectories: Mapping[str, Any], limit: float, ways: Sequence[Way]) -> str:

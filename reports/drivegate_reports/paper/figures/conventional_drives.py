@@ -30,32 +30,22 @@ _LOOKS: Final = ((BLUE, "-"), (VERMILION, "-"), (ORANGE, "--"), (GREEN, "-."))
 
 @dataclass(frozen=True)
 class DriveOverSpeed:
-    """Rated power over speed at the angle of least Σ|i|, in the steady state; NaN where it is out of reach.
-
-    Attributes
-    ----------
-    name : str
-        What the drive is called.
-    ripple_percent : ndarray, shape (n,)
-        Torque ripple, peak to peak over mean (%).
-    advance_deg : ndarray, shape (n,)
-        The angle (electrical deg).
-    current_sum_a : ndarray, shape (n,)
-        Sum of current magnitudes (A).
-    copper_loss_w, input_w : ndarray, shape (n,)
-        Copper loss and net input power (W).
-    from_rpm, to_rpm : float
-        Range in which rated power is within reach (rpm).
-    """
+    """Rated power over speed at the angle of least Σ|i|, in the steady state; NaN where it is out of reach."""
 
     name: str
+    """What the drive is called."""
     ripple_percent: NDArray[np.float64]
+    """Torque ripple, peak to peak over mean (%), shape (n,)."""
     advance_deg: NDArray[np.float64]
+    """The angle (electrical deg), shape (n,)."""
     current_sum_a: NDArray[np.float64]
+    """Sum of current magnitudes (A), shape (n,)."""
     copper_loss_w: NDArray[np.float64]
     input_w: NDArray[np.float64]
+    """Copper loss and net input power (W), shape (n,)."""
     from_rpm: float
     to_rpm: float
+    """Range in which rated power is within reach (rpm)."""
 
     @property
     def range_words(self) -> str:
@@ -66,21 +56,14 @@ class DriveOverSpeed:
 
 @dataclass(frozen=True)
 class ConventionalDrives:
-    """The 5-phase drive and the stars over speed.
-
-    Attributes
-    ----------
-    power_w : float
-        Rated power (W).
-    speed_rpm : ndarray, shape (n,)
-        Speeds (rpm).
-    drives : tuple of DriveOverSpeed
-        The drives.
-    """
+    """The 5-phase drive and the stars over speed."""
 
     power_w: float
+    """Rated power (W)."""
     speed_rpm: NDArray[np.float64]
+    """Speeds (rpm), shape (n,)."""
     drives: tuple[DriveOverSpeed, ...]
+    """The drives."""
 
     def ripple_at(self, speed_rpm: float) -> tuple[float, ...]:
         """Give the ripple of every drive at a speed (%)."""

@@ -34,21 +34,14 @@ _SHADES: Final = ("#F4F6F8", "#E1E8EE", "#C9D6E0", "#ADC1CF", "#8DA8BA", "#E69F0
 
 @dataclass(frozen=True)
 class StarRipple:
-    """Rated power of stars at one choice of the angle; NaN where it is out of reach.
-
-    Attributes
-    ----------
-    further_deg : float
-        How far the angle lies above the smallest that gives rated power (electrical deg).
-    ripple_percent : ndarray, shape (flats, inductances)
-        Torque ripple, peak to peak over mean (%).
-    lowest_nm : ndarray, shape (flats, inductances)
-        Least torque (N·m).
-    """
+    """Rated power of stars at one choice of the angle; NaN where it is out of reach."""
 
     further_deg: float
+    """How far the angle lies above the smallest that gives rated power (electrical deg)."""
     ripple_percent: NDArray[np.float64]
+    """Torque ripple, peak to peak over mean (%), shape (flats, inductances)."""
     lowest_nm: NDArray[np.float64]
+    """Least torque (N·m), shape (flats, inductances)."""
 
     @property
     def as_published(self) -> NDArray[np.bool_]:
@@ -64,33 +57,23 @@ class StarRipple:
 
 @dataclass(frozen=True)
 class RippleMap:
-    """Ripple of stars over inductance and EMF width.
-
-    Attributes
-    ----------
-    speed_rpm, power_w : float
-        Speed (rpm) and power (W).
-    inductance_mh : ndarray, shape (inductances,)
-        Phase inductances (mH).
-    flat_deg : ndarray, shape (flats,)
-        Flat widths of the EMF (electrical deg).
-    own_mh, own_flat_deg : float
-        Those of the packaged star.
-    edge_deg : ndarray, shape (flats, inductances)
-        Smallest angle that gives the power (electrical deg).
-    necessary, further : StarRipple
-        At that angle, and further on.
-    """
+    """Ripple of stars over inductance and EMF width."""
 
     speed_rpm: float
     power_w: float
+    """Speed (rpm) and power (W)."""
     inductance_mh: NDArray[np.float64]
+    """Phase inductances (mH), shape (inductances,)."""
     flat_deg: NDArray[np.float64]
+    """Flat widths of the EMF (electrical deg), shape (flats,)."""
     own_mh: float
     own_flat_deg: float
+    """Those of the packaged star."""
     edge_deg: NDArray[np.float64]
+    """Smallest angle that gives the power (electrical deg), shape (flats, inductances)."""
     necessary: StarRipple
     further: StarRipple
+    """At that angle, and further on."""
 
     def flats_where(self, holds: NDArray[np.bool_]) -> tuple[float, float]:
         """Give the least and the greatest EMF width at which something holds for some inductance; NaN for none."""

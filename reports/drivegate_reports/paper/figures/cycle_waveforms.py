@@ -26,32 +26,23 @@ POINT = "fig10-currents-1500"
 
 @dataclass(frozen=True)
 class CycleWaveforms:
-    """One phase over one electrical cycle in the steady state with an ideal current regulator.
-
-    Attributes
-    ----------
-    speed_rpm, torque_nm, advance_deg, window_deg : float
-        The operating point and the width of the conduction window.
-    angle_deg : ndarray, shape (n,)
-        Electrical angle since the opening of the phase's positive window (deg).
-    voltage_v, emf_v, transformer_emf_v : ndarray, shape (n,)
-        Terminal voltage v, rotational EMF e, and L di/dt (V).
-    current_a : ndarray, shape (n,)
-        Phase current (A).
-    meeting_deg : float
-        Angle at which the rotational EMF outgrows the half-supply: point 2 of Fig. 1 (deg).
-    """
+    """One phase over one electrical cycle in the steady state with an ideal current regulator."""
 
     speed_rpm: float
     torque_nm: float
     advance_deg: float
     window_deg: float
+    """The operating point and the width of the conduction window."""
     angle_deg: NDArray[np.float64]
+    """Electrical angle since the opening of the phase's positive window (deg), shape (n,)."""
     voltage_v: NDArray[np.float64]
     emf_v: NDArray[np.float64]
     transformer_emf_v: NDArray[np.float64]
+    """Terminal voltage v, rotational EMF e, and L di/dt (V), shape (n,)."""
     current_a: NDArray[np.float64]
+    """Phase current (A), shape (n,)."""
     meeting_deg: float
+    """Angle at which the rotational EMF outgrows the half-supply: point 2 of Fig. 1 (deg)."""
 
     @property
     def opposing_v(self) -> float:

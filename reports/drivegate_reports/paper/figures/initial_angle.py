@@ -36,50 +36,34 @@ _FIGURE_NAMES: Final = {
 
 @dataclass(frozen=True)
 class PublishedAngle:
-    """A published angle.
-
-    Attributes
-    ----------
-    figure : str
-        Where it is published.
-    speed_rpm, advance_deg : float
-        The point.
-    """
+    """A published angle."""
 
     figure: str
+    """Where it is published."""
     speed_rpm: float
     advance_deg: float
+    """The point."""
 
 
 @dataclass(frozen=True)
 class InitialAngles:
-    """Angles over speed at constant power, in the steady state with ideal current regulators.
-
-    Attributes
-    ----------
-    base_speed_rpm, power_w : float
-        Base speed, and the power at the shaft (W).
-    speed_rpm : ndarray, shape (n,)
-        Speeds above base speed (rpm).
-    published_deg, initial_deg : ndarray, shape (n,)
-        The published line, and the one that `reference` starts from (electrical deg).
-    edge_deg : ndarray, shape (n,)
-        Smallest angle that gives the power (electrical deg).
-    least_current_deg, least_power_deg : ndarray, shape (n,)
-        Angles of least Σ|i| and of least net input power (electrical deg).
-    points : tuple of PublishedAngle
-        Published single angles.
-    """
+    """Angles over speed at constant power, in the steady state with ideal current regulators."""
 
     base_speed_rpm: float
     power_w: float
+    """Base speed, and the power at the shaft (W)."""
     speed_rpm: NDArray[np.float64]
+    """Speeds above base speed (rpm), shape (n,)."""
     published_deg: NDArray[np.float64]
     initial_deg: NDArray[np.float64]
+    """The published line, and the one that `reference` starts from (electrical deg), shape (n,)."""
     edge_deg: NDArray[np.float64]
+    """Smallest angle that gives the power (electrical deg), shape (n,)."""
     least_current_deg: NDArray[np.float64]
     least_power_deg: NDArray[np.float64]
+    """Angles of least Σ|i| and of least net input power (electrical deg), shape (n,)."""
     points: tuple[PublishedAngle, ...]
+    """Published single angles."""
 
 
 @cache

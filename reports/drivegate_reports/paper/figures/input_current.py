@@ -29,36 +29,27 @@ PUBLISHED_LINE = (0.0, 0.058)
 
 @dataclass(frozen=True)
 class InputCurrentSweep:
-    """Constant power over speed at two angles, in the steady state with ideal current regulators.
-
-    Attributes
-    ----------
-    power_w : float
-        Power at the shaft (W).
-    speed_rpm : ndarray, shape (n,)
-        Shaft speed (rpm).
-    initial_deg, published_deg, edge_deg, optimal_deg : ndarray, shape (n,)
-        Angle of the two lines, smallest feasible angle, and angle of least current sum (electrical deg).
-    initial_current_sum_a, optimal_current_sum_a : ndarray, shape (n,)
-        Sum of current magnitudes at the initial and the optimal angle (A).
-    initial_input_w, optimal_input_w : ndarray, shape (n,)
-        Net input power (W).
-    initial_ripple_percent, optimal_ripple_percent : ndarray, shape (n,)
-        Torque ripple, peak to peak over mean (%).
-    """
+    """Constant power over speed at two angles, in the steady state with ideal current regulators."""
 
     power_w: float
+    """Power at the shaft (W)."""
     speed_rpm: NDArray[np.float64]
+    """Shaft speed (rpm), shape (n,)."""
     initial_deg: NDArray[np.float64]
     published_deg: NDArray[np.float64]
     edge_deg: NDArray[np.float64]
     optimal_deg: NDArray[np.float64]
+    """Angle of the two lines, smallest feasible angle, and angle of least current sum (electrical deg), shape
+    (n,)."""
     initial_current_sum_a: NDArray[np.float64]
     optimal_current_sum_a: NDArray[np.float64]
+    """Sum of current magnitudes at the initial and the optimal angle (A), shape (n,)."""
     initial_input_w: NDArray[np.float64]
     optimal_input_w: NDArray[np.float64]
+    """Net input power (W), shape (n,)."""
     initial_ripple_percent: NDArray[np.float64]
     optimal_ripple_percent: NDArray[np.float64]
+    """Torque ripple, peak to peak over mean (%), shape (n,)."""
 
     @property
     def current_saving_percent(self) -> NDArray[np.float64]:

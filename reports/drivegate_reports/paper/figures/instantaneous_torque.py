@@ -31,31 +31,22 @@ LIMIT_PERCENT = 13.0
 
 @dataclass(frozen=True)
 class TorqueCycle:
-    """Torque over one electrical cycle in the steady state with ideal current regulators.
-
-    Attributes
-    ----------
-    angle_deg : ndarray, shape (n,)
-        Electrical angle since the opening of the first phase's window (deg).
-    torque_nm : ndarray, shape (n,)
-        Electromagnetic torque (N·m).
-    mean_nm, lowest_nm, highest_nm : float
-        Mean and exact extremes (N·m).
-    speed_rpm, advance_deg, current_reference_a : float
-        The operating point.
-    certified : bool
-        Whether the state repeats after the one cycle.
-    """
+    """Torque over one electrical cycle in the steady state with ideal current regulators."""
 
     angle_deg: NDArray[np.float64]
+    """Electrical angle since the opening of the first phase's window (deg), shape (n,)."""
     torque_nm: NDArray[np.float64]
+    """Electromagnetic torque (N·m), shape (n,)."""
     mean_nm: float
     lowest_nm: float
     highest_nm: float
+    """Mean and exact extremes (N·m)."""
     speed_rpm: float
     advance_deg: float
     current_reference_a: float
+    """The operating point."""
     certified: bool
+    """Whether the state repeats after the one cycle."""
 
     @property
     def ripple_percent(self) -> float:

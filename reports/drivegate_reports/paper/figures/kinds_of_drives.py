@@ -31,46 +31,31 @@ _LOOKS: Final = ((BLUE, "-"), (VERMILION, "-"), (GREEN, "-"), (PURPLE, "--"), (O
 
 @dataclass(frozen=True)
 class KindOverSpeed:
-    """One drive at the common power over speed; NaN where that is out of reach.
-
-    Attributes
-    ----------
-    drive : KindOfDrive
-        The drive.
-    ripple_percent : ndarray, shape (n,)
-        Torque ripple, peak to peak over mean (%).
-    current_sum_a, current_sum_pu : ndarray, shape (n,)
-        Sum of current magnitudes (A), and over that of all phases at the current limit (1).
-    copper_loss_w, input_w : ndarray, shape (n,)
-        Copper loss and net input power (W).
-    """
+    """One drive at the common power over speed; NaN where that is out of reach."""
 
     drive: KindOfDrive
+    """The drive."""
     ripple_percent: NDArray[np.float64]
+    """Torque ripple, peak to peak over mean (%), shape (n,)."""
     current_sum_a: NDArray[np.float64]
     current_sum_pu: NDArray[np.float64]
+    """Sum of current magnitudes (A), and over that of all phases at the current limit (1), shape (n,)."""
     copper_loss_w: NDArray[np.float64]
     input_w: NDArray[np.float64]
+    """Copper loss and net input power (W), shape (n,)."""
 
 
 @dataclass(frozen=True)
 class KindsOverSpeed:
-    """The drives over speed.
-
-    Attributes
-    ----------
-    power_w, rated_power_w : float
-        Power at which they are compared, and rated power of the paper's drive (W).
-    speed_rpm : ndarray, shape (n,)
-        Speeds (rpm).
-    kinds : tuple of KindOverSpeed
-        The drives.
-    """
+    """The drives over speed."""
 
     power_w: float
     rated_power_w: float
+    """Power at which they are compared, and rated power of the paper's drive (W)."""
     speed_rpm: NDArray[np.float64]
+    """Speeds (rpm), shape (n,)."""
     kinds: tuple[KindOverSpeed, ...]
+    """The drives."""
 
 
 def _over_speed(drive: KindOfDrive, power_w: float) -> KindOverSpeed:

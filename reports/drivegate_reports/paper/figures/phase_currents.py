@@ -28,36 +28,25 @@ _SLOPE_TO_DEG = 140.0
 
 @dataclass(frozen=True)
 class PhaseCurrents:
-    """Currents over one electrical cycle in the steady state, with the drive's current band.
-
-    Attributes
-    ----------
-    name : str
-        The operating point.
-    speed_rpm, torque_nm, advance_deg, current_reference_a : float
-        The operating point.
-    time_ms : ndarray, shape (n,)
-        Time since the opening of the first phase's window (ms).
-    current_a : ndarray, shape (m, n)
-        Phase currents (A).
-    slope_a_per_ms : float
-        Mean slope of the first phase's current from 100° to 140° of its window of 144° (A/ms).
-    peak_emf_v : float
-        Peak back-EMF at this speed (V).
-    certified : bool
-        Whether the state repeats after the one cycle.
-    """
+    """Currents over one electrical cycle in the steady state, with the drive's current band."""
 
     name: str
+    """The operating point."""
     speed_rpm: float
     torque_nm: float
     advance_deg: float
     current_reference_a: float
+    """The operating point."""
     time_ms: NDArray[np.float64]
+    """Time since the opening of the first phase's window (ms), shape (n,)."""
     current_a: NDArray[np.float64]
+    """Phase currents (A), shape (m, n)."""
     slope_a_per_ms: float
+    """Mean slope of the first phase's current from 100° to 140° of its window of 144° (A/ms)."""
     peak_emf_v: float
+    """Peak back-EMF at this speed (V)."""
     certified: bool
+    """Whether the state repeats after the one cycle."""
 
 
 @cache

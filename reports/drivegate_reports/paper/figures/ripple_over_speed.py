@@ -32,31 +32,24 @@ SLOW_SPEEDS_RPM: Final = tuple(range(50, 500, 25))
 
 @dataclass(frozen=True)
 class RippleOverSpeed:
-    """Torque ripple, peak to peak over mean, in the steady state.
-
-    Attributes
-    ----------
-    slow_rpm, slow_percent : ndarray, shape (k,)
-        Below base speed, at 0° and the current limit: speed (rpm), ripple with ideal regulators (%).
-    speed_rpm : ndarray, shape (n,)
-        Speeds of constant power (rpm).
-    initial_percent, optimal_percent : ndarray, shape (n,)
-        Ripple with ideal regulators at the initial angle and at the angle of least Σ|i| (%).
-    banded_percent : ndarray, shape (n,)
-        Ripple with the hysteresis band at the latter (%); NaN where the band puts the torque out of reach.
-    published_rpm, published_deg, published_percent : float
-        Speed and angle at the torque of Fig. 6, and the ripple there (%).
-    """
+    """Torque ripple, peak to peak over mean, in the steady state."""
 
     slow_rpm: NDArray[np.float64]
     slow_percent: NDArray[np.float64]
+    """Below base speed, at 0° and the current limit: speed (rpm), ripple with ideal regulators (%), shape
+    (k,)."""
     speed_rpm: NDArray[np.float64]
+    """Speeds of constant power (rpm), shape (n,)."""
     initial_percent: NDArray[np.float64]
     optimal_percent: NDArray[np.float64]
+    """Ripple with ideal regulators at the initial angle and at the angle of least Σ|i| (%), shape (n,)."""
     banded_percent: NDArray[np.float64]
+    """Ripple with the hysteresis band at the latter (%); NaN where the band puts the torque out of reach,
+    shape (n,)."""
     published_rpm: float
     published_deg: float
     published_percent: float
+    """Speed and angle at the torque of Fig. 6, and the ripple there (%)."""
 
 
 def _percent(lowest: float, highest: float, mean: float) -> float:

@@ -33,60 +33,41 @@ _CURVE_DEG = np.arange(47.0, 63.01, 0.25)
 
 @dataclass(frozen=True)
 class SearchRun:
-    """One controller's search, as means over each of its decision periods.
-
-    Attributes
-    ----------
-    name : str
-        The controller.
-    time_s : ndarray, shape (n,)
-        End of each decision period (s).
-    advance_deg : ndarray, shape (n,)
-        Advance angle in it (electrical deg).
-    current_sum_a : ndarray, shape (n,)
-        Mean sum of current magnitudes (A).
-    speed_error_rpm : ndarray, shape (n,)
-        Mean of true speed minus reference (rpm).
-    current_reference_a : ndarray, shape (n,)
-        Mean current reference (A).
-    """
+    """One controller's search, as means over each of its decision periods."""
 
     name: str
+    """The controller."""
     time_s: NDArray[np.float64]
+    """End of each decision period (s), shape (n,)."""
     advance_deg: NDArray[np.float64]
+    """Advance angle in it (electrical deg), shape (n,)."""
     current_sum_a: NDArray[np.float64]
+    """Mean sum of current magnitudes (A), shape (n,)."""
     speed_error_rpm: NDArray[np.float64]
+    """Mean of true speed minus reference (rpm), shape (n,)."""
     current_reference_a: NDArray[np.float64]
+    """Mean current reference (A), shape (n,)."""
 
 
 @dataclass(frozen=True)
 class SearchTrajectory:
-    """The searches of two controllers, and the curve on which they look for the minimum.
-
-    Attributes
-    ----------
-    reference, published : SearchRun
-        The guarded search, and Fig. 4 taken literally.
-    speed_rpm, torque_nm, current_limit_a, load_begins_s : float
-        Operating point, limit of the current reference, and when the load comes on.
-    curve_advance_deg : ndarray, shape (k,)
-        Angles of the curve (electrical deg).
-    curve_current_sum_a : ndarray, shape (k,)
-        Sum of current magnitudes in the steady state (A); NaN where the torque is out of reach.
-    optimum_deg, optimum_current_sum_a : float
-        The least of the curve.
-    """
+    """The searches of two controllers, and the curve on which they look for the minimum."""
 
     reference: SearchRun
     published: SearchRun
+    """The guarded search, and Fig. 4 taken literally."""
     speed_rpm: float
     torque_nm: float
     current_limit_a: float
     load_begins_s: float
+    """Operating point, limit of the current reference, and when the load comes on."""
     curve_advance_deg: NDArray[np.float64]
+    """Angles of the curve (electrical deg), shape (k,)."""
     curve_current_sum_a: NDArray[np.float64]
+    """Sum of current magnitudes in the steady state (A); NaN where the torque is out of reach, shape (k,)."""
     optimum_deg: float
     optimum_current_sum_a: float
+    """The least of the curve."""
 
 
 def _search_run(name: str, scenario: Scenario) -> SearchRun:

@@ -32,29 +32,20 @@ _ANGLES_DEG: Final = np.arange(20.0, 90.01, 1.0)
 
 @dataclass(frozen=True)
 class SpeedLimit:
-    """What the drive can give at the current limit over speed, in the steady state with ideal regulators.
-
-    Attributes
-    ----------
-    rated_power_w, base_speed_rpm : float
-        Rating.
-    speed_rpm : ndarray, shape (n,)
-        Speeds (rpm).
-    edge_deg : ndarray, shape (n,)
-        Smallest angle that gives rated power (electrical deg).
-    best_deg : ndarray, shape (n,)
-        Angle of the greatest power, on a grid of 1° (electrical deg).
-    greatest_power_w, power_at_90_w : ndarray, shape (n,)
-        Power there, and at 90° (W).
-    """
+    """What the drive can give at the current limit over speed, in the steady state with ideal regulators."""
 
     rated_power_w: float
     base_speed_rpm: float
+    """Rating."""
     speed_rpm: NDArray[np.float64]
+    """Speeds (rpm), shape (n,)."""
     edge_deg: NDArray[np.float64]
+    """Smallest angle that gives rated power (electrical deg), shape (n,)."""
     best_deg: NDArray[np.float64]
+    """Angle of the greatest power, on a grid of 1° (electrical deg), shape (n,)."""
     greatest_power_w: NDArray[np.float64]
     power_at_90_w: NDArray[np.float64]
+    """Power there, and at 90° (W), shape (n,)."""
 
     @property
     def ninety_from_rpm(self) -> float:

@@ -27,61 +27,42 @@ _QUANTITIES: Final = {
 
 @dataclass(frozen=True)
 class Mutation:
-    """One faulty controller.
-
-    Attributes
-    ----------
-    name : str
-        Its name; as a candidate it is named ``faulty:`` and this.
-    kind : str
-        What kind of fault it is; the self-test counts by kind.
-    sentence : str
-        What is wrong with it; the sizes in it stand by name, and `told_on` writes those of a drive.
-    check : str
-        Identifier of the check that must catch it; empty for a controller that is right.
-    base : {"reference", "published"}
-        The built-in controller that it is made from.
-    factors : tuple of (str, float)
-        Constants of `CONTROLLER_STATE` that are multiplied after every reset.
-    believes : tuple of (str, float)
-        Keys of the nameplate that it takes for a constant, with that constant.
-    constants : tuple of (str, Size)
-        Constants of `CONTROLLER_STATE` that are others after every reset.
-    fault : int
-        What its steps do wrong, from `drivegate_models.faults.current.state`.
-    size, extent : float or Size
-        How large the fault is, in the units that the fault has; many faults have no second size.
-    region : tuple of Size
-        Speeds from which and up to which the fault shows; empty where it shows at any.
-    told : tuple of (str, Size)
-        Other sizes in the texts, by name.
-    idle_because : callable or None
-        Tells why the fault does nothing on a drive, or None where it does something.
-    keeps : tuple of str
-        What a reset leaves in `CONTROLLER_STATE`, or of the fault's own memory in `FAULTY_STATE`.
-    shares : bool
-        Whether a new instance begins with what the last one has left of `keeps`.
-    shown_by : str
-        What a scenario must have to show the fault, with sizes as in `sentence`; empty where loaded steady runs do.
-    """
+    """One faulty controller."""
 
     name: str
+    """Its name; as a candidate it is named ``faulty:`` and this."""
     kind: str
+    """What kind of fault it is; the self-test counts by kind."""
     sentence: str
+    """What is wrong with it; the sizes in it stand by name, and `told_on` writes those of a drive."""
     check: str
+    """Identifier of the check that must catch it; empty for a controller that is right."""
     base: Literal["reference", "published"] = "reference"
+    """The built-in controller that it is made from."""
     factors: tuple[tuple[str, float], ...] = ()
+    """Constants of `CONTROLLER_STATE` that are multiplied after every reset."""
     believes: tuple[tuple[str, float], ...] = ()
+    """Keys of the nameplate that it takes for a constant, with that constant."""
     constants: tuple[tuple[str, Size], ...] = ()
+    """Constants of `CONTROLLER_STATE` that are others after every reset."""
     fault: int = faults.NO_FAULT
+    """What its steps do wrong, from `drivegate_models.faults.current.state`."""
     size: float | Size = 0.0
     extent: float | Size = 0.0
+    """How large the fault is, in the units that the fault has; many faults have no second size."""
     region: tuple[Size, ...] = ()
+    """Speeds from which and up to which the fault shows; empty where it shows at any."""
     told: tuple[tuple[str, Size], ...] = ()
+    """Other sizes in the texts, by name."""
     idle_because: Callable[[DriveDocument], str | None] | None = None
+    """Tells why the fault does nothing on a drive, or None where it does something."""
     keeps: tuple[str, ...] = ()
+    """What a reset leaves in `CONTROLLER_STATE`, or of the fault's own memory in `FAULTY_STATE`."""
     shares: bool = False
+    """Whether a new instance begins with what the last one has left of `keeps`."""
     shown_by: str = ""
+    """What a scenario must have to show the fault, with sizes as in `sentence`; empty where loaded steady
+    runs do."""
 
 
 def number_on(size: float | Size, drive: DriveDocument) -> float:

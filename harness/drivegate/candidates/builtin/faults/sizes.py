@@ -37,18 +37,12 @@ _INTO_SI: Final[dict[str, Callable[[float], float]]] = {
 
 @dataclass(frozen=True)
 class Size:
-    """A size that follows from the drive.
-
-    Attributes
-    ----------
-    of : callable
-        Gives it for a drive, in `unit`.
-    unit : str
-        The unit in texts; empty for a plain number.
-    """
+    """A size that follows from the drive."""
 
     of: Quantity
+    """Gives it for a drive, in `unit`."""
     unit: str = ""
+    """The unit in texts; empty for a plain number."""
 
     def number(self, drive: DriveDocument) -> float:
         """Give it as the controller takes it, in SI units."""

@@ -52,24 +52,16 @@ class Sensed(NamedTuple):
 
 @dataclass(frozen=True)
 class SearchState:
-    """A search that has followed the flowchart so far, under one reading of it.
-
-    Attributes
-    ----------
-    reading : Reading
-        How the open points are decided.
-    direction : int
-        Sign of the next step, as long as W does not rise.
-    offset : float
-        Sum of all steps (rad).
-    old_power : float or None
-        W_old (W); None before the first decision with the gate open.
-    """
+    """A search that has followed the flowchart so far, under one reading of it."""
 
     reading: Reading
+    """How the open points are decided."""
     direction: int
+    """Sign of the next step, as long as W does not rise."""
     offset: float = 0.0
+    """Sum of all steps (rad)."""
     old_power: float | None = None
+    """W_old (W); None before the first decision with the gate open."""
 
     def angle(self, line: float) -> float:
         """Advance angle that the plant sees."""

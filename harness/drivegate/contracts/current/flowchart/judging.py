@@ -45,18 +45,12 @@ _FAR_OUT: Final = 1e6
 
 @dataclass(frozen=True)
 class ScriptVerdict:
-    """What a script came to.
-
-    Attributes
-    ----------
-    margin : Margin
-        The margin of FLO-1.
-    rows : int
-        Number of rows up to the first departure from the flowchart; all of them where there is none.
-    """
+    """What a script came to."""
 
     margin: Margin
+    """The margin of FLO-1."""
     rows: int
+    """Number of rows up to the first departure from the flowchart; all of them where there is none."""
 
 
 def judge_script(

@@ -23,21 +23,14 @@ from drivegate_cases.scenario.script import Script, ScriptRow
 
 @dataclass(frozen=True)
 class ScriptRuns:
-    """Scripts to be run with a candidate of the profile `flowchart`.
-
-    Attributes
-    ----------
-    drive : DriveDocument
-        The drive.
-    seed : int
-        Seed of the drawn scripts.
-    examples : int
-        Number of scripts to draw, besides the fixed ones.
-    """
+    """Scripts to be run with a candidate of the profile `flowchart`."""
 
     drive: DriveDocument
+    """The drive."""
     seed: int
+    """Seed of the drawn scripts."""
     examples: int
+    """Number of scripts to draw, besides the fixed ones."""
 
 
 SHORTENING_RUNS: Final = 60

@@ -28,35 +28,23 @@ QUANTITIES: Final[tuple[Quantity, ...]] = (
 
 @dataclass(frozen=True)
 class Change:
-    """A change of a value, over a time or at once.
-
-    Attributes
-    ----------
-    start, end : float
-        Time at which it begins and is over (s).
-    value : float
-        Value afterwards.
-    """
+    """A change of a value, over a time or at once."""
 
     start: float
     end: float
+    """Time at which it begins and is over (s)."""
     value: float
+    """Value afterwards."""
 
 
 @dataclass(frozen=True)
 class ProfileCourse:
-    """A profile as its first value and its changes.
-
-    Attributes
-    ----------
-    first : float
-        Value at the start.
-    changes : tuple of Change
-        In order of time.
-    """
+    """A profile as its first value and its changes."""
 
     first: float
+    """Value at the start."""
     changes: tuple[Change, ...]
+    """In order of time."""
 
     @classmethod
     def of(cls, profile: Profile) -> ProfileCourse:

@@ -19,26 +19,18 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 @dataclass(frozen=True)
 class JudgedPoint:
-    """An operating point of a run, and the oracle's answers there.
-
-    Attributes
-    ----------
-    begins_s : float
-        When its conditions begin (s).
-    speed_rpm, torque_nm : float
-        Speed reference, and torque of the load and of friction (N·m).
-    edge_deg : float
-        Smallest angle that gives the torque (electrical deg).
-    best_deg, least_current_sum_a : float
-        Angle of least Σ|i|, and that (A).
-    """
+    """An operating point of a run, and the oracle's answers there."""
 
     begins_s: float
+    """When its conditions begin (s)."""
     speed_rpm: float
     torque_nm: float
+    """Speed reference, and torque of the load and of friction (N·m)."""
     edge_deg: float
+    """Smallest angle that gives the torque (electrical deg)."""
     best_deg: float
     least_current_sum_a: float
+    """Angle of least Σ|i|, and that (A)."""
 
 
 def judged_point(signals: RunSignals) -> JudgedPoint | None:

@@ -16,36 +16,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunSignals:
-    """A run's signals, and the stretch that a check was judged on.
-
-    Attributes
-    ----------
-    scenario : Scenario
-        What was run.
-    time_s : ndarray, shape (n,)
-        Middle of each point's stretch (s).
-    speed_reference_rpm, speed_rpm : ndarray, shape (n,)
-        Speed reference, and true speed (rpm).
-    current_sum_a, current_reference_a : ndarray, shape (n,)
-        Σ|i| and the current reference (A).
-    advance_deg : ndarray, shape (n,)
-        Advance angle (electrical deg).
-    torque_nm, load_torque_nm : ndarray, shape (n,)
-        Electromagnetic torque and the load's (N·m).
-    judged_s : tuple of float
-        Start and end of the stretch (s).
-    """
+    """A run's signals, and the stretch that a check was judged on."""
 
     scenario: Scenario
+    """What was run."""
     time_s: NDArray[np.float64]
+    """Middle of each point's stretch (s), shape (n,)."""
     speed_reference_rpm: NDArray[np.float64]
     speed_rpm: NDArray[np.float64]
+    """Speed reference, and true speed (rpm), shape (n,)."""
     current_sum_a: NDArray[np.float64]
     current_reference_a: NDArray[np.float64]
+    """Σ|i| and the current reference (A), shape (n,)."""
     advance_deg: NDArray[np.float64]
+    """Advance angle (electrical deg), shape (n,)."""
     torque_nm: NDArray[np.float64]
     load_torque_nm: NDArray[np.float64]
+    """Electromagnetic torque and the load's (N·m), shape (n,)."""
     judged_s: tuple[float, float]
+    """Start and end of the stretch (s)."""
 
     @property
     def speed_error_rpm(self) -> NDArray[np.float64]:

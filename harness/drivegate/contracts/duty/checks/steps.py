@@ -32,25 +32,17 @@ REACHED = 0.9
 
 @dataclass(frozen=True)
 class TorqueStep:
-    """A step of the torque reference at a held speed, and the control periods up to the next change.
-
-    Attributes
-    ----------
-    time_s : float
-        When it happens (s).
-    speed_rpm : float
-        Speed that the shaft is held at (rpm).
-    before, after : float
-        The reference (N m).
-    rows : slice
-        The control periods.
-    """
+    """A step of the torque reference at a held speed, and the control periods up to the next change."""
 
     time_s: float
+    """When it happens (s)."""
     speed_rpm: float
+    """Speed that the shaft is held at (rpm)."""
     before: float
     after: float
+    """The reference (N m)."""
     rows: slice
+    """The control periods."""
 
 
 def torque_steps(record: DutyRecord) -> Iterator[TorqueStep]:
@@ -66,27 +58,18 @@ def torque_steps(record: DutyRecord) -> Iterator[TorqueStep]:
 
 @dataclass(frozen=True)
 class StepResponse:
-    """What follows a step of the torque reference.
-
-    Attributes
-    ----------
-    step : TorqueStep
-        The step.
-    overshoot : float
-        Greatest torque beyond the reference, over the step (1).
-    rise_s : float
-        Time to 90 % of the step (s); infinite where that is not reached.
-    allowed_s : float
-        Longest time that is allowed (s).
-    margin : Margin
-        That of the check.
-    """
+    """What follows a step of the torque reference."""
 
     step: TorqueStep
+    """The step."""
     overshoot: float
+    """Greatest torque beyond the reference, over the step (1)."""
     rise_s: float
+    """Time to 90 % of the step (s); infinite where that is not reached."""
     allowed_s: float
+    """Longest time that is allowed (s)."""
     margin: Margin
+    """That of the check."""
 
 
 def step_response(record: Record) -> Margin | None:

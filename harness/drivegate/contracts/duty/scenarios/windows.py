@@ -22,32 +22,22 @@ RUN_UP_SHARE: Final = 2.0
 
 @dataclass(frozen=True)
 class DutyDwell:
-    """A stretch in which nothing outside of the controller changes.
-
-    Attributes
-    ----------
-    start, end : float
-        Time at which it begins and ends (s).
-    speed_rpm : float
-        Speed reference, or the speed that the shaft is held at (rpm).
-    torque_reference_nm : float or None
-        Torque reference (N·m); None where the reference is the speed.
-    load_factor : float
-        Share of the load.
-    supply_v : float
-        Half of the link's voltage (V).
-    resistance_factor, emf_factor : float
-        Drift of the plant's parameters (1).
-    """
+    """A stretch in which nothing outside of the controller changes."""
 
     start: float
     end: float
+    """Time at which it begins and ends (s)."""
     speed_rpm: float
+    """Speed reference, or the speed that the shaft is held at (rpm)."""
     torque_reference_nm: float | None
+    """Torque reference (N·m); None where the reference is the speed."""
     load_factor: float
+    """Share of the load."""
     supply_v: float
+    """Half of the link's voltage (V)."""
     resistance_factor: float
     emf_factor: float
+    """Drift of the plant's parameters (1)."""
 
 
 def duty_dwells(scenario: Scenario) -> tuple[DutyDwell, ...]:

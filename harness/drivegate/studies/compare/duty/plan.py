@@ -25,21 +25,14 @@ STEPS: Final = (0.0, 0.5, 0.2, 0.8, 0.4)
 
 @dataclass(frozen=True)
 class DutyEffort:
-    """How much is run.
-
-    Attributes
-    ----------
-    speeds : tuple of float
-        Speeds of the operating points: 0 is base speed, 1 the highest, -1 standstill.
-    torques : tuple of float
-        Their torques, over the torque of rated power at that speed (1).
-    step_speeds : tuple of float
-        Speeds at which the torque reference steps, likewise.
-    """
+    """How much is run."""
 
     speeds: tuple[float, ...]
+    """Speeds of the operating points: 0 is base speed, 1 the highest, -1 standstill."""
     torques: tuple[float, ...]
+    """Their torques, over the torque of rated power at that speed (1)."""
     step_speeds: tuple[float, ...]
+    """Speeds at which the torque reference steps, likewise."""
 
 
 EFFORTS: Final = {
@@ -60,21 +53,14 @@ EFFORTS: Final = {
 
 @dataclass(frozen=True)
 class DutyPlannedRun:
-    """One run that every candidate makes.
-
-    Attributes
-    ----------
-    group : str
-        What the run is for.
-    label : str
-        What it is, for people.
-    scenario : Scenario
-        The scenario.
-    """
+    """One run that every candidate makes."""
 
     group: DutyGroup
+    """What the run is for."""
     label: str
+    """What it is, for people."""
     scenario: Scenario
+    """The scenario."""
 
 
 def planned_duty_runs(

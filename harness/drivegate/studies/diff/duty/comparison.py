@@ -23,23 +23,16 @@ from drivegate_models.loop.step_recording import differs
 
 @dataclass(frozen=True)
 class DutyDifference:
-    """The first step at which two candidates differ, and what is around it.
-
-    Attributes
-    ----------
-    step, begin, end : int
-        Number of the step, and the first and the one behind the last of those around it.
-    driven : DrivenRun
-        The run of the first candidate.
-    answers : ndarray of DUTY_COMMAND, shape (n,)
-        The second candidate's commands from the first step of all on, up to a fault.
-    """
+    """The first step at which two candidates differ, and what is around it."""
 
     step: int
     begin: int
     end: int
+    """Number of the step, and the first and the one behind the last of those around it."""
     driven: DrivenRun
+    """The run of the first candidate."""
     answers: NDArray[Any]
+    """The second candidate's commands from the first step of all on, up to a fault, shape (n,)."""
 
 
 def duty_compared(

@@ -35,21 +35,14 @@ _ESTIMATES: Final = ("torque", "angle", "speed", "input_power")
 
 @dataclass(frozen=True)
 class DrivenRun:
-    """A run of the candidate that drives the plant.
-
-    Attributes
-    ----------
-    run : DutyClosedLoopRun
-        Trace and commands.
-    senses : ndarray of DUTY_SENSE, shape (n,)
-        What was sensed in each step, but for the addresses of the phase currents.
-    currents : ndarray, shape (n, 3)
-        These (A).
-    """
+    """A run of the candidate that drives the plant."""
 
     run: DutyClosedLoopRun
+    """Trace and commands."""
     senses: NDArray[Any]
+    """What was sensed in each step, but for the addresses of the phase currents, shape (n,)."""
     currents: NDArray[np.float64]
+    """These (A), shape (n, 3)."""
 
     def sense(self, step: int) -> DutySense:
         """Give what was sensed in a step."""
@@ -61,37 +54,24 @@ class DrivenRun:
 
 @dataclass(frozen=True)
 class AnswerRequest:
-    """What the second candidate is to answer.
-
-    Attributes
-    ----------
-    scenario : Scenario
-        The scenario.
-    driven : DrivenRun
-        The run whose Senses it is given.
-    again : bool
-        Whether the instance has run the scenario once before, and was reset.
-    """
+    """What the second candidate is to answer."""
 
     scenario: Scenario
+    """The scenario."""
     driven: DrivenRun
+    """The run whose Senses it is given."""
     again: bool = False
+    """Whether the instance has run the scenario once before, and was reset."""
 
 
 @dataclass(frozen=True)
 class DutyAnswers:
-    """How the second candidate answered.
-
-    Attributes
-    ----------
-    commands : ndarray of DUTY_COMMAND, shape (n,)
-        Its commands, up to a fault.
-    fault : Fault or None
-        What ended them.
-    """
+    """How the second candidate answered."""
 
     commands: NDArray[Any]
+    """Its commands, up to a fault, shape (n,)."""
     fault: Fault | None
+    """What ended them."""
 
 
 def drive_run(loaded: JudgedCandidate, scenario: Scenario) -> DrivenRun:

@@ -12,55 +12,36 @@ from drivegate.scenarios.facts import facts_in_short
 
 @dataclass(frozen=True)
 class FailedCheck:
-    """A required check that failed.
-
-    Attributes
-    ----------
-    check : str
-        Its identifier.
-    margin : float or None
-        Its least margin.
-    measured : str
-        What was measured in the simplest counterexample.
-    limit : str
-        The limit.
-    facts : str
-        The facts of the simplest counterexample.
-    """
+    """A required check that failed."""
 
     check: str
+    """Its identifier."""
     margin: float | None
+    """Its least margin."""
     measured: str
+    """What was measured in the simplest counterexample."""
     limit: str
+    """The limit."""
     facts: str
+    """The facts of the simplest counterexample."""
 
 
 @dataclass(frozen=True)
 class GateRow:
-    """The verdict on a candidate with one seed.
-
-    Attributes
-    ----------
-    seed : int
-        Seed of the search.
-    verdict : str
-        As in `drivegate.results.result.CheckResult`, or ``refused`` where the drive cannot be judged on.
-    passed : bool
-        Whether the candidate passes.
-    runs : int
-        Number of runs made.
-    failed : tuple of FailedCheck
-        The required checks that failed.
-    message : str
-        What ended the check otherwise, in one sentence; empty where nothing did.
-    """
+    """The verdict on a candidate with one seed."""
 
     seed: int
+    """Seed of the search."""
     verdict: str
+    """As in `drivegate.results.result.CheckResult`, or ``refused`` where the drive cannot be judged on."""
     passed: bool
+    """Whether the candidate passes."""
     runs: int = 0
+    """Number of runs made."""
     failed: tuple[FailedCheck, ...] = ()
+    """The required checks that failed."""
     message: str = ""
+    """What ended the check otherwise, in one sentence; empty where nothing did."""
 
     def document(self) -> dict[str, Any]:
         """Write the row as plain data."""

@@ -29,30 +29,21 @@ _TOGETHER: Final = 8
 
 @dataclass(frozen=True)
 class DrivesRequest:
-    """What a self-test on drawn drives is to do.
-
-    Attributes
-    ----------
-    kind : str
-        Kind of the drives, one of `drivegate.drives.drawn_kinds.DRAWN_KINDS`.
-    drives : int
-        Number of drives.
-    drawing_seed : int
-        Seed that they are drawn with.
-    faults : tuple of str
-        Names of the faulty controllers that are tried on each drive that the controller without a fault passes.
-    effort : SelftestEffort
-        How much is searched.
-    output : Path
-        Folder of drives and results.
-    """
+    """What a self-test on drawn drives is to do."""
 
     kind: str
+    """Kind of the drives, one of `drivegate.drives.drawn_kinds.DRAWN_KINDS`."""
     drives: int
+    """Number of drives."""
     drawing_seed: int
+    """Seed that they are drawn with."""
     faults: tuple[str, ...]
+    """Names of the faulty controllers that are tried on each drive that the controller without a fault
+    passes."""
     effort: SelftestEffort
+    """How much is searched."""
     output: Path
+    """Folder of drives and results."""
 
 
 def selftest_on_drives(request: DrivesRequest, display: Display) -> dict[str, Any]:

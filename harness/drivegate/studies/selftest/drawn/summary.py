@@ -20,27 +20,18 @@ from drivegate_cases.drive.drive_document import DriveDocument
 
 @dataclass(frozen=True)
 class JudgedDrive:
-    """A drawn drive, and what has become of the reference on it.
-
-    Attributes
-    ----------
-    number : int
-        Its number.
-    drive : DriveDocument
-        The drive.
-    rejected : int
-        Number of drives drawn before it whose rating no controller can meet.
-    rows : tuple of GateRow
-        One for each seed.
-    file : Path
-        The file of the drive.
-    """
+    """A drawn drive, and what has become of the reference on it."""
 
     number: int
+    """Its number."""
     drive: DriveDocument
+    """The drive."""
     rejected: int
+    """Number of drives drawn before it whose rating no controller can meet."""
     rows: tuple[GateRow, ...]
+    """One for each seed."""
     file: Path
+    """The file of the drive."""
 
     @property
     def passed(self) -> bool:

@@ -44,11 +44,6 @@ _OTHER_LOAD = 0.05
 def lowest_rest(controller: Any) -> float:
     """Return the lowest angle to rest at, off the edge that is known.
 
-    Parameters
-    ----------
-    controller : record of CONTROLLER_STATE
-        The state.
-
     Returns
     -------
     float
@@ -65,11 +60,6 @@ def lowest_rest(controller: Any) -> float:
 def is_worth_confirming(state: Any) -> bool:
     """Return whether neighbours can be compared: at light load they differ by less than a step disturbs.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        The state.
-
     Returns
     -------
     bool
@@ -81,11 +71,6 @@ def is_worth_confirming(state: Any) -> bool:
 @inlined
 def is_kept_from_cheaper(state: Any) -> bool:
     """Return whether an edge bounds the angle found, and the distance to keep from it costs much.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        The state.
 
     Returns
     -------
@@ -101,11 +86,6 @@ def is_kept_from_cheaper(state: Any) -> bool:
 @inlined
 def begin_confirmation(state: Any) -> float:
     """Return to the angle found, to read it again.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
 
     Returns
     -------
@@ -129,8 +109,6 @@ def beside(state: Any, direction: float) -> float:
 
     Parameters
     ----------
-    state : record of DESIGN_STATE
-        Updated.
     direction : float
         Less than zero below, else above.
 

@@ -51,10 +51,6 @@ def reset_design(state: Any, nameplate: Any, design: int) -> None:
 
     Parameters
     ----------
-    state : record of DESIGN_STATE
-        Overwritten.
-    nameplate : record of NAMEPLATE
-        The drive's nominal data.
     design : int
         One of `DESIGNS`.
     """
@@ -72,17 +68,7 @@ def reset_design(state: Any, nameplate: Any, design: int) -> None:
 
 @inlined
 def step_design(state: Any, sense: Any, command: Any) -> None:
-    """Answer for one control period.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-    sense : record of SENSE
-        What the sensors saw.
-    command : record of COMMAND
-        Receives the answer.
-    """
+    """Answer for one control period."""
     controller = state.controller
     reference = current_reference(controller, sense)
     if controller.advancing == 1 and observe(controller, sense, reference):

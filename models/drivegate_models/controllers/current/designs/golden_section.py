@@ -18,11 +18,6 @@ _LAST_STEPS = 2.0
 def begin_golden_section(state: Any) -> float:
     """Bracket the optimum between almost no advance and the starting angle.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-
     Returns
     -------
     float
@@ -37,11 +32,6 @@ def begin_golden_section(state: Any) -> float:
 @inlined
 def divide(state: Any) -> float:
     """Place both inner points anew; the right one is the first to be probed.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
 
     Returns
     -------

@@ -22,11 +22,6 @@ _LONGEST_WAIT = 3
 def is_reached(state: Any) -> bool:
     """Return whether the angle has reached the probe.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        The state.
-
     Returns
     -------
     bool
@@ -42,8 +37,6 @@ def is_read(state: Any, change: float) -> bool:
 
     Parameters
     ----------
-    state : record of DESIGN_STATE
-        Updated.
     change : float
         Change of the mean current sum since the last decision (A).
 
@@ -69,8 +62,6 @@ def aim(state: Any, offset: float) -> None:
 
     Parameters
     ----------
-    state : record of DESIGN_STATE
-        Updated.
     offset : float
         Offset from the initial angle (rad electrical).
     """
@@ -80,13 +71,7 @@ def aim(state: Any, offset: float) -> None:
 
 @inlined
 def approach(state: Any) -> None:
-    """Take a step toward the probe: down by as little as a walk back can return, up by a longer one.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-    """
+    """Take a step toward the probe: down by as little as a walk back can return, up by a longer one."""
     controller = state.controller
     distance = state.target - controller.offset
     longest = _LONGEST_RISE

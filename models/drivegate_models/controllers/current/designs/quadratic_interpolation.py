@@ -20,11 +20,6 @@ _CLOSE = radians(2.0)
 def begin_quadratic_interpolation(state: Any) -> float:
     """Stride downward from the starting angle.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-
     Returns
     -------
     float
@@ -41,11 +36,6 @@ def begin_quadratic_interpolation(state: Any) -> float:
 @inlined
 def next_stride(state: Any) -> float:
     """Return the point one stride below the cheapest.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
 
     Returns
     -------

@@ -44,13 +44,7 @@ _LITTLE = 0.08
 
 @inlined
 def begin_watch(state: Any) -> None:
-    """Begin to watch the current sum at the angle aimed at.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-    """
+    """Begin to watch the current sum at the angle aimed at."""
     state.watched = 0
     state.still = 0
     state.restless = 0
@@ -111,11 +105,6 @@ def creeps(state: Any) -> bool:
 def stands_still(state: Any) -> bool:
     """Take in a decision interval; where the sum beats or its reference creeps, aim a little higher, at little cost.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-
     Returns
     -------
     bool
@@ -159,13 +148,7 @@ def stands_still(state: Any) -> bool:
 
 @inlined
 def keep_off_edge(state: Any) -> None:
-    """Go a little higher where the current reference creeps while the search is at rest.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-    """
+    """Go a little higher where the current reference creeps while the search is at rest."""
     controller = state.controller
     if creeps(state):
         controller.integral = state.rest_integral

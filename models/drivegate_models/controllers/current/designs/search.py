@@ -73,11 +73,6 @@ _SMALLEST_CHANGE = 0.4 / 104.0
 def first_probe(state: Any) -> float:
     """Let the design choose its first angle, or the table where there is too little load to search.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-
     Returns
     -------
     float
@@ -98,8 +93,6 @@ def next_probe(state: Any, power: float) -> float:
 
     Parameters
     ----------
-    state : record of DESIGN_STATE
-        Updated.
     power : float
         What the last probe cost (A); infinite where the torque was lost.
 
@@ -155,13 +148,7 @@ def begin_search(state: Any) -> float:
 
 @inlined
 def note_cheapest(state: Any) -> None:
-    """Keep the present angle where it is the cheapest so far.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-    """
+    """Keep the present angle where it is the cheapest so far."""
     power = state.controller.last_power
     if state.confirming != UNCONFIRMED:
         return
@@ -177,8 +164,6 @@ def settle_for(state: Any, offset: float) -> None:
 
     Parameters
     ----------
-    state : record of DESIGN_STATE
-        Updated.
     offset : float
         What the design requests (rad electrical).
     """
@@ -196,11 +181,6 @@ def settle_for(state: Any, offset: float) -> None:
 def is_late(state: Any) -> bool:
     """Return whether the search, or its confirmation, has taken too long.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        The state.
-
     Returns
     -------
     bool
@@ -213,11 +193,6 @@ def is_late(state: Any) -> bool:
 @inlined
 def should_resort_to_table(state: Any) -> bool:
     """Return whether a search cannot end in time, or has too little current to search by.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        The state.
 
     Returns
     -------
@@ -251,11 +226,6 @@ def is_misled(state: Any) -> bool:
 def resort_to_table(state: Any) -> float:
     """Take the angle from the table from now on.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-
     Returns
     -------
     float
@@ -270,11 +240,6 @@ def resort_to_table(state: Any) -> float:
 @inlined
 def go_on(state: Any) -> float:
     """Go on from the present angle, since the load has changed.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
 
     Returns
     -------
@@ -291,13 +256,7 @@ def go_on(state: Any) -> float:
 
 @inlined
 def conclude(state: Any) -> None:
-    """Rest at the angle found; go on from it where the load was another one when it was found.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-    """
+    """Rest at the angle found; go on from it where the load was another one when it was found."""
     controller = state.controller
     power = controller.last_power
     there = abs(controller.offset - state.best_offset) < OFF_EDGE
@@ -310,13 +269,7 @@ def conclude(state: Any) -> None:
 
 @inlined
 def accept_way_back(state: Any) -> None:
-    """Rest no lower than where the way back has led, since what was found has lost the torque; a table looks up again.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-    """
+    """Settle no lower than where the way back led: the angle found there lost the torque. A table looks up again."""
     controller = state.controller
     if controller.offset <= state.best_offset:
         return
@@ -334,13 +287,7 @@ def accept_way_back(state: Any) -> None:
 
 @inlined
 def wait(state: Any) -> None:
-    """Let a decision interval pass that tells the search nothing.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated.
-    """
+    """Let a decision interval pass that tells the search nothing."""
     if state.controller.mode == HOLDING:
         keep_off_edge(state)
     elif is_unloaded(state.controller):
@@ -354,8 +301,6 @@ def go_on_way(state: Any, begins: bool, change: float) -> None:
 
     Parameters
     ----------
-    state : record of DESIGN_STATE
-        Updated.
     begins : bool
         Whether the current sum has settled since the torque was lost.
     change : float

@@ -25,8 +25,6 @@ def angle_in_row(state: Any, row: int, current_sum: float) -> float:
 
     Parameters
     ----------
-    state : record of DESIGN_STATE
-        The state.
     row : int
         Which speed.
     current_sum : float
@@ -54,8 +52,6 @@ def table_angle(state: Any, speed: float, current_sum: float) -> float:
 
     Parameters
     ----------
-    state : record of DESIGN_STATE
-        The state.
     speed : float
         Speed at nominal supply (rad/s); with another supply, that of equal EMF over supply.
     current_sum : float
@@ -81,8 +77,6 @@ def look_up(state: Any, power: float) -> float:
 
     Parameters
     ----------
-    state : record of DESIGN_STATE
-        Updated.
     power : float
         Current sum at the present angle (A); infinite where the torque was lost.
 
