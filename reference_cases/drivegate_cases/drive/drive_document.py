@@ -229,7 +229,7 @@ class DriveDocument(Document):
             others = {
                 key: absent for key, (shape, absent) in OF_SHAPE.items() if shape != changes["emf_shape"]
             }
-            changes = others | changes
+            changes = {**others, **changes}
         top = {key: value for key, value in changes.items() if key not in tables}
         for key, value in changes.items():
             if (table := tables.get(key)) is not None:
