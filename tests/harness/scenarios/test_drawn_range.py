@@ -16,7 +16,6 @@ from drivegate.contracts.current.scenarios.drawn import families
 from drivegate.contracts.duty.scenarios import drawn as duty
 from drivegate.contracts.duty.scenarios.building import failing, speed_scenario, torque_of, torque_scenario
 from drivegate.contracts.traceability import DRAWN, DUTY_DRAWN, family_name
-from drivegate.drives.kinds import kind_of
 from drivegate.scenarios.changes import (
     stepped,
     with_dropout,
@@ -76,13 +75,13 @@ def drawn(strategy: SearchStrategy[Scenario], count: int) -> list[Scenario]:
 
 def simplifications(scenario: Scenario) -> Iterator[Scenario]:
     """Make what shrinking would try first in every respect, and of the last of it the same again."""
-    kind, start = kind_of(scenario.drive), scenario
+    contract, start = contract_of(scenario.drive), scenario
     for _ in range(2):
         made = [
             simpler
-            for simplification in kind.simplifications()
+            for simplification in contract.simplifications()
             for fields in islice(simplification(scenario), 6)
-            if (simpler := simplified(scenario, fields)) is not None and kind.is_as_fair(simpler, start)
+            if (simpler := simplified(scenario, fields)) is not None and contract.is_as_fair(simpler, start)
         ]
         yield from made
         if not made:
@@ -156,32 +155,34 @@ def test_no_simplification_makes_a_disturbance_greater() -> None:
 
 
 def test_what_goes_beyond_the_range_goes_no_further() -> None:
-    kind = kind_of(INTERIOR)
+    contract = contract_of(INTERIOR)
     own = torque_scenario(INTERIOR, BASE, (0.0, torque_of(INTERIOR, BASE, 1.6)))
-    assert kind.is_as_fair(torque_scenario(INTERIOR, BASE, (torque_of(INTERIOR, BASE, 1.5),)), own)
-    assert not kind.is_as_fair(torque_scenario(INTERIOR, BASE, (torque_of(INTERIOR, BASE, 2.0),)), own)
+    assert contract.is_as_fair(torque_scenario(INTERIOR, BASE, (torque_of(INTERIOR, BASE, 1.5),)), own)
+    assert not contract.is_as_fair(torque_scenario(INTERIOR, BASE, (torque_of(INTERIOR, BASE, 2.0),)), own)
 
 
 def test_a_failure_is_not_moved_to_where_it_does_not_show() -> None:
-    kind = kind_of(INTERIOR)
+    contract = contract_of(INTERIOR)
 
     def failed(speed: float, share: float) -> Scenario:
         held = torque_scenario(INTERIOR, speed, (torque_of(INTERIOR, speed, share),))
         return failing(held, "open-phase", 0.6 * held.duration_s)
 
     start = failed(0.5 * BASE, 0.4)
-    assert kind.is_as_fair(failed(BASE, 0.5), start)
-    assert not kind.is_as_fair(failed(0.0, 0.5), start)
-    assert not kind.is_as_fair(failed(TOP, 0.5), start)
-    assert not kind.is_as_fair(failed(BASE, 1.0), start)
-    assert not kind.is_as_fair(failed(BASE, 0.1), start)
+    assert contract.is_as_fair(failed(BASE, 0.5), start)
+    assert not contract.is_as_fair(failed(0.0, 0.5), start)
+    assert not contract.is_as_fair(failed(TOP, 0.5), start)
+    assert not contract.is_as_fair(failed(BASE, 1.0), start)
+    assert not contract.is_as_fair(failed(BASE, 0.1), start)
 
 
 def test_a_start_stays_a_start_of_a_speed_that_is_drawn() -> None:
-    kind = kind_of(INTERIOR)
+    contract = contract_of(INTERIOR)
     start = speed_scenario(INTERIOR, (0.5 * BASE,), torque_nm=0.5, initial_speed_rpm=0.0)
-    assert kind.is_as_fair(speed_scenario(INTERIOR, (BASE,), torque_nm=0.5, initial_speed_rpm=0.0), start)
-    assert not kind.is_as_fair(speed_scenario(INTERIOR, (0.0,), torque_nm=0.5, initial_speed_rpm=0.0), start)
+    assert contract.is_as_fair(speed_scenario(INTERIOR, (BASE,), torque_nm=0.5, initial_speed_rpm=0.0), start)
+    assert not contract.is_as_fair(
+        speed_scenario(INTERIOR, (0.0,), torque_nm=0.5, initial_speed_rpm=0.0), start
+    )
 
 
 def test_two_changes_at_one_time_are_no_simpler_scenario() -> None:

@@ -19,7 +19,6 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_scenario,
     with_edges,
 )
-from drivegate.drives.kinds import kind_of
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.drives.running import recorded
 from drivegate.gate.behaviour import behaviour_job
@@ -39,7 +38,7 @@ from drivegate_models.errors import InputError
 from drivegate_reports.conformance.report import page
 
 INTERIOR = load_drive("pm-ac-interior").replaced(settling_s=0.3)
-KIND = kind_of(INTERIOR)
+CONTRACT = contract_of(INTERIOR)
 
 
 def telling_runs() -> tuple[Scenario, ...]:
@@ -65,7 +64,7 @@ def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
     margins = [
         margin
         for scenario in telling_runs()
-        for margin in judged(recorded(loaded, scenario, controller), KIND.checks()).margins
+        for margin in judged(recorded(loaded, scenario, controller), CONTRACT.checks()).margins
     ]
     assert DUTY_FAULTS[name].check in {margin.check for margin in margins if not margin.met}
 
@@ -86,7 +85,7 @@ def test_a_correct_controller_passes_the_same_runs_and_repeats_itself(name: str)
 def test_controllers_of_least_loss_give_all_torque_that_the_limits_leave(name: str) -> None:
     loaded = own_candidate(resolve_candidate(name))
     weakened = telling_runs()[1]
-    margins = judged(recorded(loaded, weakened, loaded.controller()), KIND.checks()).margins
+    margins = judged(recorded(loaded, weakened, loaded.controller()), CONTRACT.checks()).margins
     assert "FWK-1" in {margin.check for margin in margins}
     failed = [margin for margin in margins if not margin.met]
     assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
@@ -129,7 +128,7 @@ def test_the_search_for_least_loss_does_not_drift_by_what_the_torque_changes_by(
 def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> None:
     loaded = own_candidate(resolve_candidate("foc-mtpa"))
     weakened = telling_runs()[1]
-    margins = judged(recorded(loaded, weakened, loaded.controller()), KIND.checks()).margins
+    margins = judged(recorded(loaded, weakened, loaded.controller()), CONTRACT.checks()).margins
     failed = {margin.check: margin for margin in margins if not margin.met}
     assert "FWK-1" in failed
     assert "at 6000 rpm" in failed["FWK-1"].measured

@@ -7,6 +7,7 @@ import pytest
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.containment.judge import own_candidate
+from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.scenarios.building import (
     failing,
     load_step_scenario,
@@ -15,7 +16,6 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_scenario,
 )
 from drivegate.contracts.needed_runs import is_needed
-from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished, RunDone
@@ -30,7 +30,7 @@ from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 
 INTERIOR = load_drive("pm-ac-interior").replaced(settling_s=0.2)
-KIND = kind_of(INTERIOR)
+CONTRACT = contract_of(INTERIOR)
 FOC = own_candidate(resolve_candidate("foc"))
 
 
@@ -57,13 +57,15 @@ def test_no_check_judges_a_run_that_it_does_not_need() -> None:
     controller = FOC.controller()
     skipped = 0
     for scenario in short_runs():
-        margins = judged(recorded(FOC, scenario, controller), KIND.checks()).margins
+        margins = judged(recorded(FOC, scenario, controller), CONTRACT.checks()).margins
         seen = {margin.check for margin in margins}
         needed = {
-            check.id for check in KIND.checks() if is_needed(scenario, FOC.candidate.declaration, (check.id,))
+            check.id
+            for check in CONTRACT.checks()
+            if is_needed(scenario, FOC.candidate.declaration, (check.id,))
         }
         assert seen <= needed, f"{seen - needed} judge {scenario.name}"
-        skipped += len(KIND.checks()) - len(needed)
+        skipped += len(CONTRACT.checks()) - len(needed)
     assert skipped > 8 * len(short_runs()), "most checks look at few kinds of runs"
 
 

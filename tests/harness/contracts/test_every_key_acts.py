@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from tests.harness.contracts.current.key_effects import (
+from tests.harness.contracts.key_effects import (
     DRIVES,
     Nameplate,
     Plans,

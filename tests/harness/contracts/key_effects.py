@@ -10,7 +10,7 @@ from typing import Any, Final, TypeAlias, get_args
 from drivegate import Command, DutyCommand
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.python.bridge import PythonController
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import CONTRACTS, contract_of
 from drivegate.contracts.drive_numbers import TEXTS, on_drive
 from drivegate.contracts.duty.plant_run import duty_run
 from drivegate.drives.kinds import DRIVE_KINDS
@@ -449,7 +449,7 @@ def seen(scenario: Scenario) -> Seen:
     """Run a scenario by commands that are always the same."""
     if scenario.drive.contract == "duty":
         noting = _Noting(_PULSES)
-        run: Any = duty_run(scenario, PythonController(noting))
+        run: Any = duty_run(DRIVE_KINDS["pm-ac"].prepare_loop(), scenario, PythonController(noting))
     else:
         noting = _Noting(_CURRENTS)
         run = run_scenario(scenario, PythonController(noting), trace_every=1)
@@ -464,6 +464,6 @@ def required(drive: DriveDocument) -> list[str]:
 
 def planned(drive: DriveDocument) -> Any:
     """Return the fixed runs of a drive, and what `drivegate drive` shows of one that takes duty ratios."""
-    runs = DRIVE_KINDS[drive.kind].fixed_scenarios(drive, Declaration())
+    runs = contract_of(drive).fixed_scenarios(drive, Declaration())
     shown = pm_ac_envelope(drive) if isinstance(drive, PmAcDocument) else None
     return [run.to_mapping() | {"drive": None} for run in runs], shown
