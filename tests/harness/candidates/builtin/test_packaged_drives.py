@@ -5,6 +5,7 @@ import pytest
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
+from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.drive_scale import scale_of, tidy
@@ -32,7 +33,7 @@ def failed(name: str, drive_name: str, share: float) -> set[str]:
     )
     candidate = resolve_candidate(name)
     run = run_scenario(scenario, load_controller(candidate))
-    margins = judged(CurrentRecord(scenario, run, candidate.declaration)).margins
+    margins = judged(CurrentRecord(scenario, run, candidate.declaration), CHECKS).margins
     assert {"CNV-1", "CNV-2"} <= {margin.check for margin in margins}, (
         "a run that is not judged proves nothing"
     )

@@ -9,6 +9,7 @@ import pytest
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
+from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import run_scenario
@@ -69,7 +70,7 @@ def test_the_example_meets_every_required_check_on_the_fixed_scenarios(controlle
     run = run_scenario(scenario, controllers["C"])
     failed = [
         f"{margin.check} {margin.value:+.3g}: {margin.measured}"
-        for margin in judged(CurrentRecord(scenario, run, declaration)).margins
+        for margin in judged(CurrentRecord(scenario, run, declaration), CHECKS).margins
         if margin.check in REQUIRED and margin.value < 0.0 and not margin.advisory
     ]
     assert failed == []

@@ -14,6 +14,7 @@ from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.drives.running import run_scenario
 from drivegate.studies.simulate.simulate import run_once
@@ -193,7 +194,9 @@ def test_a_command_out_of_range_fails_its_check_and_is_clamped(
 ):
     run = run_scenario(scenario, loaded(fifth_step=statement), trace_every=1)
     candidate = resolve_candidate("initial")
-    margins = {m.check: m.value for m in judged(CurrentRecord(scenario, run, candidate.declaration)).margins}
+    margins = {
+        m.check: m.value for m in judged(CurrentRecord(scenario, run, candidate.declaration), CHECKS).margins
+    }
     assert margins[check] < 0.0
     assert run.trace[4][column] == pytest.approx(clamped)
 
