@@ -11,11 +11,13 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis.strategies import SearchStrategy
 
 from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.current.families import DRAWN
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.contracts.current.scenarios.drawn import families
+from drivegate.contracts.duty.families import DRAWN as DUTY_DRAWN
 from drivegate.contracts.duty.scenarios import drawn as duty
 from drivegate.contracts.duty.scenarios.building import failing, speed_scenario, torque_of, torque_scenario
-from drivegate.contracts.traceability import DRAWN, DUTY_DRAWN, family_name
+from drivegate.contracts.traceability import family_name
 from drivegate.scenarios.changes import (
     stepped,
     with_dropout,
