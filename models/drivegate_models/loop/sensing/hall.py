@@ -307,7 +307,7 @@ def _measured_speed(hall: Hall, now: float) -> float:
     elapsed = now - (last + 1.0) * hall.clock
     if elapsed * electrical > hall.longest:
         electrical = hall.longest / elapsed
-    return sense * electrical / hall.pole_pairs
+    return float(sense * electrical / hall.pole_pairs)
 
 
 @unallocating
