@@ -34,7 +34,9 @@ def measured(
     document: DriveDocument, seed: int | None = None, uncertainty: float = np.nan
 ) -> list[MeasuredTorque]:
     """Measure the drive of the true constants at twenty points, with noise where there is a seed."""
-    drive, oracle = drive_with(document, TRUE), kind_of(document).oracle()
+    is_flat = document.machine.emf_shape == "trapezoid"
+    constants = {key: value for key, value in TRUE.items() if is_flat or key != "emf_flat_deg"}
+    drive, oracle = drive_with(document, constants), kind_of(document).oracle()
     errors = np.zeros(20) if seed is None else NOISE * np.random.default_rng(seed).standard_normal(20)
     places = [
         (speed, advance, current)
