@@ -289,13 +289,13 @@ class Scenario(Document):
     def replaced(self, **changes: Any) -> Self:
         """Make a scenario that differs in a few keys.
 
-        For another drive, the converters are chosen again, and so is a control period that the drive has stated. With
+        For another drive, the converters are chosen again, and so is a control period that is the drive's or the default. With
         another control period, the run lasts until the next whole number of them.
         """
         drive = changes.get("drive", self.drive)
         if "drive" in changes:
             changes.setdefault("sensors", unfitted(self.sensors, self.drive))
-            if self.drive.control_period_s is not None:
+            if self.drive.control_period_s is not None or self.control_period_s == LONGEST_CONTROL_PERIOD_S:
                 changes.setdefault("control_period_s", _LEFT_OUT)
         period = changes.get("control_period_s", self.control_period_s) or LONGEST_CONTROL_PERIOD_S
         if isinstance(drive, DriveDocument):

@@ -36,7 +36,7 @@ def test_a_rating_that_no_controller_can_meet_is_refused_before_any_run(refused,
     (tmp_path / "weak.json").write_text(weak.to_json(), encoding="utf-8")
     told = refused(name, "initial", "--drive", "weak.json", "--effort", "quick")
     assert "no controller can meet what the drive 'weak' requires: 1.5 kW needs 26.0 N·m at 550 rpm" in told
-    assert "what can be met is 1.32 kW from 550 to 1500 rpm" in told
+    assert "a check accepts rated_power_w = 1320" in told
 
 
 def test_a_drive_of_one_s_own_is_what_a_candidate_is_made_for(command, tmp_path):
