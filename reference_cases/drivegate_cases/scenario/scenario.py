@@ -289,8 +289,8 @@ class Scenario(Document):
     def replaced(self, **changes: Any) -> Self:
         """Make a scenario that differs in a few keys.
 
-        For another drive, the converters are chosen again, and so is a control period that is the drive's or the default. With
-        another control period, the run lasts until the next whole number of them.
+        For another drive, the converters are chosen again, and so is a control period that is the drive's or the
+        default. With another control period, the run lasts until the next whole number of them.
         """
         drive = changes.get("drive", self.drive)
         if "drive" in changes:
