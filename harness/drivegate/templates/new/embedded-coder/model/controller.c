@@ -132,15 +132,16 @@ void controller_step(void) {
     direct_wanted = rtP.DirectGain * direct_error + rtDW.DirectIntegral - electrical * rtP.QuadratureInductance * quadrature;
     quadrature_wanted = rtP.QuadratureGain * quadrature_error + rtDW.QuadratureIntegral
                         + electrical * (rtP.DirectInductance * direct + rtP.MagnetFlux);
-    direct_given = saturate(direct_wanted, -0.95F * limit, 0.95F * limit);
-    room = sqrtf(fmaxf(limit * limit - direct_given * direct_given, 0.0F));
-    quadrature_given = saturate(quadrature_wanted, -room, room);
+    /* A voltage beyond the limit is shortened, not turned: one axis alone would never get the other back. */
+    used = hypotf(direct_wanted, quadrature_wanted);
+    room = used > limit ? limit / used : 1.0F;
+    direct_given = room * direct_wanted;
+    quadrature_given = room * quadrature_wanted;
     /* What the limit has taken does not enter the integrals. */
     rtDW.DirectIntegral += rtP.DirectStep * (direct_error + (direct_given - direct_wanted) / rtP.DirectGain);
     rtDW.QuadratureIntegral +=
         rtP.QuadratureStep * (quadrature_error + (quadrature_given - quadrature_wanted) / rtP.QuadratureGain);
     /* Where the machine is not as the parameters say, the voltage that is asked for tells. */
-    used = hypotf(direct_wanted, quadrature_wanted);
     rtDW.Weakening = saturate(rtDW.Weakening + rtP.WeakeningStep * (0.5F * (1.0F + VOLTAGE_SHARE) * limit - used), -0.3F * rtP.CurrentLimit, 0.0F);
 
     angle += electrical * rtP.Lead;
