@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.checks.record import Record
+from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.run import DutyClosedLoopRun
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_windows
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -69,9 +70,7 @@ class DutyRecord(Record):
     @property
     def document(self) -> PmAcDocument:
         """The drive's document."""
-        drive = self.scenario.drive
-        assert isinstance(drive, PmAcDocument), "a controller of duty ratios runs on a drive that takes them"
-        return drive
+        return duty_document(self.scenario.drive)
 
     @property
     def limits(self) -> DutyLimits:

@@ -17,8 +17,8 @@ from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, 
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
 from drivegate.containment.playback import require_same_plant, stepped_here
+from drivegate.contracts.duty.document import duty_document
 from drivegate.scenarios.plant_inputs import plant_course, plant_load, plant_schedule
-from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.records import DUTY_COMMAND
@@ -72,8 +72,7 @@ class DutyClosedLoopRun:
 
 def duty_nameplate(scenario: Scenario) -> DutyNameplate:
     """Give what the controller of a scenario knows of its drive and of its reference."""
-    drive = scenario.drive
-    assert isinstance(drive, PmAcDocument), "a controller of duty ratios runs on a drive that takes them"
+    drive = duty_document(scenario.drive)
     torque = isinstance(scenario.load, DynamometerLoad)
     nameplate = drive.duty_nameplate(scenario.control_period_s, torque_reference=torque)
     if isinstance(scenario.load, VehicleLoad):

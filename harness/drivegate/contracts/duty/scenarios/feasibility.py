@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.failures import unnoticed_because
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
-from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
@@ -38,7 +38,7 @@ def unfair_because(scenario: Scenario) -> str | None:
         return "it begins above base speed, on a plant that the controller does not know"
     if (unnoticed := unnoticed_because(scenario)) is not None:
         return unnoticed
-    if _rectified_current(scenario) > duty_limits_of(_document(scenario)).peak_current_a:
+    if _rectified_current(scenario) > duty_limits_of(duty_document(scenario.drive)).peak_current_a:
         return "it begins so fast that the current through the diodes alone exceeds the limit of OVC-1"
     if _rests_by_hall_switches(scenario):
         return "Hall switches show the angle of a shaft at rest no closer than 30 electrical degrees"
@@ -64,7 +64,7 @@ def _is_driven(scenario: Scenario, dwell: DutyDwell) -> bool:
     demanded = 0.0 if idle else load.torque_at(dwell.speed_rpm, dwell.load_factor)
     plant = _plant(scenario, dwell.resistance_factor, dwell.emf_factor)
     drag = plant.friction + plant.viscous_friction * speed
-    limits, link = duty_limits_of(_document(scenario)), 2.0 * dwell.supply_v
+    limits, link = duty_limits_of(duty_document(scenario.drive)), 2.0 * dwell.supply_v
     return demanded + drag <= min(
         IN_HAND * _greatest(plant, speed, link),
         limits.weakening_share * _greatest(plant, speed, limits.weakening_voltage * link),
@@ -89,11 +89,6 @@ def _settled_peak(plant: PmAcDrive, speed: float, link: float, period: float) ->
     return float(totals[ledger.PEAK])
 
 
-def _document(scenario: Scenario) -> PmAcDocument:
-    assert isinstance(scenario.drive, PmAcDocument), "these scenarios are of PM AC drives"
-    return scenario.drive
-
-
 def _plant(scenario: Scenario, resistance_factor: float, emf_factor: float) -> PmAcDrive:
     """Make the plant of a scenario as it has drifted by some time."""
     scales = scenario.scales
@@ -101,7 +96,7 @@ def _plant(scenario: Scenario, resistance_factor: float, emf_factor: float) -> P
         "resistance": scales.resistance * resistance_factor,
         "emf_constant": scales.emf_constant * emf_factor,
     }
-    return _document(scenario).plant(scales.model_copy(update=changed))
+    return duty_document(scenario.drive).plant(scales.model_copy(update=changed))
 
 
 @lru_cache(maxsize=_KEPT)

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any, Final
 
+from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.building import TORQUE_DIGITS, speed_scenario, torque_scenario
 from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.scenarios.simplification import Fields, Simplification
 from drivegate_cases.drive.limits import nearest_step, rounded
-from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
 from drivegate_cases.scenario.piecewise import Profile
@@ -34,11 +34,6 @@ _TORQUE_SHARES: Final = (0.5, 0.2, 0.1, 0.05)
 def _levels(profile: Profile) -> list[float]:
     values = [value for _, value in profile]
     return [value for place, value in enumerate(values) if place == 0 or value != values[place - 1]]
-
-
-def _drive_of(scenario: Scenario) -> PmAcDocument:
-    assert isinstance(scenario.drive, PmAcDocument), "such scenarios are of PM AC drives"
-    return scenario.drive
 
 
 def _fields_of(made: Scenario) -> Fields:
@@ -71,7 +66,7 @@ def _fewer_torques(scenario: Scenario) -> Iterator[Fields]:
     """Ask for one torque, or for two one after the other."""
     if not isinstance(scenario.load, DynamometerLoad):
         return
-    drive, speed = _drive_of(scenario), scenario.speed_rpm[0][1]
+    drive, speed = duty_document(scenario.drive), scenario.speed_rpm[0][1]
     torques = _levels(scenario.load.torque_reference_nm)
     shorter: list[tuple[float, ...]] = [(torque,) for torque in dict.fromkeys(torques)]
     shorter += [pair for pair in pairwise(torques) if len(torques) > 2]
@@ -85,7 +80,7 @@ def _fewer_speeds(scenario: Scenario) -> Iterator[Fields]:
     load = scenario.load
     if not isinstance(load, ConstantTorqueLoad):
         return
-    drive, speeds = _drive_of(scenario), _levels(scenario.speed_rpm)
+    drive, speeds = duty_document(scenario.drive), _levels(scenario.speed_rpm)
     torque = rounded(load.torque_nm * load.factor[-1][1], TORQUE_DIGITS)
     shorter: list[tuple[float, ...]] = [(speed,) for speed in dict.fromkeys(speeds)]
     shorter += [pair for pair in pairwise(speeds) if len(speeds) > 2]
@@ -103,7 +98,7 @@ def _with_own(scenario: Scenario, made: Scenario) -> Fields:
 
 
 def _rounder_speed(scenario: Scenario) -> Iterator[Fields]:
-    drive = _drive_of(scenario)
+    drive = duty_document(scenario.drive)
     base = drive.rating.base_speed_rpm
     begin = scenario.initial_speed_rpm
     starts = begin == scenario.speed_rpm[0][1]
@@ -118,7 +113,7 @@ def _rounder_speed(scenario: Scenario) -> Iterator[Fields]:
 
 
 def _rounder_torque(scenario: Scenario) -> Iterator[Fields]:
-    load, drive = scenario.load, _drive_of(scenario)
+    load, drive = scenario.load, duty_document(scenario.drive)
     rated = drive.rating.rated_power_w / (drive.rating.base_speed_rpm * RADIANS_PER_RPM)
     for share in _TORQUE_SHARES:
         grain = nearest_step(share * rated)

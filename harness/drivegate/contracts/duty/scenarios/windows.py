@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
+from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.scenario.control_periods import first_period_from
@@ -74,8 +75,7 @@ def run_up_s(drive: PmAcDocument, speed_change_rpm: float) -> float:
 
 def duty_windows(scenario: Scenario) -> list[tuple[DutyDwell, float, float]]:
     """Find the end of every dwell that is long enough to settle in, with its start and end (s)."""
-    drive = scenario.drive
-    assert isinstance(drive, PmAcDocument), "such windows are of runs with duty ratios"
+    drive = duty_document(scenario.drive)
     settling, period = duty_limits_of(drive).settling_s, drive.control_period_s
     length = WINDOW_SHARE * settling
     windows = []
