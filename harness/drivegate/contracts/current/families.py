@@ -26,4 +26,4 @@ DRAWN: Final[Mapping[str, tuple[str, ...]]] = {
     "overspeed": ("CNV-1", "CNV-2", "CPW-2", "RIP-3", "TRQ-1"),
     "vehicle": ("CNV-2", "CNV-3", "RIP-3"),
 }
-"""For each family of `scenarios.drawn`, the checks that it is there for, beside those of every run."""
+"""For each family of drawn scenarios, the checks that it exercises in addition to those of every run."""

@@ -18,4 +18,4 @@ DRAWN: Final[Mapping[str, tuple[str, ...]]] = {
     "sensor": ("ROB-5",),
     "failure": ("SAF-1",),
 }
-"""For each family of `scenarios.duty.drawn`, the checks that it is there for, beside those of every run."""
+"""For each family of drawn scenarios, the checks that it exercises in addition to those of every run."""
