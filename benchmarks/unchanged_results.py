@@ -45,7 +45,6 @@ _AT_ONCE: Final = 2
 _COMMANDS: Final = (
     *(
         "bench",
-        "calibrate",
         "campaign",
         "cases",
         "check",

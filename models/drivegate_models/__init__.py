@@ -1,4 +1,4 @@
-"""Plant, sensors, reference controllers, steady state and calibration of the reference drive.
+"""Plant, sensors, reference controllers and steady states.
 
 This is the lowest layer: it imports no other package of the distribution.
 """

@@ -29,7 +29,6 @@ COMMANDS: Final = MappingProxyType(
         "point": "Compute the steady state at one operating point.",
         "selftest": "Check the checks: faulty controllers must be caught, correct ones must pass.",
         "reproduce": "Compute every published figure and number beside what is published.",
-        "calibrate": "Derive the paper's drive anew from the published facts.",
         "bench": "Measure how fast drivegate is on this machine.",
         "new": "Write a small candidate to start from, with a test and a gate for CI.",
         "checks": "List the checks with their requirements and limits.",

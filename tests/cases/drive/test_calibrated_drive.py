@@ -5,14 +5,14 @@ from __future__ import annotations
 from math import degrees
 
 import pytest
-
-from drivegate_cases.drive.drive_document import load_drive
-from drivegate_models.steady.calibration import (
+from paper_calibration import (
     ROUNDING,
     calibrate,
     calibration_drive,
     published_facts,
 )
+
+from drivegate_cases.drive.drive_document import load_drive
 
 
 def test_stored_constants_are_the_fitted_ones_rounded() -> None:

@@ -1,4 +1,4 @@
-"""`drivegate checks`, `drivegate cases` and `drivegate calibrate`: what there is, and where it comes from."""
+"""`drivegate checks` and `drivegate cases`: what there is, and where it comes from."""
 
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate_cases.drive.drive_document import drive_names
@@ -34,31 +34,6 @@ def test_cases_are_listed_by_the_names_that_other_commands_take(command):
     assert supplies["star-3-phase"] == supplies["pm-ac-surface"] == "96 V", (
         "a link without a tap is no two halves"
     )
-
-
-def test_the_stored_drive_agrees_with_its_calibration(command):
-    ended = command("calibrate", "--json")
-    document = ended.document
-    assert ended.code == 0
-    assert document["agrees"] is True
-    for fact in document["facts"]:
-        assert abs(fact["stored_residual"]) <= fact["rounding"], (
-            f"{fact['name']} is off by more than rounding"
-        )
-    assert max(map(abs, document["torque_residuals_nm"])) < 1e-6
-    text = command("calibrate").out
-    assert "agrees with the fit" in text
-    assert all(fact["name"] in text for fact in document["facts"])
-
-
-def test_a_drive_that_no_longer_follows_from_the_facts_is_reported(command, monkeypatch):
-    from drivegate_cases.drive import drive_document
-
-    altered = drive_document.load_drive("paper-5-phase").replaced(inductance_h=3.2e-3)
-    monkeypatch.setattr(drive_document, "load_drive", lambda name: altered)
-    ended = command("calibrate")
-    assert ended.code == 1
-    assert "differs from the fit" in ended.out
 
 
 def test_an_argument_too_many_is_refused(refused):

@@ -63,14 +63,13 @@ def _folder(package) -> Path:  # type: ignore[no-untyped-def]
 
 
 _HARNESS = [
-    _folder(drivegate) / name for name in ("scenarios", "runs", "checks", "drives", "gate", "containment")
+    _folder(drivegate) / name
+    for name in ("scenarios", "checks", "contracts", "drives", "gate", "containment")
 ]
 _SOURCES = sorted(
     file
     for folder in (_folder(drivegate_models), _folder(drivegate_cases), *_HARNESS)
     for file in folder.rglob("*.py")
-    # The fit of a motor's losses uses scipy, and no verdict follows from it.
-    if file.name != "calibration.py"
 )
 
 

@@ -6,17 +6,20 @@ from dataclasses import replace
 from math import degrees, radians
 
 import pytest
-
-from drivegate_models.steady.calibration import (
+from paper_calibration import (
     ROUNDING,
     Calibration,
     MotorConstants,
     PublishedFigures,
     calibrate,
     calibration_drive,
+    comparison,
     geometry_check,
     published_facts,
+    table_lines,
 )
+
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.steady.oracle import greatest_torque_at_limit
 from drivegate_models.steady.steady_state import steady_state
 
@@ -102,3 +105,19 @@ def test_facts_of_another_motor_carry_their_residuals() -> None:
     rounded = calibration_drive(MotorConstants(0.339, 2.88e-3, radians(98.0)))
     residuals = [fact.residual for fact in published_facts(rounded)]
     assert residuals == pytest.approx([-0.10, -0.14, 3.70], abs=0.02)
+
+
+def test_the_stored_drive_agrees_with_its_calibration() -> None:
+    compared = comparison(load_drive("paper-5-phase"))
+    assert compared["agrees"]
+    text = "\n".join(table_lines(compared))
+    assert all(fact["name"] in text for fact in compared["facts"])
+    assert " no " not in text
+
+
+def test_a_drive_that_no_longer_follows_from_the_facts_is_reported() -> None:
+    altered = load_drive("paper-5-phase").replaced(inductance_h=3.2e-3)
+    compared = comparison(altered)
+    assert not compared["agrees"]
+    assert not compared["constants"]["inductance"]["agrees"]
+    assert " no  inductance (mH)" in "\n".join(table_lines(compared))

@@ -6,6 +6,7 @@ from math import isnan, nan, pi, radians
 
 import numpy as np
 import pytest
+from paper_calibration import MotorConstants, calibration_drive
 
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
@@ -13,7 +14,6 @@ from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phases import make_phases
 from drivegate_models.steady import angle_search
 from drivegate_models.steady.angle_search import promising_angles, torque_demand
-from drivegate_models.steady.calibration import MotorConstants, calibration_drive
 from drivegate_models.steady.current_search import ReferenceSearch, mean_state
 from drivegate_models.steady.oracle import (
     CURRENT_TOLERANCE,

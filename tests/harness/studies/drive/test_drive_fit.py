@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from paper_calibration import calibrate
 
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.rating import drive_with
@@ -12,7 +13,6 @@ from drivegate.studies.drive.fit import fit_document
 from drivegate.studies.drive.measured import MeasuredTorque, read_measured
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_models.errors import InputError
-from drivegate_models.steady.calibration import calibrate
 
 PAPER = load_drive("paper-5-phase")
 TRUE = {

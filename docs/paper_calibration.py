@@ -1,4 +1,7 @@
-"""The reference motor rederived from what the paper publishes of it.
+"""Derive the motor of `paper-5-phase` from what the paper publishes, and compare it with the stored drive.
+
+    python docs/paper_calibration.py            # exit code 1 if the stored drive differs by more than rounding
+    python docs/paper_calibration.py --json     # also the sensitivities
 
 Three published facts fix three unknowns: back-EMF constant, inductance and width of the back-EMF's flat top.
 The paper's angles are read as the smallest ones at which the published torque can still be produced at the
@@ -9,13 +12,18 @@ Regulator ideal, core loss nil, resistance assumed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+import argparse
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from math import degrees, radians
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_models.errors import HarnessFault
 from drivegate_models.half_bridge.plant.drive import Drive, make_drive
 from drivegate_models.machine.constants_fit import ConstantsFit, fit_constants
@@ -327,3 +335,88 @@ def calibrate(figures: PublishedFigures | None = None, resistance: float = ASSUM
         ),
         geometry=geometry_check(constants.emf_constant),
     )
+
+
+_SHOWN: Final = {
+    "emf_constant": ("EMF constant (V·s/rad)", 1.0),
+    "inductance": ("inductance (mH)", 1e3),
+    "emf_flat": ("flat width of the EMF (deg)", degrees(1.0)),
+}
+_STORED: Final = {
+    "emf_constant": "emf_constant_v_s_per_rad",
+    "inductance": "inductance_h",
+    "emf_flat": "emf_flat_deg",
+}
+
+
+def comparison(stored: DriveDocument) -> dict[str, Any]:
+    """Return the calibration next to the constants and facts of a stored drive, in SI units and the facts' own.
+
+    Parameters
+    ----------
+    stored : DriveDocument
+        A half-bridge drive with a trapezoidal EMF.
+
+    Returns
+    -------
+    dict
+        Keys ``agrees``, ``constants`` and ``facts`` (with published, fitted and stored values), and ``calibration``.
+    """
+    # The facts are read with an ideal regulator and without core loss, as in the fit.
+    ideal = stored.replaced(hysteresis_band_a=0.0, core_loss_conductance_s=0.0).plant()
+    calibration = calibrate(resistance=stored.machine.resistance_ohm)
+    constants = {}
+    for name, key in _STORED.items():
+        fitted, spread = getattr(calibration.constants, name), getattr(calibration.spread, name)
+        value = radians(stored.value(key)) if name == "emf_flat" else stored.value(key)
+        agrees = abs(value - fitted) <= spread
+        constants[name] = {"fitted": fitted, "spread": spread, "stored": value, "agrees": agrees}
+    roundings = (ROUNDING["worst_ripple_angle"], ROUNDING["middle_angle"], ROUNDING["rated_power"])
+    facts = [
+        {**asdict(fact), "rounding": rounding, "stored": own.ours, "agrees": abs(own.residual) <= rounding}
+        for fact, own, rounding in zip(calibration.facts, published_facts(ideal), roundings, strict=True)
+    ]
+    agrees = all(row["agrees"] for row in (*constants.values(), *facts))
+    return {"agrees": agrees, "constants": constants, "facts": facts, "calibration": asdict(calibration)}
+
+
+def table_lines(compared: Mapping[str, Any]) -> list[str]:
+    """Return a comparison as lines of text."""
+    columns = ("published", "± by rounding", "fitted", "stored", "agrees")
+    lines = ["".join(f"{column:>16}" for column in columns)]
+    for fact in compared["facts"]:
+        values = (fact["published"], fact["rounding"], fact["ours"], fact["stored"])
+        lines.append(_line(values, fact["agrees"], f"{fact['name']} ({fact['unit']})"))
+    for name, row in compared["constants"].items():
+        title, scale = _SHOWN[name]
+        values = (None, *(scale * row[key] for key in ("spread", "fitted", "stored")))
+        lines.append(_line(values, row["agrees"], title))
+    calibration = compared["calibration"]
+    largest = max(map(abs, calibration["torque_residuals"]))
+    flux = calibration["geometry"]["flux_density"]
+    lines.append(
+        f"the fit leaves {largest:.1e} N·m of its three torques; condition {calibration['condition']:.0f}"
+    )
+    lines.append(f"the EMF constant requires {flux:.2f} T in the gap with the published geometry")
+    return lines
+
+
+def _line(values: Sequence[float | None], agrees: bool, title: str) -> str:
+    cells = ("" if value is None else f"{value:.4g}" for value in values)
+    return "".join(f"{cell:>16}" for cell in (*cells, "yes" if agrees else "no")) + f"  {title}"
+
+
+def main() -> int:
+    """Print the comparison, and return the exit code."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON document, in SI units and radians"
+    )
+    as_json = parser.parse_args().json
+    compared = comparison(load_drive("paper-5-phase"))
+    print(json.dumps(compared, indent=2) if as_json else "\n".join(table_lines(compared)))  # noqa: T201
+    return 0 if compared["agrees"] else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,1 +1,0 @@
-"""The motor derived anew from the published facts."""
