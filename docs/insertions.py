@@ -31,7 +31,7 @@ from drivegate.contracts.current.families import DRAWN, EVERY_RUN
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.traceability import family_name, traced_checks, traced_facts
-from drivegate.drives.drawn_kinds import DRAWN_KINDS
+from drivegate.drives.drawn.kinds import DRAWN_KINDS
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
@@ -131,7 +131,7 @@ def drawn_bounds(kind: str) -> str:
             _plain(bound.quantity),
             f"{bound.lowest:g} to {bound.highest:g}",
             _plain(bound.unit),
-            "ratio" if bound.by_ratio else "difference",
+            bound.evenly_by,
             _plain(bound.reason),
         )
         for bound in DRAWN_KINDS[kind].bounds.values()

@@ -6,7 +6,7 @@ import pytest
 
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.commands import selftest
-from drivegate.drives.drawn_kinds import DRAWN_KINDS
+from drivegate.drives.drawn.kinds import DRAWN_KINDS
 from drivegate.studies.selftest import seeded_fault
 from drivegate.studies.selftest.drawn import run
 from drivegate.studies.selftest.drawn.gate_row import GateRow

@@ -6,7 +6,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
-from drivegate.drives.pm_ac_drawn_drives import drawn_pm_ac_drive
+from drivegate.drives.drawn.kinds import PM_AC
 from drivegate.drives.running import recorded
 
 CHECKS = {check.id: check for check in CONTRACTS["duty"].checks()}
@@ -23,7 +23,7 @@ CHECKS = {check.id: check for check in CONTRACTS["duty"].checks()}
     ],
 )
 def test_foc_meets_a_check_on_a_drawn_drive(check_id: str, number: int, label: str) -> None:
-    drive = drawn_pm_ac_drive(0, number).document
+    drive = PM_AC.draw(0, number).document
     loaded = own_candidate(resolve_candidate("foc"))
     controller = loaded.controller()
     margins = [

@@ -14,7 +14,7 @@ from drivegate.contracts.current.checks.convergence import (
 from drivegate.contracts.current.checks.robustness import ROB_2, ROB_3
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import coming_on, steady_scenario, vehicle_scenario
-from drivegate.drives.drawn_drives import drawn_drive
+from drivegate.drives.drawn.kinds import HALF_BRIDGE
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.changes import with_load_factor, with_scales
 from drivegate_cases.drive.drive_document import load_drive
@@ -72,14 +72,16 @@ LIFT = PAPER.replaced(
 # A load that grows by less than a percent from one decision to the next, for three seconds.
 SLOWLY_GROWING = tuple(
     with_load_factor(
-        steady_scenario(drawn_drive(0, number).document, speed, power_share=1.0, constant_power=True),
+        steady_scenario(HALF_BRIDGE.draw(0, number).document, speed, power_share=1.0, constant_power=True),
         ((0.0, 0.0), (0.5, 0.65), (12.0, 0.65), (15.2, 0.8)),
     ).replaced(duration_s=35.2)
     for number, speed in ((71, 1340.0), (83, 370.0))
 )
 # A whole step costs more speed than on the paper's drive, although its angle has the torque.
 STEEP = tuple(
-    steady_scenario(drawn_drive(0, number).document, speed, power_share=share, constant_power=constant_power)
+    steady_scenario(
+        HALF_BRIDGE.draw(0, number).document, speed, power_share=share, constant_power=constant_power
+    )
     for number, speed, share, constant_power in (
         (44, 458.0, 1.0, True),
         (53, 9920.0, 0.5, False),
@@ -121,10 +123,10 @@ RUNS = (
 # Past the current of greatest torque, more current reference gives less torque.
 FALLING_ON = (
     with_scales(
-        steady_scenario(drawn_drive(0, 9).document, 645.0, power_share=1.0, constant_power=True),
+        steady_scenario(HALF_BRIDGE.draw(0, 9).document, 645.0, power_share=1.0, constant_power=True),
         inductance=1.2,
     ),
-    steady_scenario(drawn_drive(0, 60).document, 4840.0, power_share=0.5, constant_power=False),
+    steady_scenario(HALF_BRIDGE.draw(0, 60).document, 4840.0, power_share=0.5, constant_power=False),
 )
 # A step that loses the torque a little beyond the edge, 60 degrees below the initial angle.
 LATE_AT_THE_EDGE = with_scales(

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from drivegate.drives.drawn_drives import DrawnDrive
+from drivegate.drives.drawn.drawing import DrawnDrive
 from drivegate.output.resumed_folder import ResumedFolder
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite

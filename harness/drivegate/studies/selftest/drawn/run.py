@@ -10,8 +10,8 @@ from typing import Any, Final
 
 from drivegate.containment.backend import Backend, done_by
 from drivegate.contracts.catalogue import CONTRACTS
-from drivegate.drives.drawn_drives import DrawnDrive
-from drivegate.drives.drawn_kinds import DRAWN_KINDS
+from drivegate.drives.drawn.drawing import DrawnDrive
+from drivegate.drives.drawn.kinds import DRAWN_KINDS
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.gate.warm_up import compile_missing
 from drivegate.output.progress import Display, with_rate
@@ -32,7 +32,7 @@ class DrivesRequest:
     """What a self-test on drawn drives is to do."""
 
     kind: str
-    """Kind of the drives, one of `drivegate.drives.drawn_kinds.DRAWN_KINDS`."""
+    """Kind of the drives, one of `drivegate.drives.drawn.kinds.DRAWN_KINDS`."""
     drives: int
     """Number of drives."""
     drawing_seed: int

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from drivegate.contracts.catalogue import CONTRACTS
-from drivegate.drives.drawn_kinds import DRAWN_KINDS
+from drivegate.drives.drawn.kinds import DRAWN_KINDS
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.results.proportion import CONFIDENCE, proportion
 from drivegate.studies.selftest.drawn.folder import KIND, SCHEMA

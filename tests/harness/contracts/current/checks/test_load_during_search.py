@@ -11,7 +11,7 @@ from drivegate.containment.messages import AnyController
 from drivegate.contracts.current.checks.convergence import converges_again, reaches_optimum
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario
-from drivegate.drives.drawn_drives import drawn_drive
+from drivegate.drives.drawn.kinds import HALF_BRIDGE
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.changes import with_load_factor
 from drivegate_cases.drive.drive_document import load_drive
@@ -70,7 +70,7 @@ def test_an_edge_that_is_met_while_the_load_grows_is_sought_again() -> None:
 )
 def test_what_was_forbidden_on_the_way_back_is_tried_again(number: int, speed: float, torque: float) -> None:
     # A step of 2 degrees costs the speed as much as the edge does, or leads over it.
-    drive = drawn_drive(0, number).document
+    drive = HALF_BRIDGE.draw(0, number).document
     plain = steady_scenario(drive, speed, power_share=1.0, constant_power=False)
     scenario = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
     assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
@@ -83,7 +83,7 @@ def test_angles_at_which_the_speed_returns_are_not_given_up(
     number: int, speed: float, power_share: float, constant_power: bool
 ) -> None:
     # Back from the edge the regulator is wound up, and the speed rises above its reference.
-    drive = drawn_drive(0, number).document
+    drive = HALF_BRIDGE.draw(0, number).document
     scenario = steady_scenario(drive, speed, power_share=power_share, constant_power=constant_power)
     assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
 
