@@ -7,23 +7,10 @@ from drivegate_models.compilation.kernels import inlined
 
 @inlined
 def initial_angle(speed: float, base_speed: float, angle_at_base: float, slope: float) -> float:
-    """Return the initial advance angle: zero below base speed, a straight line in speed above.
+    """Return the initial advance angle (rad electrical), limited to 0 to 90 degrees.
 
-    Parameters
-    ----------
-    speed : float
-        Shaft speed (rad/s).
-    base_speed : float
-        Speed at which the line begins (rad/s).
-    angle_at_base : float
-        The line's angle at base speed (rad electrical); 0 in the paper's Fig. 3.
-    slope : float
-        Its slope (rad electrical a rad/s).
-
-    Returns
-    -------
-    float
-        Angle (rad electrical), 0 to 90 degrees.
+    Below `base_speed` (rad/s) it is zero. Above, it starts at `angle_at_base` (rad electrical; 0 in the paper's Fig. 3)
+    and rises by `slope` (rad electrical per rad/s).
     """
     if speed < base_speed:
         return 0.0

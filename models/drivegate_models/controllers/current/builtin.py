@@ -1,6 +1,6 @@
-"""The built-in controllers `initial`, `published` and `reference` behind the native interface (Fig. 2).
+"""The built-in controllers `initial`, `published` and `reference` with the native interface (Fig. 2).
 
-One step function serves all three; they differ in the constants that their resets write into the state.
+One step function serves all three. They differ in the constants that their resets write into the state.
 """
 
 from __future__ import annotations
@@ -24,40 +24,37 @@ from drivegate_models.controllers.current.state import CONTROLLER_STATE, FLOWCHA
 from drivegate_models.units import RADIANS_PER_RPM
 
 SEARCH_PERIOD: Final = 0.1
-"""Time from one decision of the search to the next (s); of the guarded one on a drive of the frequency tuned for."""
+"""Time between decisions of the search (s). For the guarded search, at the electrical frequency it is tuned for."""
 
 SEARCHES: Final = MappingProxyType({"initial": NO_SEARCH, "published": FLOWCHART, "reference": GUARDED})
-"""Kind of search by name of controller."""
+"""Kind of search for each controller."""
 
-# Times and rates are tuned on a drive of this electrical frequency at base speed (rad/s); others' are in proportion.
+# Times and rates are tuned for this electrical frequency at base speed (rad/s), and scaled for other drives.
 _TUNED_FREQUENCY = 575.9586531581288
-# But no faster than a control period can follow (s).
+# Upper limit of that scale: the rate that a control period can follow (s).
 _FASTEST = 1e-3
-# A shaft that rated power accelerates to base speed sooner (s) is regulated faster in proportion, up to these times the
-# electrical frequency's rate, and twice what the drive tuned on has.
+# If rated power accelerates the shaft to base speed sooner than this (s), the regulator is faster in proportion. The
+# limits are this multiple of the electrical frequency's rate, and twice the rate of the drive tuned on.
 _TUNED_TIME = 0.0913
 _FASTEST_OF_FREQUENCY = 3.5
 _FASTEST_REGULATOR = 2.0
-# Both (1/s) no higher: an encoder's speed comes in steps, and the regulator turns each into current.
+# Regulator rates (1/s). They are limited because the regulator turns each step of an encoder's speed into current.
 _BANDWIDTH = 80.0
 _INTEGRAL_RATE = 15.0
-# k1 of Fig. 4: what the flowchart declares (rad/s), and of base speed for the guarded search.
+# k1 of Fig. 4: the value of the flowchart (rad/s), and a share of base speed for the guarded search.
 _FLOWCHART_TOLERANCE = 5.0 * RADIANS_PER_RPM
 _SPEED_TOLERANCE = 0.01
-# What the converter makes of the current sum, as a share of the current limit.
+# Noise of the current sum by the converter, as a share of the current limit.
 _LEAST_CHANGE = 0.0008
-# Of base speed. Without it, regulation at base speed would switch the jump of the angle on and off.
+# Share of base speed. Without it, regulation at base speed would switch the jump of the angle on and off.
 _ADVANCE_MARGIN = 0.02
 
 
 @inlined
 def reset_state(state: Any, nameplate: Any, search: int) -> None:
-    """Write the constants of a controller and forget everything else.
+    """Write the constants of a controller and reset everything else.
 
-    Parameters
-    ----------
-    search : int
-        `NO_SEARCH`, `FLOWCHART` or `GUARDED`.
+    `search` is `NO_SEARCH`, `FLOWCHART` or `GUARDED`.
     """
     published = search == FLOWCHART
     rate = nameplate.pole_pairs * nameplate.base_speed / _TUNED_FREQUENCY
@@ -66,8 +63,8 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.angle_at_base = nameplate.advance_start
     state.angle_slope = nameplate.advance_slope
     if published:
-        # The line of Fig. 3 starts from nothing, and here ends where the nameplate's does; in between it leaves
-        # rated power out of reach.
+        # The line of Fig. 3 starts from zero. Here it ends where the nameplate's line ends; in between it cannot reach
+        # rated power.
         state.angle_at_base = 0.0
         state.angle_slope += nameplate.advance_start / (nameplate.highest_speed - nameplate.base_speed)
     state.base_speed = nameplate.base_speed
@@ -114,20 +111,12 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
 
 @inlined
 def line_speed(state: Any, speed: float) -> float:
-    """Return the speed at which the angle model is evaluated.
+    """Return the speed (rad/s) at which the angle model is evaluated, for a measured speed above base speed.
 
-    Parameters
-    ----------
-    speed : float
-        Measured speed (rad/s), above base speed.
-
-    Returns
-    -------
-    float
-        For the guarded search the speed of the same EMF over nominal supply; else `speed` (rad/s).
+    For the guarded search it is the speed of the same EMF relative to supply at nominal voltage.
     """
     if state.search == GUARDED and state.supply_voltage > 0.0:
-        # The feasible edge depends on EMF over supply; the held voltage keeps its sensor's noise out of the angle.
+        # The feasible edge depends on EMF over supply. The stored voltage excludes sensor noise from the angle.
         scaled: float = max(speed * state.nominal_voltage / state.supply_voltage, state.base_speed)
         return scaled
     return speed
@@ -135,34 +124,15 @@ def line_speed(state: Any, speed: float) -> float:
 
 @inlined
 def line_angle(state: Any, speed: float) -> float:
-    """Return the initial angle, which the search's offset is added to.
-
-    Parameters
-    ----------
-    speed : float
-        Measured speed (rad/s), above base speed.
-
-    Returns
-    -------
-    float
-        Angle (rad electrical).
-    """
+    """Return the initial angle (rad electrical), to which the search adds its offset, above base speed (rad/s)."""
     return initial_angle(line_speed(state, speed), state.base_speed, state.angle_at_base, state.angle_slope)
 
 
 @inlined
 def advance_angle(state: Any, speed: float) -> float:
-    """Return the advance angle: the initial one plus the search's offset, zero below base speed.
+    """Return the advance angle (rad electrical) at a measured speed (rad/s).
 
-    Parameters
-    ----------
-    speed : float
-        Measured speed (rad/s).
-
-    Returns
-    -------
-    float
-        Angle (rad electrical).
+    It is the initial angle plus the search's offset, and zero below base speed.
     """
     if speed < state.base_speed:
         state.advancing = 0
@@ -177,13 +147,7 @@ def advance_angle(state: Any, speed: float) -> float:
 
 @inlined
 def current_reference(state: Any, sense: Any) -> float:
-    """Regulate the speed.
-
-    Returns
-    -------
-    float
-        Current reference (A).
-    """
+    """Regulate the speed, and return the current reference (A)."""
     reference, integral = regulate_speed(
         sense.speed_reference - sense.speed,
         state.integral,
@@ -197,17 +161,9 @@ def current_reference(state: Any, sense: Any) -> float:
 
 @inlined
 def observe(state: Any, sense: Any, reference: float) -> bool:
-    """Add a step to the running decision interval.
+    """Add a control period to the decision interval, and return True if a decision is due.
 
-    Parameters
-    ----------
-    reference : float
-        Current reference (A).
-
-    Returns
-    -------
-    bool
-        Whether the interval is complete and a decision is due.
+    `reference` is the current reference (A).
     """
     state.count += 1
     state.power_sum += sense.current_magnitude_sum
@@ -240,12 +196,9 @@ def begin_interval(state: Any) -> None:
 
 @inlined
 def search(state: Any, sense: Any, reference: float) -> None:
-    """Make one step of the search: observe, and decide where a decision is due.
+    """Make one step of the search: observe, and decide when a decision is due.
 
-    Parameters
-    ----------
-    reference : float
-        Current reference (A).
+    `reference` is the current reference (A).
     """
     if observe(state, sense, reference):
         if state.search == FLOWCHART:
@@ -256,14 +209,8 @@ def search(state: Any, sense: Any, reference: float) -> None:
 
 
 @inlined
-def answer(state: Any, sense: Any, reference: float, command: Any) -> None:
-    """Write the command.
-
-    Parameters
-    ----------
-    reference : float
-        Current reference (A).
-    """
+def write_command(state: Any, sense: Any, reference: float, command: Any) -> None:
+    """Write the command: current reference (A), advance angle (rad electrical) and estimated input power (W)."""
     command.current_reference = reference
     command.advance_angle = advance_angle(state, sense.speed)
     command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum
@@ -271,21 +218,18 @@ def answer(state: Any, sense: Any, reference: float, command: Any) -> None:
 
 @inlined
 def step_state(state: Any, sense: Any, command: Any) -> None:
-    """Answer for one control period."""
+    """Compute the command of one control period."""
     reference = current_reference(state, sense)
     if state.search != NO_SEARCH and state.advancing == 1:
         search(state, sense, reference)
-    answer(state, sense, reference, command)
+    write_command(state, sense, reference, command)
 
 
 @cache
 def step_function() -> Any:
     """Return the built-in controllers' `drivegate_step`, compiled.
 
-    Returns
-    -------
-    CFunc
-        Its `address` is that of a C function; keep the object.
+    Its `address` is that of a C function. The caller must retain the object.
     """
     signature = step_signature(CONTROLLER_STATE, SENSE, COMMAND)
 
@@ -297,12 +241,9 @@ def step_function() -> Any:
 
 @cache
 def reset_function() -> Any:
-    """Return the function that resets a built-in controller, compiled.
+    """Return the compiled function that resets a built-in controller.
 
-    Returns
-    -------
-    Dispatcher
-        Takes the state, shape (1,) of CONTROLLER_STATE, the nameplate, shape (1,) of NAMEPLATE, and the search.
+    Its arguments are the state, shape (1,) of CONTROLLER_STATE, the nameplate, shape (1,) of NAMEPLATE, and the search.
     """
 
     def reset(state: Any, nameplate: Any, search: int) -> None:

@@ -1,6 +1,6 @@
-"""A built-in controller of which some blocks of Fig. 2 are replaced by functions that are called by address.
+"""A built-in controller in which functions called by address replace some blocks of Fig. 2.
 
-What is not replaced is the built-in controllers' own code, and so is the state.
+The other blocks, and the state, are those of the built-in controllers.
 """
 
 from __future__ import annotations
@@ -13,27 +13,27 @@ import numpy as np
 from drivegate_models.compilation.calling import call_step, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE
 from drivegate_models.contract.current.records import COMMAND, SENSE
-from drivegate_models.controllers.current.builtin import answer, current_reference, line_speed, search
+from drivegate_models.controllers.current.builtin import current_reference, line_speed, search, write_command
 from drivegate_models.controllers.current.state import CONTROLLER_STATE, NO_SEARCH
 
 COMPOSED_STATE: Final = np.dtype(
     [
         ("controller", CONTROLLER_STATE),
-        # Addresses of the blocks that are replaced, 0 for those that are not.
+        # Addresses of the replaced blocks, 0 for all others.
         ("angle_model", np.int64),
         ("speed_regulator", np.int64),
         ("search", np.int64),
-        # What a block is given besides the Sense.
+        # Inputs of a block in addition to the Sense.
         ("line_speed", np.float64),
         ("current_reference", np.float64),
         ("integral", np.float64),
     ],
     align=True,
 )
-"""State of a composed controller; `integral` is what a regulator keeps and the guarded search may set back (A).
+"""State of a composed controller. `integral` is the regulator's integral (A), which the guarded search may reduce.
 
-A block is called like a step and answers in a field of the command: the angle model and the search in
-`advance_angle` (rad), the regulator in `current_reference` (A).
+A block is called like a step and writes its output to a field of the command. The angle model and the search write
+`advance_angle` (rad electrical), the regulator writes `current_reference` (A).
 """
 
 
@@ -41,12 +41,9 @@ A block is called like a step and answers in a field of the command: the angle m
 def composed_step_function() -> Any:
     """Return the composed controllers' `drivegate_step`, compiled.
 
-    Returns
-    -------
-    CFunc
-        Its `address` is that of a C function whose state is a COMPOSED_STATE; keep the object.
+    Its `address` is that of a C function whose state is a COMPOSED_STATE. The caller must retain the object.
     """
-    # numba has to be imported after the cache folder is known.
+    # numba must be imported after the cache folder is known.
     import numba
     from numba.np.numpy_support import carray
 
@@ -82,6 +79,6 @@ def composed_step_function() -> Any:
             # A line without slope is the angle itself.
             state.angle_at_base = command.advance_angle
             state.angle_slope = 0.0
-        answer(state, sense, reference, command)
+        write_command(state, sense, reference, command)
 
     return numba.cfunc(signature, cache=KEEPS_CACHE)(drivegate_step)

@@ -1,4 +1,4 @@
-"""How much current flows, as a share of the most that can."""
+"""Current sums compared with the maximum, which flows with every conducting phase at the limit."""
 
 from __future__ import annotations
 
@@ -8,31 +8,14 @@ from drivegate_models.compilation.kernels import inlined
 
 
 @inlined
-def greatest_current_sum(state: Any) -> float:
-    """Return the current sum with every conducting phase at the limit.
-
-    Returns
-    -------
-    float
-        Current sum (A).
-    """
-    full: float = state.conducting_phases * state.current_limit
-    return full
+def maximum_current_sum(state: Any) -> float:
+    """Return the current sum (A) with every conducting phase at the current limit."""
+    maximum: float = state.conducting_phases * state.current_limit
+    return maximum
 
 
 @inlined
-def draws_less_than(state: Any, share: float) -> bool:
-    """Return whether less than a share of the greatest current sum has flown in the last decision interval.
-
-    Parameters
-    ----------
-    share : float
-        Of the greatest current sum (1).
-
-    Returns
-    -------
-    bool
-        About its mean current sum.
-    """
-    less: bool = state.last_power < share * greatest_current_sum(state)
-    return less
+def is_current_below(state: Any, share: float) -> bool:
+    """Return True if the last interval's mean current sum is below `share` (1) of the maximum."""
+    below: bool = state.last_power < share * maximum_current_sum(state)
+    return below

@@ -1,7 +1,7 @@
-"""When a search goes on among forbidden angles: a step may have cost speed that would have come back.
+"""Rules for retrying forbidden angles, where a step may have cost speed that would have returned.
 
-Where the hysteresis band lets few pulses into a half-wave, the current reference that a torque takes rises and falls by
-a tenth within a few degrees. A step up one of these teeth costs speed as one over the edge does.
+Where the hysteresis band allows few pulses in a half-wave, the current reference needed for a torque rises and falls
+by a tenth within a few degrees. A step up one of these teeth costs speed like a step over the edge.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from math import radians
 from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.controllers.current.current_share import draws_less_than
+from drivegate_models.controllers.current.current_share import is_current_below
 from drivegate_models.controllers.current.forbidden_angle import LIGHT, MARGIN
 from drivegate_models.controllers.current.state import (
     NOT_RETRIED,
@@ -19,71 +19,48 @@ from drivegate_models.controllers.current.state import (
     SMALLEST_STEP,
 )
 
-# What a rest this far from the edge costs at least, as a share of the current sum, where it costs much.
+# A distance from the edge is costly if this much of it costs more than this share of the current sum.
 _DISTANCE = radians(0.8)
-_DEAR = 0.005
-# First steps that are forbidden above the angle that lost the torque for sure.
+_COSTLY = 0.005
+# Forbidden range above the angle that certainly lost the torque, in first steps.
 _DOUBTFUL = 2.0
-_DOUBTFUL_WHERE_DEAR = 1.2
+_DOUBTFUL_WHERE_COSTLY = 1.2
 
 
 @inlined
-def is_kept_from_much(state: Any) -> bool:
-    """Return whether the distance that a search keeps from the edge costs much, by what its steps have saved so far.
+def is_edge_distance_costly(state: Any) -> bool:
+    """Return True if the distance to the edge is costly, judged by the current saved so far.
 
-    Returns
-    -------
-    bool
-        Never under a light load.
+    Under a light load it never is.
     """
-    power = state.last_power
-    saved = (state.initial_power - power) * _DISTANCE
-    much: bool = state.offset < 0.0 and saved > _DEAR * power * -state.offset
-    return much and not draws_less_than(state, LIGHT)
+    current_sum = state.last_power
+    saved = (state.initial_power - current_sum) * _DISTANCE
+    costly: bool = state.offset < 0.0 and saved > _COSTLY * current_sum * -state.offset
+    return costly and not is_current_below(state, LIGHT)
 
 
 @inlined
-def may_retry(state: Any, dear: bool) -> bool:
-    """Return whether angles are forbidden only since the speed was on its way back, and there is room among them.
+def may_retry(state: Any, costly: bool) -> bool:
+    """Return True if angles are forbidden only because the speed was still returning, and there is room among them.
 
-    Parameters
-    ----------
-    dear : bool
-        Whether to keep off them costs much.
-
-    Returns
-    -------
-    bool
-        Once for a load.
+    `costly` states that avoiding them is costly. Angles are retried once per load.
     """
     room = state.offset - state.lost_at >= SMALLEST_STEP + MARGIN
-    far = (_DOUBTFUL_WHERE_DEAR if dear else _DOUBTFUL) * state.first_step
+    far = (_DOUBTFUL_WHERE_COSTLY if costly else _DOUBTFUL) * state.first_step
     doubtful: bool = state.forbidden - state.lost_at > far
     return state.retried == NOT_RETRIED and room and doubtful
 
 
 @inlined
-def retry(state: Any, dear: bool) -> None:
-    """Allow the angles that are forbidden only since the speed was on its way back.
-
-    Parameters
-    ----------
-    dear : bool
-        Whether to keep off them costs much.
-    """
-    # In small steps from a calm speed it shows which of the forbidden angles lose the torque.
-    state.retried = RETRIED_WITH_CARE if dear else RETRIED
+def retry(state: Any, costly: bool) -> None:
+    """Allow the angles that are forbidden only because the speed was still returning."""
+    # Small steps from a steady speed show which of the forbidden angles lose the torque.
+    state.retried = RETRIED_WITH_CARE if costly else RETRIED
     state.forbidden = state.lost_at
 
 
 @inlined
-def takes_care(state: Any) -> bool:
-    """Return whether only small steps are to lead on.
-
-    Returns
-    -------
-    bool
-        Among angles that were forbidden, unless the load has become light.
-    """
-    careful: bool = state.retried == RETRIED_WITH_CARE
-    return careful and not draws_less_than(state, LIGHT)
+def needs_small_steps(state: Any) -> bool:
+    """Return True if only small steps are allowed: among retried angles, unless the load has become light."""
+    small_steps: bool = state.retried == RETRIED_WITH_CARE
+    return small_steps and not is_current_below(state, LIGHT)

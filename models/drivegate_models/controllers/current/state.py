@@ -10,9 +10,9 @@ import numpy as np
 NO_SEARCH: Final = 0
 """The initial angle alone (Fig. 3), the yardstick of Fig. 7."""
 FLOWCHART: Final = 1
-"""The search of Fig. 4, literally."""
+"""The search of Fig. 4, unchanged."""
 GUARDED: Final = 2
-"""The search with the additions that its counterexamples made necessary."""
+"""The search with the additions that counterexamples to the published one require."""
 
 SETTLING: Final = 0
 """Mode: command or load has changed; wait until the current sum repeats."""
@@ -21,13 +21,13 @@ SEARCHING: Final = 1
 HOLDING: Final = 2
 """Mode: the optimum is found; wait for a change."""
 STEPPED_OFF: Final = -1
-"""Count of quiet intervals while holding, right after a step off the edge."""
+"""Value of `quiet` while holding, directly after a step off the edge."""
 NOT_RETRIED: Final = 0
-"""No forbidden angle has been tried again under the present load."""
+"""Under the present load, no forbidden angle has been allowed again."""
 RETRIED: Final = 1
-"""Angles that may have been forbidden without cause have been allowed again."""
+"""Angles that were possibly forbidden without cause are allowed again."""
 RETRIED_WITH_CARE: Final = 2
-"""So have more of them, since to keep off them costs much; only small steps lead among them."""
+"""More of these angles are allowed again, because avoiding them is costly; only small steps enter them."""
 SMALLEST_STEP: Final = radians(0.24)
 """Least step of a search (rad electrical)."""
 
@@ -41,10 +41,10 @@ CONTROLLER_STATE: Final = np.dtype(
         ("base_speed", np.float64),
         ("nominal_voltage", np.float64),
         ("current_limit", np.float64),
-        # Current sum that the supply gives at rated power.
+        # Current sum at rated power and nominal supply voltage.
         ("rated_sum", np.float64),
         ("control_period", np.float64),
-        # The same in the drive's own time, which runs with its electrical frequency at base speed.
+        # The control period, scaled by the drive's electrical frequency at base speed.
         ("paced_period", np.float64),
         ("window", np.float64),
         ("conducting_phases", np.float64),
@@ -53,12 +53,12 @@ CONTROLLER_STATE: Final = np.dtype(
         ("speed_tolerance", np.float64),
         ("power_tolerance", np.float64),
         ("least_change", np.float64),
-        # Whether small steps try forbidden angles again: then more angle is given back where the speed falls on, and
-        # under load a whole step alone is no proof that its angle loses the torque.
+        # 1 if small steps may try forbidden angles again. The search then reverts more angle while the speed keeps
+        # falling, and under load a whole step alone does not prove that its angle loses the torque.
         ("tries_again", np.int64),
         ("first_step", np.float64),
         ("decision_steps", np.int64),
-        # Regulator and angle model.
+        # Speed regulator and angle model.
         ("integral", np.float64),
         ("advancing", np.int64),
         # Search: the offset from the initial angle and how it moves.
@@ -66,7 +66,7 @@ CONTROLLER_STATE: Final = np.dtype(
         ("step", np.float64),
         ("direction", np.float64),
         ("old_power", np.float64),
-        # The running decision interval.
+        # The present decision interval.
         ("count", np.int64),
         ("power_sum", np.float64),
         ("worst_error", np.float64),
@@ -86,7 +86,7 @@ CONTROLLER_STATE: Final = np.dtype(
         ("speed_mark", np.float64),
         ("moved", np.float64),
         ("improvements", np.int64),
-        # Under the present load.
+        # Findings under the present load.
         ("reversals", np.int64),
         ("good_integral", np.float64),
         ("good_offset", np.float64),
@@ -100,7 +100,7 @@ CONTROLLER_STATE: Final = np.dtype(
         ("winding", np.int64),
         ("starved_run", np.int64),
         ("starved_mark", np.float64),
-        # Speed that was lost when a step was last given back; infinite while none is lost.
+        # Speed that was lost when a step was last reverted; infinite while none is lost.
         ("lost_speed", np.float64),
         ("climb", np.float64),
         ("regained", np.float64),
@@ -114,4 +114,6 @@ CONTROLLER_STATE: Final = np.dtype(
     ],
     align=True,
 )
-"""Angles in rad electrical, speeds in rad/s, currents (and the search's power, as a current sum) in A."""
+"""Angles in rad electrical, speeds in rad/s, currents in A. Fields named `power` are current sums in A, which are
+proportional to input power at constant supply voltage.
+"""

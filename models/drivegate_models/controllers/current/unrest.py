@@ -1,4 +1,4 @@
-"""What tells unrest from the errors of sensors and regulator: of the speed, and of the current sum."""
+"""Thresholds that separate speed and current disturbances from errors of the sensors and the regulator."""
 
 from __future__ import annotations
 
@@ -8,148 +8,85 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.current.state import SEARCHING
 
 EXACT: Final = 1e-9
-"""Greatest error of a speed that an encoder shows as exact by chance (rad/s): by rounding alone."""
+"""Maximum speed error, by rounding alone, of an encoder reading that is exact by chance (rad/s)."""
 JOLT: Final = 0.5
-"""Share of k1 beyond which a search by steps of a degree takes a loss of speed for another load."""
+"""Share of k1 beyond which a search with one-degree steps attributes a loss of speed to another load."""
 
-# Of k1, and over the calmest error: the steps of an encoder alone are no sign of the edge.
-_UNEASY = 0.1
+# Share of k1, and multiple of the smallest error: quantization by an encoder alone does not indicate the edge.
+_UNSTEADY = 0.1
 _CALM = 1.5
-# Of the current that the regulator adds, in as many phases as conduct.
-_ANSWER = 0.5
+# Share of the current that the regulator adds in the conducting phases.
+_RESPONSE = 0.5
 
 
 @inlined
-def unrest(state: Any, share: float, calm: float) -> float:
-    """Return the speed error that is more than a share of k1 and the sensors' own part of it.
+def disturbed_speed_error(state: Any, share: float, calm: float) -> float:
+    """Return the speed error (rad/s) beyond `share` of k1 plus the sensors' own error.
 
-    Parameters
-    ----------
-    share : float
-        Share of k1.
-    calm : float
-        Greatest error of a calm decision interval (rad/s).
-
-    Returns
-    -------
-    float
-        Speed error (rad/s).
+    `calm` is the maximum speed error of the calmest decision interval (rad/s).
     """
     error: float = share * state.speed_tolerance + _CALM * calm
     return error
 
 
 @inlined
-def is_uneasy(state: Any) -> bool:
-    """Return whether the speed varied by more than sensors and regulator explain.
+def is_speed_unsteady(state: Any) -> bool:
+    """Return True if the speed varied by more than sensors and regulator explain in the interval just ended.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state; the calmest decision interval since the last change bounds what they explain.
-
-    Returns
-    -------
-    bool
-        About the decision interval just ended.
+    The calmest interval since the last change of load bounds what they explain.
     """
-    uneasy: bool = state.worst_error > unrest(state, _UNEASY, state.calm_error)
-    return uneasy
+    unsteady: bool = state.worst_error > disturbed_speed_error(state, _UNSTEADY, state.calm_error)
+    return unsteady
 
 
 @inlined
 def is_sagging(state: Any) -> bool:
-    """Return whether the speed varied so and is below its reference.
+    """Return True if the speed was unsteady and is below its reference.
 
-    Above it no torque is lost, however far the regulator is wound up: it unwinds.
-
-    Returns
-    -------
-    bool
-        About the decision interval just ended.
+    Above the reference no torque is lost, however far the regulator is wound up: it unwinds.
     """
-    sagging: bool = is_uneasy(state) and state.error >= 0.0
+    sagging: bool = is_speed_unsteady(state) and state.error >= 0.0
     return sagging
 
 
 @inlined
 def is_jolted(state: Any, jolt: float) -> bool:
-    """Return whether the speed is off by more than a step of the search makes of it.
+    """Return True if the search is moving and the speed error exceeds the effect of one step.
 
-    A step that costs speed is given back at once; any other jolt is the load's.
-
-    Parameters
-    ----------
-    jolt : float
-        Speed that one step of this search costs at most, as a share of k1.
-
-    Returns
-    -------
-    bool
-        False unless the search moves.
+    `jolt` is the maximum loss of speed by one step of this search, as a share of k1. A step that costs speed is
+    reverted at once, so the load causes any larger error.
     """
-    jolted: bool = state.worst_error > unrest(state, jolt, state.calm_error)
+    jolted: bool = state.worst_error > disturbed_speed_error(state, jolt, state.calm_error)
     return jolted and state.mode == SEARCHING
 
 
 @inlined
-def answer_of_regulator(state: Any, error: float) -> float:
-    """Return what the regulator's answer to a speed error makes of the power.
-
-    Parameters
-    ----------
-    error : float
-        Speed error (rad/s).
-
-    Returns
-    -------
-    float
-        Current sum (A).
-    """
-    answer: float = _ANSWER * state.conducting_phases * state.proportional * error
-    return answer
+def regulator_response(state: Any, error: float) -> float:
+    """Return the change of the current sum (A) by the regulator's response to a speed error (rad/s)."""
+    response: float = _RESPONSE * state.conducting_phases * state.proportional * error
+    return response
 
 
 @inlined
-def noise_of_regulator(state: Any) -> float:
-    """Return what the regulator's answer to the speed sensor's errors makes of the power.
-
-    Returns
-    -------
-    float
-        Current sum (A).
-    """
-    # A greater error is no noise but a speed about to be lost.
-    return answer_of_regulator(state, min(state.calm_error, _UNEASY * state.speed_tolerance))
+def regulator_noise(state: Any) -> float:
+    """Return the change of the current sum (A) by the regulator's response to errors of the speed sensor."""
+    # A larger error is not noise: the speed is about to be lost.
+    return regulator_response(state, min(state.calm_error, _UNSTEADY * state.speed_tolerance))
 
 
 @inlined
-def noise_of_power(state: Any) -> float:
-    """Return what the converter, and the regulator's answer to the speed sensor's errors, make of the power.
-
-    Returns
-    -------
-    float
-        Current sum (A).
-    """
-    noise: float = state.least_change + noise_of_regulator(state)
+def current_sum_noise(state: Any) -> float:
+    """Return the noise of the current sum (A) from the converter and from errors of the speed sensor."""
+    noise: float = state.least_change + regulator_noise(state)
     return noise
 
 
 @inlined
-def is_answering(state: Any, power: float) -> bool:
-    """Return whether the regulator's answer to the speed error moves the current sum by more than a search resolves.
+def is_regulator_responding(state: Any, current_sum: float) -> bool:
+    """Return True if the regulator's response to the speed error exceeds the search's resolution.
 
-    Parameters
-    ----------
-    power : float
-        Mean current sum of the decision interval (A).
-
-    Returns
-    -------
-    bool
-        About the decision interval just ended.
+    `current_sum` is the mean of the decision interval just ended (A).
     """
-    resolved = state.power_tolerance * power + _CALM * noise_of_power(state)
-    answering: bool = answer_of_regulator(state, state.worst_error) > resolved
-    return answering
+    resolution = state.power_tolerance * current_sum + _CALM * current_sum_noise(state)
+    responding: bool = regulator_response(state, state.worst_error) > resolution
+    return responding

@@ -1,6 +1,6 @@
-"""What a search for the advance angle does at each decision, whatever search it is: it watches, and waits or goes on.
+"""The part of a decision that all searches for the advance angle share: observe, then wait or continue.
 
-The reference and the correct controllers of other designs share it; they differ in where the angle goes next.
+The reference and the correct controllers of other designs use it. They differ in the next angle.
 """
 
 from __future__ import annotations
@@ -12,19 +12,19 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.current.another_load import (
     CHANGED,
     TUNED_SUM,
-    has_moved_on,
+    has_drifted,
     is_another_load,
     load_has_changed,
     rearm_unless_repeated,
 )
-from drivegate_models.controllers.current.current_share import draws_less_than
+from drivegate_models.controllers.current.current_share import is_current_below
 from drivegate_models.controllers.current.forbidden_angle import allow_all_angles, forbid, is_heavier_load
 from drivegate_models.controllers.current.protection import (
+    back_off,
+    back_off_farther,
     begin_settling,
-    give_step_back,
     rearm,
-    walk_back,
-    walk_farther_back,
+    revert_step,
 )
 from drivegate_models.controllers.current.state import (
     HOLDING,
@@ -36,208 +36,166 @@ from drivegate_models.controllers.current.state import (
 )
 from drivegate_models.controllers.current.unrest import (
     EXACT,
-    is_answering,
+    current_sum_noise,
     is_jolted,
+    is_regulator_responding,
     is_sagging,
-    is_uneasy,
-    noise_of_power,
+    is_speed_unsteady,
 )
 from drivegate_models.controllers.current.winding import (
-    has_cost_torque,
+    has_lost_torque,
     is_creeping,
-    is_wound,
+    is_wound_up,
     unwind,
-    unwind_when_back,
+    unwind_after_recovery,
     winds_up,
 )
 
 WAITING: Final = 0
-"""What the search has to do: nothing."""
+"""Result of a decision: the search waits."""
 BEGINNING: Final = 1
-"""What the search has to do: take its first step since the current sum repeats."""
+"""Result of a decision: the current sum repeats, so the search takes its first step."""
 CONTINUING: Final = 2
-"""What the search has to do: go on from its last step."""
+"""Result of a decision: the search continues from its last step."""
 
 _SETTLED = 0.01
-# A load that is still coming on may look settled once.
+# A load that is still rising may look settled once.
 _SETTLED_INTERVALS = 2
-# Intervals of a steady current sum after which the speed will not get any calmer.
+# Intervals of a steady current sum after which the speed will not become steadier.
 _SETTLED_UNEASY = 8
-# Intervals of a current sum that only grows slowly after which it is not waited for any more.
+# Intervals after which the search no longer waits for a slowly growing current sum.
 _SETTLED_GROWING = 20
-_SMALLEST_POWER = 1.0 / TUNED_SUM
+_SMALLEST_SHARE = 1.0 / TUNED_SUM
 _RESTLESS = 0.003
-# First steps beyond which the last step of a climb says nothing of the edge any more.
+# First steps beyond which the last step of a climb no longer indicates the distance to the edge.
 _FAR_CLIMB = 4.0
 
 
 @inlined
-def begin_holding(state: Any, power: float) -> None:
-    """Rest at the angle found.
-
-    Parameters
-    ----------
-    power : float
-        Current sum found there (A).
-    """
+def hold_angle(state: Any, current_sum: float) -> None:
+    """Hold the present angle, at which the current sum is `current_sum` (A)."""
     state.mode = HOLDING
-    state.held_power = power
+    state.held_power = current_sum
     state.rest_power = inf
-    # Without a step before it, the angle held is the only good one known.
+    # Without a preceding step, this is the only good angle known.
     if state.good_power == inf:
         state.good_offset = state.offset
         state.good_integral = state.integral
-        state.good_power = power
+        state.good_power = current_sum
     state.moved = 0.0
     state.quiet = 0
 
 
 @inlined
-def decide_holding(state: Any, power: float, change: float) -> None:
-    """Watch what was found: search anew after a change of load, and keep off an edge that is too near.
+def decide_holding(state: Any, current_sum: float, change: float) -> None:
+    """Monitor the angle found: search again after a change of load, and step off an edge that is too near.
 
-    Parameters
-    ----------
-    power, change : float
-        Mean current sum of the decision interval, and its change from the one before (A).
+    `current_sum` is the mean of the decision interval and `change` its change from the preceding interval (A).
     """
-    uneasy = is_uneasy(state)
-    # While the speed comes back from the last step, the current sum is not yet that of the rest.
-    if state.rest_power == inf and state.quiet > 0 and not uneasy:
-        state.rest_power = power
-    # A load that comes or goes slowly moves `held_power` along, step off the edge by step.
-    changed = has_moved_on(state, power) or is_another_load(state, power, state.held_power)
-    if is_creeping(state, power, 0.5 * CHANGED):
+    unsteady = is_speed_unsteady(state)
+    # While the speed recovers from the last step, the current sum is not yet the one at rest.
+    if state.rest_power == inf and state.quiet > 0 and not unsteady:
+        state.rest_power = current_sum
+    # A load that changes slowly moves `held_power` with it, one step off the edge after another.
+    changed = has_drifted(state, current_sum) or is_another_load(state, current_sum, state.held_power)
+    if is_creeping(state, current_sum, 0.5 * CHANGED):
         state.integral = state.good_integral
-        walk_back(state, state.first_step if uneasy else 0.5 * SMALLEST_STEP, True)
+        back_off(state, state.first_step if unsteady else 0.5 * SMALLEST_STEP, True)
     elif state.quiet <= 0:
-        # The interval of its own last step is not judged.
+        # The interval of the last step is not judged.
         state.quiet = 1
         if not changed:
-            state.held_power = power
+            state.held_power = current_sum
     elif changed:
         rearm(state)
-    elif is_sagging(state) or (not uneasy and is_restless(state, power, change)):
-        # The optimum may lie on the edge itself: a little above it costs less than a new search.
+    elif is_sagging(state) or (not unsteady and is_restless(state, current_sum, change)):
+        # The optimum may lie on the edge itself: an angle slightly above it costs less than a new search.
         forbid(state)
         state.offset += SMALLEST_STEP
         state.quiet = STEPPED_OFF
 
 
 @inlined
-def is_restless(state: Any, power: float, change: float) -> bool:
-    """Return whether the current sum has left where it was an interval ago, and where it was when the rest began.
+def is_restless(state: Any, current_sum: float, change: float) -> bool:
+    """Return True if the current sum at rest differs from the last interval's and from the one when the rest began.
 
-    Through coarse sensors it goes to and fro from one interval to the next; that is no sign of the edge.
-
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state, at rest.
-    power, change : float
-        Mean current sum of the decision interval, and its change from the one before (A).
-
-    Returns
-    -------
-    bool
-        By more than regulator and sensors explain.
+    Both differences (A) must exceed what regulator and sensors explain. Through coarse sensors the sum alternates
+    from one interval to the next, which does not indicate the edge.
     """
-    explained = _RESTLESS * power + noise_of_power(state)
-    restless: bool = min(abs(change), abs(power - state.held_power)) > explained
+    explained = _RESTLESS * current_sum + current_sum_noise(state)
+    restless: bool = min(abs(change), abs(current_sum - state.held_power)) > explained
     return restless
 
 
 @inlined
-def is_read_too_soon(state: Any, power: float, change: float) -> bool:
-    """Return whether the current sum may mislead, since the speed still comes back from a step.
+def is_speed_recovering(state: Any, current_sum: float, change: float) -> bool:
+    """Return True if the current sum may mislead because the speed still recovers from a step.
 
-    Parameters
-    ----------
-    power, change : float
-        Mean current sum of the decision interval, and its change by the step (A).
-
-    Returns
-    -------
-    bool
-        False where the sum falls anyway, which leads on.
+    `change` is the change of the mean current sum by the step (A). A falling sum leads on in any case.
     """
-    falling = change < -max(state.power_tolerance * power, noise_of_power(state))
-    # Small steps do not disturb the speed; after one of them unrest is a sign of the edge.
+    falling = change < -max(state.power_tolerance * current_sum, current_sum_noise(state))
+    # Small steps do not disturb the speed; an unsteady speed after one of them indicates the edge.
     large = abs(state.moved) >= state.first_step
-    return large and not falling and is_uneasy(state)
+    return large and not falling and is_speed_unsteady(state)
 
 
 @inlined
-def is_unloaded(state: Any) -> bool:
-    """Return whether so little current has flown in the last decision interval that it says nothing of the angle.
-
-    Returns
-    -------
-    bool
-        About its mean current sum.
-    """
-    return draws_less_than(state, _SMALLEST_POWER)
+def is_current_too_small(state: Any) -> bool:
+    """Return True if the last interval's mean current sum is too small to indicate anything about the angle."""
+    return is_current_below(state, _SMALLEST_SHARE)
 
 
 @inlined
-def remember(state: Any, power: float) -> None:
-    """Keep of a decision interval how calm the speed was, and whether the integral grew for no more current.
+def record_interval(state: Any, current_sum: float) -> None:
+    """Record how steady the speed was in a decision interval, and whether the integral grew for no more current.
 
-    Parameters
-    ----------
-    power : float
-        Mean current sum of the decision interval (A).
+    `current_sum` is the mean of the interval (A).
     """
-    # An encoder may show a speed as exact by chance, which is no measure of its steps.
+    # An encoder reading may be exact by chance, which does not measure its quantization.
     if state.worst_error > EXACT:
         state.calm_error = min(state.calm_error, state.worst_error)
-    state.winding = state.winding + 1 if winds_up(state, power) else 0
+    state.winding = state.winding + 1 if winds_up(state, current_sum) else 0
     state.last_integral = state.integral
-    state.last_power = power
+    state.last_power = current_sum
 
 
 @inlined
-def settle(state: Any, power: float, change: float, settled: bool) -> int:
-    """Wait until current sum and speed have settled, and begin to search then.
+def settle(state: Any, current_sum: float, change: float, settled: bool) -> int:
+    """Return WAITING until current sum and speed have settled, then BEGINNING.
 
-    Parameters
-    ----------
-    power, change : float
-        Mean current sum of the decision interval, and its change from the one before (A).
-    settled : bool
-        Whether it is that of the interval before.
-
-    Returns
-    -------
-    int
-        `WAITING` or `BEGINNING`.
+    `change` is the change of the mean current sum from the preceding interval (A); `settled` is True if they agree.
     """
-    # A load that is still coming on would be taken for the effect of the first step.
+    # The search would mistake a load that is still rising for the effect of its first step.
     state.quiet = state.quiet + 1 if settled else 0
     if state.quiet >= _SETTLED_UNEASY:
-        # It has been calmer at other angles; at this one regulator and band beat.
+        # The speed was steadier at other angles; at this one the regulator and the hysteresis band beat.
         state.calm_error = max(state.calm_error, state.worst_error)
-    if state.quiet < _SETTLED_INTERVALS or is_wound(state, power) or is_uneasy(state):
+    if state.quiet < _SETTLED_INTERVALS or is_wound_up(state, current_sum) or is_speed_unsteady(state):
         return WAITING
-    growing = change > _RESTLESS * power + noise_of_power(state)
+    growing = change > _RESTLESS * current_sum + current_sum_noise(state)
     if state.confirmed == 1 and state.quiet < _SETTLED_GROWING and growing:
-        # The first steps looked flat, and the load still grows: slowly, yet by more than steps save.
+        # The first steps looked flat, and the load still grows: slowly, but by more than steps save.
         return WAITING
-    if state.retried != NOT_RETRIED and state.quiet < _SETTLED_UNEASY and is_answering(state, power):
-        # Small steps follow a loss of speed; the rest of the way back would be taken for what the first one costs.
+    if (
+        state.retried != NOT_RETRIED
+        and state.quiet < _SETTLED_UNEASY
+        and is_regulator_responding(state, current_sum)
+    ):
+        # Small steps follow a loss of speed; the search would mistake its recovery for the cost of the first step.
         return WAITING
-    if is_creeping(state, power, CHANGED):
-        # Calm, but wound up on the way back: the next step would be one from too much current reference.
+    if is_creeping(state, current_sum, CHANGED):
+        # The speed is steady, but the regulator wound up during recovery: the next step would start from too much
+        # current reference.
         state.integral = state.good_integral
-        walk_back(state, SMALLEST_STEP, True)
+        back_off(state, SMALLEST_STEP, True)
         return WAITING
     state.quiet = 0
     state.mode = SEARCHING
     state.lost_speed = inf
     if state.offset == 0.0:
-        state.initial_power = power
+        state.initial_power = current_sum
     if abs(state.climb) > _FAR_CLIMB * state.first_step:
-        # Climbed in growing steps, the angle is as far from the edge as the initial angle mostly is.
+        # After a climb in growing steps, the angle is about as far from the edge as the initial angle usually is.
         state.step = state.first_step
     state.climb = 0.5 * state.first_step
     state.regained = -inf
@@ -246,73 +204,61 @@ def settle(state: Any, power: float, change: float, settled: bool) -> int:
 
 @inlined
 def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int, float]:
-    """Make the part of a decision that is the same for every search.
+    """Make the part of a decision that is the same for every search, at the end of an interval.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        Updated; its decision interval is complete, its mean current sum becomes `last_power`.
-    fall, rise : float
-        Changes of the current sum that one step of this search explains, as shares; more is another load.
-    jolt : float
-        Speed that one step of this search costs at most, as a share of k1; more is another load.
-
-    Returns
-    -------
-    work : int
-        `WAITING`, `BEGINNING` or `CONTINUING`: what is left to the search itself.
-    change : float
-        Change of the mean current sum from the interval before (A).
+    `fall` and `rise` are the maximum changes of the current sum by one step of this search, as shares. `jolt` is its
+    maximum loss of speed, as a share of k1. Anything more indicates another load. Return what the search does next
+    (`WAITING`, `BEGINNING` or `CONTINUING`) and the change of the mean current sum from the preceding interval (A).
     """
-    power = state.power_sum / state.count
-    remember(state, power)
-    if is_heavier_load(state, power):
-        # It was this load that lost the torque, not the angle with the load of before.
+    current_sum = state.power_sum / state.count
+    record_interval(state, current_sum)
+    if is_heavier_load(state, current_sum):
+        # This load lost the torque, not the angle with the previous load.
         allow_all_angles(state)
     regulated = state.worst_error <= state.speed_tolerance and state.saturated == 0
-    change = power - state.old_power
-    state.old_power = power
+    change = current_sum - state.old_power
+    state.old_power = current_sum
     if state.mode == HOLDING:
-        decide_holding(state, power, change)
+        decide_holding(state, current_sum, change)
         return WAITING, change
     if state.mode == SETTLING and state.error > state.lost_speed:
-        walk_farther_back(state, state.error)
+        back_off_farther(state, state.error)
         return WAITING, change
-    if unwind_when_back(state):
+    if unwind_after_recovery(state):
         return WAITING, change
-    if is_uneasy(state) and unwind(state, power):
+    if is_speed_unsteady(state) and unwind(state, current_sum):
         return WAITING, change
-    # A current sum with the speed off its reference says nothing about the angle.
-    if not regulated or is_unloaded(state):
+    # While the speed is off its reference, the current sum indicates nothing about the angle.
+    if not regulated or is_current_too_small(state):
         begin_settling(state)
         return WAITING, change
-    settled = abs(change) <= _SETTLED * power
-    # Back at the last good angle, the angle explains no more than while one is held.
+    settled = abs(change) <= _SETTLED * current_sum
+    # At the last good angle, the angle explains no more than it does while holding.
     back = abs(state.offset - state.good_offset) <= 0.5 * state.first_step and state.good_power < inf
-    if state.mode == SETTLING and settled and back and is_another_load(state, power, state.good_power):
+    if state.mode == SETTLING and settled and back and is_another_load(state, current_sum, state.good_power):
         rearm(state)
         return WAITING, change
-    if has_cost_torque(state, power, fall):
+    if has_lost_torque(state, current_sum, fall):
         state.integral = state.good_integral
-        give_step_back(state, 0.5 * state.first_step - state.moved)
+        revert_step(state, 0.5 * state.first_step - state.moved)
         return WAITING, change
-    # Nor does one that still changes, with the speed still on its way back or the regulator still wound up, or after
-    # small steps over the edge and the way up from there, tell of another load.
-    told = state.mode != SETTLING or (
+    # A current sum indicates another load only once it is settled, the speed is back and the regulator is not wound
+    # up. After small steps over the edge and back it does not.
+    conclusive = state.mode != SETTLING or (
         settled
         and state.quiet > 0
-        and not is_uneasy(state)
-        and not is_wound(state, power)
+        and not is_speed_unsteady(state)
+        and not is_wound_up(state, current_sum)
         and state.retried == NOT_RETRIED
     )
-    seems = told and load_has_changed(state, power, fall, rise)
-    if (seems or is_jolted(state, jolt)) and rearm_unless_repeated(state):
+    load_changed = conclusive and load_has_changed(state, current_sum, fall, rise)
+    if (load_changed or is_jolted(state, jolt)) and rearm_unless_repeated(state):
         return WAITING, change
     if state.mode == SETTLING:
-        return settle(state, power, change, settled), change
-    if state.waited == 0 and is_read_too_soon(state, power, change):
+        return settle(state, current_sum, change, settled), change
+    if state.waited == 0 and is_speed_recovering(state, current_sum, change):
         state.waited = 1
-        state.old_power = power - change
+        state.old_power = current_sum - change
         return WAITING, change
     state.waited = 0
     return CONTINUING, change

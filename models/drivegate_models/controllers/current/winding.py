@@ -1,4 +1,4 @@
-"""A regulator that is wound up in vain, for more current than the angle lets flow: what tells it, and the way back."""
+"""Detection and recovery of a wound-up regulator, whose reference exceeds the current that can flow at the angle."""
 
 from __future__ import annotations
 
@@ -10,131 +10,88 @@ from drivegate_models.controllers.current.another_load import CHANGED
 from drivegate_models.controllers.current.protection import (
     SLACK,
     STARVED,
+    back_off,
     begin_settling,
-    give_step_back,
-    walk_back,
+    revert_step,
 )
 from drivegate_models.controllers.current.state import HOLDING, SETTLING
 from drivegate_models.controllers.current.unrest import is_sagging
 
-# With a band the torque climbs in jumps, up which the regulator creeps to its limit within seconds; the least of it
-# over the current limit of the drive tuned on (A).
+# With a hysteresis band the torque rises in jumps, up which the regulator creeps to its limit within seconds. The
+# minimum creep is a share of the current limit, from the drive tuned on (A).
 _CREEP = 1.15
 _CREEP_LEAST = 0.15 / 26.0
-# Times what the last good angle took that is much more.
+# Growth of the current reference that is large, relative to the last good angle's.
 _GROWN = 1.1
-# The same from which on a speed that is back would overshoot for long.
+# The same growth from which a recovered speed would overshoot for long.
 _OVERSHOOTING = 2.0
-# The same creep before any good angle is known: an integral that grows for no more current.
+# The same creep before a good angle is known: an integral that grows without more current.
 _WINDING = 0.005
 _IDLE = 0.002
 _WOUND = 3
 
 
 @inlined
-def winds_up(state: Any, power: float) -> bool:
-    """Return whether the integral has grown over a decision interval for no more current.
+def winds_up(state: Any, current_sum: float) -> bool:
+    """Return True if the integral has grown over a decision interval without more current, beyond noise.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state, with what both were in the interval before.
-    power : float
-        Mean current sum of the decision interval (A).
-
-    Returns
-    -------
-    bool
-        By more than noise.
+    `current_sum` is the mean of the interval (A).
     """
     grown = state.integral - state.last_integral > _WINDING * state.current_limit
-    winds: bool = grown and abs(power - state.last_power) < _IDLE * power
-    return winds
+    winding_up: bool = grown and abs(current_sum - state.last_power) < _IDLE * current_sum
+    return winding_up
 
 
 @inlined
-def is_creeping(state: Any, power: float, share: float) -> bool:
-    """Return whether the regulator winds up in vain: more current reference for no more current.
+def is_creeping(state: Any, current_sum: float, share: float) -> bool:
+    """Return True if the regulator winds up in vain compared with the last good angle.
 
-    Parameters
-    ----------
-    state : record of CONTROLLER_STATE
-        The state, with what was needed at the last good angle.
-    power : float
-        Mean current sum of the decision interval (A).
-    share : float
-        Share of the current sum beyond which it is more current.
-
-    Returns
-    -------
-    bool
-        False as long as no good angle is known, and well above it.
+    The current reference has grown, but the mean current sum of the interval (A) has not grown by more than
+    `share`. False while no good angle is known, and well above it.
     """
     near = state.offset < state.good_offset + state.first_step
     known = state.good_power
     if state.mode == HOLDING and state.rest_power < inf:
-        # What was read when the speed was calm is known better than what the last step left.
+        # A reading at a steady speed is more reliable than the one after the last step.
         known = max(known, state.rest_power)
     creeping: bool = (
         near
         and state.integral > _CREEP * state.good_integral + _CREEP_LEAST * state.current_limit
-        and power < (1.0 + share) * known
+        and current_sum < (1.0 + share) * known
     )
     return creeping
 
 
 @inlined
-def is_wound(state: Any, power: float) -> bool:
-    """Return whether the regulator asks for far more current than flows.
-
-    Parameters
-    ----------
-    power : float
-        Mean current sum of the decision interval (A).
-
-    Returns
-    -------
-    bool
-        About its integral.
-    """
-    wound: bool = state.integral > STARVED * power / state.conducting_phases + SLACK * state.current_limit
-    return wound
+def is_wound_up(state: Any, current_sum: float) -> bool:
+    """Return True if the regulator's integral far exceeds the mean current per conducting phase (A)."""
+    wound_up: bool = (
+        state.integral > STARVED * current_sum / state.conducting_phases + SLACK * state.current_limit
+    )
+    return wound_up
 
 
 @inlined
-def has_cost_torque(state: Any, power: float, fall: float) -> bool:
-    """Return whether the last step has lost the torque: less current flows, and more of it is asked for.
+def has_lost_torque(state: Any, current_sum: float, fall: float) -> bool:
+    """Return True if the last step, toward less angle, has lost the torque.
 
-    A lighter load would take less current reference too. Nor would it let the speed sag: where that does and the
-    reference has grown much, any fall of the current sum tells.
-
-    Parameters
-    ----------
-    power : float
-        Mean current sum of the decision interval (A).
-    fall : float
-        Share by which one step of this search lessens the current sum at most.
-
-    Returns
-    -------
-    bool
-        False unless the step was one toward less angle.
+    Then less current flows although the current reference is higher. A lighter load would reduce the current
+    reference, too, and would not let the speed sag. If the speed sags and the reference has grown much, any fall of
+    the current sum is conclusive. Otherwise the fall must exceed `fall`, the maximum share by which one step of
+    this search reduces the current sum.
     """
     if state.moved >= 0.0 or state.integral <= state.good_integral:
         return False
     explained = 0.0 if state.integral > _GROWN * state.good_integral and is_sagging(state) else fall
-    less: bool = power < (1.0 - explained) * state.good_power
+    less: bool = current_sum < (1.0 - explained) * state.good_power
     return less
 
 
 @inlined
-def unwind_when_back(state: Any) -> bool:
-    """Unwind a regulator once the speed that was lost is back, since it would overshoot.
+def unwind_after_recovery(state: Any) -> bool:
+    """Unwind the regulator once lost speed has returned, to avoid overshoot; return True if it was wound up.
 
-    Returns
-    -------
-    bool
-        Whether it was wound up; once for a loss of speed.
+    This happens once per loss of speed.
     """
     back = state.mode == SETTLING and state.lost_speed < inf and state.error <= 0.0
     if not back or state.integral <= _OVERSHOOTING * state.good_integral:
@@ -146,26 +103,18 @@ def unwind_when_back(state: Any) -> bool:
 
 
 @inlined
-def unwind(state: Any, power: float) -> bool:
-    """Unwind a regulator that asks for more current than flows, and give angle back where the speed sags.
+def unwind(state: Any, current_sum: float) -> bool:
+    """Unwind a regulator whose reference exceeds the current that flows; return True if it was wound up.
 
-    Parameters
-    ----------
-    power : float
-        Mean current sum of the decision interval (A).
-
-    Returns
-    -------
-    bool
-        Whether it was wound up.
+    If the speed sags, also revert angle. `current_sum` is the mean of the interval (A).
     """
     if state.winding >= _WOUND:
-        # The reference is beyond what the angle lets flow; without a good angle known, the current counts.
-        flowing = power / state.conducting_phases
+        # The reference exceeds the current that can flow at this angle. Without a known good angle, use the current.
+        flowing = current_sum / state.conducting_phases
         known = max(flowing, state.good_integral) if state.good_power < inf else flowing
         state.integral = min(state.integral, known)
         angle = state.first_step
-    elif is_creeping(state, power, 0.5 * CHANGED):
+    elif is_creeping(state, current_sum, 0.5 * CHANGED):
         state.integral = state.good_integral
         angle = 0.5 * state.first_step
     else:
@@ -173,8 +122,8 @@ def unwind(state: Any, power: float) -> bool:
     if not is_sagging(state):
         return True
     if state.moved < 0.0:
-        # That step is to blame, so it is given back whole.
-        give_step_back(state, max(angle, -state.moved))
+        # The last step caused it, so it is reverted completely.
+        revert_step(state, max(angle, -state.moved))
     else:
-        walk_back(state, angle, True)
+        back_off(state, angle, True)
     return True

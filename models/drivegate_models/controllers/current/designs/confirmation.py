@@ -1,7 +1,7 @@
-"""Confirming what a search has found: its neighbours are tried, and a cheaper one is followed.
+"""Confirmation of a search's result: try the neighbours of the angle, and follow a cheaper one.
 
-A load that changes during a search leaves a bracket that no longer holds the optimum. Probes beside the angle found
-reveal it, whatever the search.
+A load that changes during a search leaves a bracket that no longer contains the optimum. Probes next to the angle
+found reveal this, whatever the search.
 """
 
 from __future__ import annotations
@@ -10,23 +10,23 @@ from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.controllers.current.current_share import draws_less_than
+from drivegate_models.controllers.current.current_share import is_current_below
 from drivegate_models.controllers.current.designs.state import LOWEST_ANGLE
 from drivegate_models.controllers.current.forbidden_angle import LIGHT, MARGIN, allow_all_angles
 from drivegate_models.controllers.current.retry import may_retry, retry
-from drivegate_models.controllers.current.unrest import is_uneasy
+from drivegate_models.controllers.current.unrest import is_speed_unsteady
 
 OFF_EDGE: Final = radians(0.8)
-"""Farther from the edge than a search goes: at rest, noise alone must not lead over it (rad electrical)."""
+"""Distance to the edge at rest (rad electrical): larger than during a search, so that noise cannot cross the edge."""
 
 UNCONFIRMED: Final = 0
 """Nothing to confirm yet."""
 AT_ANGLE: Final = 1
-"""The angle found is read again."""
+"""The angle found is measured again."""
 BELOW: Final = 2
 """The neighbour below is tried."""
 DOWN: Final = 3
-"""An angle below was cheaper, and the way leads on."""
+"""An angle below was cheaper, so the search continues downward."""
 ABOVE: Final = 4
 """Angles above are tried as long as they are cheaper."""
 
@@ -34,22 +34,16 @@ _STRIDE = radians(0.8)
 _GROWTH = 1.5
 _LONGEST_STRIDE = radians(2.0)
 _CHEAPER = 0.001
-# Of the current sum: half of what a rest may cost.
-_DEAR = 0.01
+# Share of the current sum: half of the allowed excess at rest.
+_COSTLY = 0.01
 _OTHER_EDGE = 0.97
 _OTHER_LOAD = 0.05
 
 
 @inlined
 def lowest_rest(controller: Any) -> float:
-    """Return the lowest angle to rest at, off the edge that is known.
-
-    Returns
-    -------
-    float
-        Offset from the initial angle (rad electrical).
-    """
-    # A small step shows the edge a little late, and the way back from it forbids more than that.
+    """Return the lowest offset from the initial angle at which to rest, off the known edge (rad electrical)."""
+    # A small step detects the edge slightly late, and reverting it forbids more than that.
     known = controller.lost_at > -inf
     edge = 0.5 * (controller.lost_at + controller.forbidden) if known else controller.forbidden
     lowest: float = max(edge + OFF_EDGE, controller.forbidden + MARGIN)
@@ -58,45 +52,30 @@ def lowest_rest(controller: Any) -> float:
 
 @inlined
 def is_worth_confirming(state: Any) -> bool:
-    """Return whether neighbours can be compared: at light load they differ by less than a step disturbs.
-
-    Returns
-    -------
-    bool
-        About the present load.
-    """
-    return not draws_less_than(state.controller, LIGHT)
+    """Return True if neighbours can be compared; at light load they differ by less than a step disturbs."""
+    return not is_current_below(state.controller, LIGHT)
 
 
 @inlined
-def is_kept_from_cheaper(state: Any) -> bool:
-    """Return whether an edge bounds the angle found, and the distance to keep from it costs much.
+def is_edge_distance_costly(state: Any) -> bool:
+    """Return True if an edge bounds the angle found, and the distance to it is costly.
 
-    Returns
-    -------
-    bool
-        By the mean fall of the current sum from the starting angle on.
+    The cost is judged by the mean slope of the current sum since the starting angle.
     """
     at_edge = state.best_offset - _STRIDE < lowest_rest(state.controller)
     fall = (state.home_power - state.best_power) * OFF_EDGE
-    dear: bool = fall > _DEAR * state.best_power * (state.home - state.best_offset)
-    return at_edge and dear
+    costly: bool = fall > _COSTLY * state.best_power * (state.home - state.best_offset)
+    return at_edge and costly
 
 
 @inlined
 def begin_confirmation(state: Any) -> float:
-    """Return to the angle found, to read it again.
-
-    Returns
-    -------
-    float
-        Offset to probe (rad electrical).
-    """
+    """Return the offset of the angle found (rad electrical), to measure it again."""
     state.finished = 0
     state.confirming = AT_ANGLE
     state.stride = _STRIDE
-    if is_kept_from_cheaper(state) and may_retry(state.controller, False):
-        # Long strides have lost the torque: small ones may go on.
+    if is_edge_distance_costly(state) and may_retry(state.controller, False):
+        # Long strides have lost the torque; small ones may continue.
         retry(state.controller, False)
     state.best_offset = max(state.best_offset, lowest_rest(state.controller))
     found: float = state.best_offset
@@ -104,18 +83,10 @@ def begin_confirmation(state: Any) -> float:
 
 
 @inlined
-def beside(state: Any, direction: float) -> float:
-    """Return the neighbour of the cheapest angle; the confirmation ends where there is none.
+def neighbour_offset(state: Any, direction: float) -> float:
+    """Return the offset of the cheapest angle's neighbour (rad electrical), below it if `direction` is negative.
 
-    Parameters
-    ----------
-    direction : float
-        Less than zero below, else above.
-
-    Returns
-    -------
-    float
-        Offset to probe (rad electrical).
+    Finish the confirmation if there is none.
     """
     if direction < 0.0:
         lowest = max(LOWEST_ANGLE - state.line, state.controller.forbidden + MARGIN)
@@ -133,51 +104,42 @@ def beside(state: Any, direction: float) -> float:
 
 
 @inlined
-def continue_confirmation(state: Any, power: float) -> float:
-    """Take in a probe, and choose the next one.
+def continue_confirmation(state: Any, current_sum: float) -> float:
+    """Evaluate a probe, and return the next offset to probe (rad electrical).
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated; `confirming` says where the last probe was.
-    power : float
-        What the last probe cost (A); infinite where the torque was lost.
-
-    Returns
-    -------
-    float
-        Next offset to probe (rad electrical); once `finished`, `best_offset` is where to rest.
+    `confirming` states where the last probe was and `current_sum` what it cost (A), infinite if the torque was
+    lost. Once `finished`, rest at `best_offset`.
     """
     controller = state.controller
     if state.confirming == AT_ANGLE:
-        if power == inf:
+        if current_sum == inf:
             return begin_confirmation(state)
-        state.best_power = power
+        state.best_power = current_sum
         state.best_offset = controller.offset
-        if power < _OTHER_EDGE * controller.forbidden_power:
+        if current_sum < _OTHER_EDGE * controller.forbidden_power:
             # A lighter load has a lower edge.
             allow_all_angles(controller)
         state.confirming = BELOW
-        return beside(state, -1.0)
-    if power < inf and abs(power - state.best_power) > _OTHER_LOAD * power:
-        # No stride explains that: the load has changed meanwhile.
+        return neighbour_offset(state, -1.0)
+    if current_sum < inf and abs(current_sum - state.best_power) > _OTHER_LOAD * current_sum:
+        # No stride explains this change: the load has changed meanwhile.
         state.best_offset = controller.offset
         return begin_confirmation(state)
     direction = 1.0 if state.confirming == ABOVE else -1.0
-    if power < (1.0 - _CHEAPER) * state.best_power and not is_uneasy(controller):
-        state.best_power = power
+    if current_sum < (1.0 - _CHEAPER) * state.best_power and not is_speed_unsteady(controller):
+        state.best_power = current_sum
         state.best_offset = controller.offset
         if direction < 0.0:
             state.confirming = DOWN
         state.stride = min(_GROWTH * state.stride, _LONGEST_STRIDE)
-        return beside(state, direction)
+        return neighbour_offset(state, direction)
     if direction < 0.0 and state.stride > _STRIDE:
-        # Too far: the optimum, or the edge, lies between.
+        # The stride was too long: the optimum, or the edge, lies in between.
         state.stride = max(0.5 * state.stride, _STRIDE)
-        return beside(state, -1.0)
+        return neighbour_offset(state, -1.0)
     if state.confirming == BELOW:
         state.confirming = ABOVE
-        return beside(state, 1.0)
+        return neighbour_offset(state, 1.0)
     state.finished = 1
     found: float = state.best_offset
     return found

@@ -1,7 +1,7 @@
-"""Correct controllers of other designs than the reference, behind the native interface.
+"""Correct controllers of other designs than the reference, with the native interface.
 
-All share the reference's regulator, angle model and protections; they differ in which angle comes next. The harness
-tests itself with them: it must accuse none.
+All share the reference's regulator, angle model and protections. They differ in the choice of the next angle. The
+harness tests itself with them: it must not accuse any of them.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from drivegate_models.compilation.calling import step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.current.records import COMMAND, SENSE
 from drivegate_models.controllers.current.builtin import (
-    answer,
     begin_interval,
     current_reference,
     line_angle,
     observe,
     reset_state,
+    write_command,
 )
 from drivegate_models.controllers.current.designs.search import decide_design
 from drivegate_models.controllers.current.designs.state import (
@@ -42,19 +42,13 @@ DESIGNS: Final = MappingProxyType(
         "sweep": SWEEP,
     }
 )
-"""Number of a design by its name."""
+"""Number of each design."""
 
 
 @inlined
 def reset_design(state: Any, nameplate: Any, design: int) -> None:
-    """Write the constants of a design and forget everything else.
-
-    Parameters
-    ----------
-    design : int
-        One of `DESIGNS`.
-    """
-    # A search that begins writes all else.
+    """Write the constants of a design (one of `DESIGNS`) and reset everything else."""
+    # The start of a search writes the rest.
     reset_state(state.controller, nameplate, GUARDED)
     state.controller.tries_again = 0
     state.design = design
@@ -68,7 +62,7 @@ def reset_design(state: Any, nameplate: Any, design: int) -> None:
 
 @inlined
 def step_design(state: Any, sense: Any, command: Any) -> None:
-    """Answer for one control period."""
+    """Compute the command of one control period."""
     controller = state.controller
     reference = current_reference(controller, sense)
     if controller.advancing == 1 and observe(controller, sense, reference):
@@ -76,17 +70,14 @@ def step_design(state: Any, sense: Any, command: Any) -> None:
         state.line = line_angle(controller, state.speed)
         decide_design(state)
         begin_interval(controller)
-    answer(controller, sense, reference, command)
+    write_command(controller, sense, reference, command)
 
 
 @cache
 def design_step_function() -> Any:
     """Return the designs' `drivegate_step`, compiled.
 
-    Returns
-    -------
-    CFunc
-        Its `address` is that of a C function; keep the object.
+    Its `address` is that of a C function. The caller must retain the object.
     """
     signature = step_signature(DESIGN_STATE, SENSE, COMMAND)
 
@@ -98,12 +89,9 @@ def design_step_function() -> Any:
 
 @cache
 def design_reset_function() -> Any:
-    """Return the function that resets a design, compiled.
+    """Return the compiled function that resets a design.
 
-    Returns
-    -------
-    Dispatcher
-        Takes the state, shape (1,) of DESIGN_STATE, the nameplate, shape (1,) of NAMEPLATE, and the design.
+    Its arguments are the state, shape (1,) of DESIGN_STATE, the nameplate, shape (1,) of NAMEPLATE, and the design.
     """
 
     def reset(state: Any, nameplate: Any, design: int) -> None:

@@ -10,7 +10,7 @@ from drivegate_models.controllers.current.designs.state import LOWEST_ANGLE
 
 _RATIO: Final = 0.6180339887498949
 _TOLERANCE = radians(1.5)
-# The way back leads up by the last step, and that may have been twice the first.
+# Reverting adds the last step, which may have been twice the first.
 _LAST_STEPS = 2.0
 
 
@@ -18,10 +18,7 @@ _LAST_STEPS = 2.0
 def begin_golden_section(state: Any) -> float:
     """Bracket the optimum between almost no advance and the starting angle.
 
-    Returns
-    -------
-    float
-        First offset to probe (rad electrical).
+    Return the first offset to probe (rad electrical).
     """
     state.low = LOWEST_ANGLE - state.line
     state.high = state.home
@@ -31,13 +28,7 @@ def begin_golden_section(state: Any) -> float:
 
 @inlined
 def divide(state: Any) -> float:
-    """Place both inner points anew; the right one is the first to be probed.
-
-    Returns
-    -------
-    float
-        Offset to probe (rad electrical).
-    """
+    """Place both inner points again, and return the right one, which is probed first (rad electrical)."""
     width = state.high - state.low
     state.left = state.high - _RATIO * width
     state.right = state.low + _RATIO * width
@@ -47,43 +38,34 @@ def divide(state: Any) -> float:
 
 
 @inlined
-def continue_golden_section(state: Any, power: float) -> float:
-    """Drop the part of the bracket beyond the dearer of its two inner points, or that without torque.
+def continue_golden_section(state: Any, current_sum: float) -> float:
+    """Drop the part of the bracket beyond the more expensive inner point, or the part without torque.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated; `stage` says whether the first right, a left or a right point was probed.
-    power : float
-        What the last probe cost (A); infinite where the torque was lost.
-
-    Returns
-    -------
-    float
-        Next offset to probe (rad electrical).
+    `stage` states whether the first right, a left or a right point was probed, and `current_sum` what the last
+    probe cost (A), infinite if the torque was lost. Return the next offset to probe (rad electrical).
     """
-    if power == inf:
+    if current_sum == inf:
         state.low = max(state.low, state.controller.forbidden)
         if state.falls == 1:
-            # Each step down to here saved current, so the optimum is no farther above than the last ones.
+            # Each step down to here saved current, so the optimum is no farther above than the last steps.
             state.high = min(state.high, state.controller.offset + _LAST_STEPS * state.controller.first_step)
             state.falls = 0
         if state.stage == 1 and state.controller.last_power < state.right_power:
-            # On the way to the left point it became cheaper than at the right one, until the torque was lost.
+            # On the way to the left point the current fell below the right point's, until the torque was lost.
             state.high = min(state.high, state.right)
         state.finished = 1 if state.high - state.low < _TOLERANCE else 0
         return divide(state)
     state.falls = 1
     if state.stage == 0:
-        state.right_power = power
+        state.right_power = current_sum
         state.stage = 1
         first: float = state.left
         return first
     if state.stage == 1:
-        state.left_power = power
+        state.left_power = current_sum
     else:
-        state.right_power = power
-    # By the golden ratio the inner point that stays is in place again: each part dropped costs one probe.
+        state.right_power = current_sum
+    # By the golden ratio the remaining inner point is in place again: each reduction costs one probe.
     if state.left_power < state.right_power:
         state.high = state.right
         state.right = state.left

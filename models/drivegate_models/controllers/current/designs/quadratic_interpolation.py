@@ -1,4 +1,4 @@
-"""The design that goes to the vertex of a parabola through three probes (Powell, 1964)."""
+"""The design that moves to the vertex of a parabola through three probes (Powell, 1964)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.current.designs.state import LOWEST_ANGLE
 
 MOST_PROBES: Final = 16
-"""Probes after which the search ends whatever it has found."""
+"""Probes after which the search ends in any case."""
 
 _STRIDE = radians(7.0)
 _NARROW = radians(0.7)
@@ -18,13 +18,7 @@ _CLOSE = radians(2.0)
 
 @inlined
 def begin_quadratic_interpolation(state: Any) -> float:
-    """Stride downward from the starting angle.
-
-    Returns
-    -------
-    float
-        First offset to probe (rad electrical).
-    """
+    """Stride downward from the starting angle, and return the first offset to probe (rad electrical)."""
     state.high = state.home
     state.high_power = state.home_power
     # `left` is the cheapest point so far, between low and high.
@@ -35,14 +29,8 @@ def begin_quadratic_interpolation(state: Any) -> float:
 
 @inlined
 def next_stride(state: Any) -> float:
-    """Return the point one stride below the cheapest.
-
-    Returns
-    -------
-    float
-        Offset to probe (rad electrical).
-    """
-    # Downward, since the initial angle has the torque, and the edge beyond which it is lost lies below.
+    """Return the offset one stride below the cheapest point (rad electrical)."""
+    # Go downward: the initial angle provides the torque, and the edge beyond which it is lost lies below.
     lowest = LOWEST_ANGLE - state.line
     state.low = max(state.left - _STRIDE, lowest)
     if state.left - lowest < _NARROW:
@@ -54,17 +42,9 @@ def next_stride(state: Any) -> float:
 
 @inlined
 def vertex(state: Any) -> float:
-    """Return the vertex of the parabola through low, left and high.
+    """Return the vertex of the parabola through low, left and high (rad electrical), infinite if they lie on a line.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        A bracket whose middle is the cheapest, all powers finite.
-
-    Returns
-    -------
-    float
-        Offset (rad electrical), infinite where the three lie on a line.
+    The middle point must be the cheapest, and all current sums finite.
     """
     below = state.left - state.low
     above = state.high - state.left
@@ -79,17 +59,9 @@ def vertex(state: Any) -> float:
 
 @inlined
 def narrow(state: Any) -> float:
-    """Choose the next point within the bracket, by the parabola where there is one.
+    """Return the next offset within the bracket (rad electrical), by the parabola if there is one.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated; finished where the bracket is narrow enough.
-
-    Returns
-    -------
-    float
-        Offset to probe (rad electrical).
+    Finish the search if the bracket is narrow enough.
     """
     state.low = max(state.low, state.controller.forbidden)
     below = state.left - state.low
@@ -99,7 +71,7 @@ def narrow(state: Any) -> float:
     if done_below and done_above:
         state.finished = 1
     if done_above and state.low_power == inf:
-        # The edge lies below: no parabola goes through it.
+        # The edge lies below, so there is no parabola.
         probe = state.left - 0.5 * below
     elif state.low_power == inf or above <= 0.0 or below <= 0.0:
         probe = state.left - 0.5 * below if not done_below else state.left + 0.3 * above
@@ -107,7 +79,7 @@ def narrow(state: Any) -> float:
         probe = vertex(state)
         nearest = 0.15 * max(below, above)
         if not abs(probe - state.left) >= nearest:
-            # Too near to be distinguished: look into the longer side.
+            # The points are too close to be distinguished: probe the longer side.
             probe = state.left - 0.4 * below if below > above else state.left + 0.4 * above
         # Close to an end a probe would hardly narrow the bracket.
         probe = min(max(probe, state.low + 0.15 * below), state.high - 0.15 * above)
@@ -117,33 +89,24 @@ def narrow(state: Any) -> float:
 
 
 @inlined
-def continue_quadratic_interpolation(state: Any, power: float) -> float:
-    """Take in a probe, and narrow the bracket around the cheapest point.
+def continue_quadratic_interpolation(state: Any, current_sum: float) -> float:
+    """Evaluate a probe, narrow the bracket around the cheapest point, and return the next offset (rad electrical).
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated; `stage` is 0 while the bracket is looked for.
-    power : float
-        What the last probe cost (A); infinite where the torque was lost.
-
-    Returns
-    -------
-    float
-        Next offset to probe (rad electrical).
+    `stage` is 0 until a bracket is found. `current_sum` is what the last probe cost (A), infinite if the torque was
+    lost.
     """
     state.probes += 1
     if state.probes >= MOST_PROBES:
         state.finished = 1
-    cheaper = power < state.left_power
+    cheaper = current_sum < state.left_power
     if state.stage == 0:
         if cheaper:
             state.high = state.left
             state.high_power = state.left_power
             state.left = state.right
-            state.left_power = power
+            state.left_power = current_sum
             return next_stride(state)
-        state.low_power = power
+        state.low_power = current_sum
         state.stage = 1
         return narrow(state)
     if state.right < state.left:
@@ -152,14 +115,14 @@ def continue_quadratic_interpolation(state: Any, power: float) -> float:
             state.high_power = state.left_power
         else:
             state.low = state.right
-            state.low_power = power
+            state.low_power = current_sum
     elif cheaper:
         state.low = state.left
         state.low_power = state.left_power
     else:
         state.high = state.right
-        state.high_power = power
+        state.high_power = current_sum
     if cheaper:
         state.left = state.right
-        state.left_power = power
+        state.left_power = current_sum
     return narrow(state)

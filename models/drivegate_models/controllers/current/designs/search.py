@@ -1,4 +1,4 @@
-"""The search of the designs: each chooses the next angle its own way, all try it alike."""
+"""The search of the designs: each chooses the next angle differently, and all try it in the same way."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drivegate_models.controllers.current.another_load import (
     differs,
     is_lighter_load,
 )
-from drivegate_models.controllers.current.current_share import draws_less_than
+from drivegate_models.controllers.current.current_share import is_current_below
 from drivegate_models.controllers.current.designs.confirmation import (
     OFF_EDGE,
     UNCONFIRMED,
@@ -29,7 +29,7 @@ from drivegate_models.controllers.current.designs.quadratic_interpolation import
     begin_quadratic_interpolation,
     continue_quadratic_interpolation,
 )
-from drivegate_models.controllers.current.designs.rest import begin_watch, keep_off_edge, stands_still
+from drivegate_models.controllers.current.designs.rest import begin_watch, is_rest_confirmed, step_off_edge
 from drivegate_models.controllers.current.designs.state import (
     ANGLE_TABLE,
     GOLDEN_SECTION,
@@ -41,43 +41,37 @@ from drivegate_models.controllers.current.designs.table import MOST_LOOKUPS, loo
 from drivegate_models.controllers.current.forbidden_angle import MARGIN, forget_other_load
 from drivegate_models.controllers.current.protection import rearm
 from drivegate_models.controllers.current.state import HOLDING
-from drivegate_models.controllers.current.unrest import is_uneasy
+from drivegate_models.controllers.current.unrest import is_speed_unsteady
 from drivegate_models.controllers.current.watch import (
     BEGINNING,
     CONTINUING,
     WAITING,
-    begin_holding,
-    is_unloaded,
+    hold_angle,
+    is_current_too_small,
     watch_search,
 )
 
 LONGEST_SEARCH: Final = 40
-"""Decisions after which a search is given up for the table."""
+"""Decisions after which a search falls back to the table."""
 MOST_DECISIONS: Final = 44
-"""Decisions after which the table is left with the cheapest angle so far."""
+"""Decisions after which the table's search ends at the cheapest angle so far."""
 LATEST_DECISION: Final = 50
 """Decisions after which the confirmation ends, too."""
 
-# Steps of two degrees explain more than one of a degree; upward they are rarer.
+# Steps of two degrees explain larger changes than one-degree steps; upward they are rarer.
 _FALL = 0.25
 _RISE = 0.135
 _LATEST_TO_CONFIRM = 38
 _LOAD_CHANGED = 0.015
-# At lighter load the current sum says little to search by, whatever the search: the table knows more.
+# At lighter load the current sum is too uncertain for any search; the table is more accurate.
 _LEAST_TO_SEARCH = 0.2
-# Of the greatest current sum.
+# Share of the maximum current sum.
 _SMALLEST_CHANGE = 0.4 / 104.0
 
 
 @inlined
 def first_probe(state: Any) -> float:
-    """Let the design choose its first angle, or the table where there is too little load to search.
-
-    Returns
-    -------
-    float
-        Offset from the initial angle (rad electrical).
-    """
+    """Return the design's first offset (rad electrical), or the table's if the load is too light for a search."""
     if state.tabled == 1:
         return look_up(state, state.home_power)
     if state.design == GOLDEN_SECTION:
@@ -88,54 +82,38 @@ def first_probe(state: Any) -> float:
 
 
 @inlined
-def next_probe(state: Any, power: float) -> float:
-    """Let the design choose its next angle, and confirm the one it has found.
+def next_probe(state: Any, current_sum: float) -> float:
+    """Return the design's next offset (rad electrical), and confirm the angle once the design has found it.
 
-    Parameters
-    ----------
-    power : float
-        What the last probe cost (A); infinite where the torque was lost.
-
-    Returns
-    -------
-    float
-        Offset from the initial angle (rad electrical).
+    `current_sum` is what the last probe cost (A), infinite if the torque was lost.
     """
     if state.confirming != UNCONFIRMED:
-        return continue_confirmation(state, power)
+        return continue_confirmation(state, current_sum)
     if state.tabled == 1:
-        # A table is looked up, not searched: there is nothing to confirm.
-        return look_up(state, power)
+        # A table look-up is not a search: there is nothing to confirm.
+        return look_up(state, current_sum)
     if state.design == GOLDEN_SECTION:
-        probe = continue_golden_section(state, power)
+        probe = continue_golden_section(state, current_sum)
     elif state.design == QUADRATIC_INTERPOLATION:
-        probe = continue_quadratic_interpolation(state, power)
+        probe = continue_quadratic_interpolation(state, current_sum)
     else:
-        probe = continue_sweep(state, power)
-    # What took long is not worth the time: the search must come to rest.
+        probe = continue_sweep(state, current_sum)
+    # After a long search there is no time to confirm: it must come to rest.
     confirm = state.finished == 1 and state.decisions < _LATEST_TO_CONFIRM and is_worth_confirming(state)
     return begin_confirmation(state) if confirm else probe
 
 
 @inlined
 def begin_search(state: Any) -> float:
-    """Forget the last search, and begin at the present angle.
+    """Start a new search at the present angle, and return the first offset to probe (rad electrical).
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated; `speed` and `line` are those of the present.
-
-    Returns
-    -------
-    float
-        First offset to probe (rad electrical).
+    `speed` and `line` must be up to date.
     """
     state.home = state.controller.offset
     state.home_power = state.controller.last_power
     state.best_offset = state.home
     state.best_power = state.home_power
-    light = draws_less_than(state.controller, _LEAST_TO_SEARCH)
+    light = is_current_below(state.controller, _LEAST_TO_SEARCH)
     state.tabled = 1 if state.design == ANGLE_TABLE or light else 0
     state.finished = 0
     state.confirming = UNCONFIRMED
@@ -147,28 +125,22 @@ def begin_search(state: Any) -> float:
 
 
 @inlined
-def note_cheapest(state: Any) -> None:
-    """Keep the present angle where it is the cheapest so far."""
-    power = state.controller.last_power
+def record_cheapest(state: Any) -> None:
+    """Store the present angle if it is the cheapest so far."""
+    current_sum = state.controller.last_power
     if state.confirming != UNCONFIRMED:
         return
-    # Where the torque is about to be lost, a speed that falls makes the current cheaper than it is.
-    if power < state.best_power and not is_uneasy(state.controller):
-        state.best_power = power
+    # Just before the torque is lost, the falling speed makes the current sum too small.
+    if current_sum < state.best_power and not is_speed_unsteady(state.controller):
+        state.best_power = current_sum
         state.best_offset = state.controller.offset
 
 
 @inlined
-def settle_for(state: Any, offset: float) -> None:
-    """Aim at an angle, or at what the design says instead where it is known to lose the torque.
-
-    Parameters
-    ----------
-    offset : float
-        What the design requests (rad electrical).
-    """
+def set_target(state: Any, offset: float) -> None:
+    """Aim at an offset (rad electrical), or at the design's next choice if it is known to lose the torque."""
     requested = offset
-    # What is known to lose the torque need not be tried: to the design it is infinitely dear.
+    # An angle known to lose the torque is not tried: to the design it costs infinite current.
     while state.finished == 0 and requested < state.controller.forbidden + MARGIN:
         requested = next_probe(state, inf)
     if state.finished == 1:
@@ -179,43 +151,26 @@ def settle_for(state: Any, offset: float) -> None:
 
 @inlined
 def is_late(state: Any) -> bool:
-    """Return whether the search, or its confirmation, has taken too long.
-
-    Returns
-    -------
-    bool
-        About the decisions made since it began.
-    """
+    """Return True if the search, or its confirmation, has taken too many decisions."""
     late: bool = state.decisions >= (MOST_DECISIONS if state.confirming == UNCONFIRMED else LATEST_DECISION)
     return late
 
 
 @inlined
-def should_resort_to_table(state: Any) -> bool:
-    """Return whether a search cannot end in time, or has too little current to search by.
+def should_fall_back_to_table(state: Any) -> bool:
+    """Return True if a search cannot end in time, or has too little current to search by.
 
-    Returns
-    -------
-    bool
-        False once it was given up.
+    False once the search uses the table.
     """
     late = state.confirming == UNCONFIRMED and state.decisions >= LONGEST_SEARCH
-    return state.tabled == 0 and (late or draws_less_than(state.controller, _LEAST_TO_SEARCH))
+    return state.tabled == 0 and (late or is_current_below(state.controller, _LEAST_TO_SEARCH))
 
 
 @inlined
 def is_misled(state: Any) -> bool:
-    """Return whether a load that has changed leaves the search where it no longer belongs, as it does a fine sweep.
+    """Return True if another load invalidates the position of the search, as it does in a fine sweep.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        The state, under another load than the search began with.
-
-    Returns
-    -------
-    bool
-        False once it was given up for the table.
+    False once the search uses the table.
     """
     fine = state.design == SWEEP and state.stage > 0
     misled: bool = fine and state.tabled == 0
@@ -223,14 +178,8 @@ def is_misled(state: Any) -> bool:
 
 
 @inlined
-def resort_to_table(state: Any) -> float:
-    """Take the angle from the table from now on.
-
-    Returns
-    -------
-    float
-        Offset to probe (rad electrical).
-    """
+def fall_back_to_table(state: Any) -> float:
+    """Use the table from now on, and return its offset to probe (rad electrical)."""
     state.tabled = 1
     state.confirming = UNCONFIRMED
     state.probes = 0
@@ -238,44 +187,38 @@ def resort_to_table(state: Any) -> float:
 
 
 @inlined
-def go_on(state: Any) -> float:
-    """Go on from the present angle, since the load has changed.
-
-    Returns
-    -------
-    float
-        Offset to probe (rad electrical).
-    """
+def continue_from_present_angle(state: Any) -> float:
+    """Continue from the present angle after a change of load, and return the next offset to probe (rad electrical)."""
     if state.design == ANGLE_TABLE:
         state.finished = 0
-        return resort_to_table(state)
-    # The optimum has moved with the load, but not so far that all has to be searched again.
+        return fall_back_to_table(state)
+    # The optimum has moved with the load, but not so far that a new search is needed.
     state.best_offset = state.controller.offset
     return begin_confirmation(state)
 
 
 @inlined
 def conclude(state: Any) -> None:
-    """Rest at the angle found; go on from it where the load was another one when it was found."""
+    """Rest at the angle found, or continue from it if the load has changed since it was found."""
     controller = state.controller
-    power = controller.last_power
+    current_sum = controller.last_power
     there = abs(controller.offset - state.best_offset) < OFF_EDGE
-    changed = there and differs(controller, power, state.best_power, _LOAD_CHANGED, _SMALLEST_CHANGE)
+    changed = there and differs(controller, current_sum, state.best_power, _LOAD_CHANGED, _SMALLEST_CHANGE)
     if changed and state.decisions < MOST_DECISIONS:
-        settle_for(state, go_on(state))
-    elif stands_still(state):
-        begin_holding(controller, power)
+        set_target(state, continue_from_present_angle(state))
+    elif is_rest_confirmed(state):
+        hold_angle(controller, current_sum)
 
 
 @inlined
-def accept_way_back(state: Any) -> None:
-    """Settle no lower than where the way back led: the angle found there lost the torque. A table looks up again."""
+def accept_reverted_angle(state: Any) -> None:
+    """Settle no lower than the angle reached after a loss of torque; a table looks up again."""
     controller = state.controller
     if controller.offset <= state.best_offset:
         return
     state.best_offset = controller.offset
     state.best_power = controller.last_power
-    # The way back may have been too long for the load that has grown; a table tells by how much, or small strides do.
+    # The angle may have been reverted too far for a load that has grown. The table, or small strides, correct this.
     if state.design == ANGLE_TABLE and state.probes < MOST_LOOKUPS:
         state.finished = 0
         state.decisions = 0
@@ -286,80 +229,70 @@ def accept_way_back(state: Any) -> None:
 
 
 @inlined
-def wait(state: Any) -> None:
-    """Let a decision interval pass that tells the search nothing."""
+def process_waiting(state: Any) -> None:
+    """Process a decision interval without information for the search."""
     if state.controller.mode == HOLDING:
-        keep_off_edge(state)
-    elif is_unloaded(state.controller):
-        # Nothing can be found meanwhile: the time that a search may take begins with the load.
+        step_off_edge(state)
+    elif is_current_too_small(state.controller):
+        # Nothing can be found meanwhile, so the limit of decisions starts with the load.
         state.decisions = 0
 
 
 @inlined
-def go_on_way(state: Any, begins: bool, change: float) -> None:
-    """Take the next step on the way to a probe, and keep what the last one has told.
+def continue_approach(state: Any, begins: bool, change: float) -> None:
+    """Take the next step toward a probe, and use what the last step has shown.
 
-    Parameters
-    ----------
-    begins : bool
-        Whether the current sum has settled since the torque was lost.
-    change : float
-        Change of the mean current sum since the last decision (A).
+    `begins` is True if the current sum has settled since the torque was lost. `change` is the change of the mean
+    current sum since the last decision (A).
     """
     if not begins:
         state.falls = state.falls if change < 0.0 else 0
     elif state.finished == 1:
-        accept_way_back(state)
+        accept_reverted_angle(state)
     else:
-        note_cheapest(state)
-    settle_for(state, state.target)
+        record_cheapest(state)
+    set_target(state, state.target)
 
 
 @inlined
 def decide_design(state: Any) -> None:
-    """Make one decision of a design.
-
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated; its decision interval is complete.
-    """
+    """Make one decision of a design, at the end of an interval."""
     controller = state.controller
     state.decisions += 1
-    # A table takes no steps at the end of which the current sum still rises.
+    # After a step to the table's angle the current sum no longer rises.
     rise = LOAD_CHANGED if state.tabled == 1 else _RISE
     had_edge = controller.forbidden > -inf
-    work, change = watch_search(controller, _FALL, rise, inf)
-    if work == WAITING:
-        wait(state)
+    action, change = watch_search(controller, _FALL, rise, inf)
+    if action == WAITING:
+        process_waiting(state)
         return
-    if work == BEGINNING and is_lighter_load(controller, controller.last_power):
+    if action == BEGINNING and is_lighter_load(controller, controller.last_power):
         rearm(controller)
         return
     forget_other_load(controller, controller.last_power)
     another_load = had_edge and controller.forbidden == -inf
     if another_load:
-        # The time that a search may take begins with its load.
+        # The limit of decisions starts with the load.
         state.decisions = 0
     misled = another_load and is_misled(state)
     if controller.good_power == inf:
         # Without a good angle: command, supply or load has changed.
-        settle_for(state, begin_search(state))
-    elif state.finished == 0 and (misled or should_resort_to_table(state)):
-        settle_for(state, resort_to_table(state))
+        set_target(state, begin_search(state))
+    elif state.finished == 0 and (misled or should_fall_back_to_table(state)):
+        set_target(state, fall_back_to_table(state))
     elif state.finished == 0 and is_late(state):
-        note_cheapest(state)
+        record_cheapest(state)
         state.finished = 1
-        settle_for(state, state.best_offset)
+        set_target(state, state.best_offset)
     elif not is_reached(state):
-        go_on_way(state, work == BEGINNING, change)
-    elif work == CONTINUING and not is_read(state, change):
+        continue_approach(state, action == BEGINNING, change)
+    elif action == CONTINUING and not is_read(state, change):
         return
     elif state.finished == 1:
         conclude(state)
         if is_reached(state):
             return
     else:
-        note_cheapest(state)
-        settle_for(state, next_probe(state, controller.last_power))
+        record_cheapest(state)
+        set_target(state, next_probe(state, controller.last_power))
     approach(state)

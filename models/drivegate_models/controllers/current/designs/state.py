@@ -1,4 +1,4 @@
-"""State of the designs, controllers that search otherwise than the reference: one record in the caller's buffer."""
+"""State of the designs, controllers whose search differs from the reference: one record in the caller's buffer."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from drivegate_models.controllers.current.state import CONTROLLER_STATE
 GOLDEN_SECTION: Final = 0
 """Narrows a bracket by the golden ratio."""
 QUADRATIC_INTERPOLATION: Final = 1
-"""Goes to the vertex of a parabola through three probes."""
+"""Moves to the vertex of a parabola through three probes."""
 ANGLE_TABLE: Final = 2
-"""Takes the angle from a table over speed and current sum."""
+"""Looks up the angle in a table over speed and current sum."""
 SWEEP: Final = 3
 """Sweeps the angle twice, coarse and fine, and returns to where the current sum was least."""
 
 LOWEST_ANGLE: Final = radians(8.0)
-"""Least angle that a search looks at (rad electrical)."""
+"""Minimum angle of a search (rad electrical)."""
 
 TABLE_ROWS: Final = 33
 """Speeds of the table of angles."""
@@ -28,20 +28,20 @@ TABLE_COLUMNS: Final = 11
 
 DESIGN_STATE: Final = np.dtype(
     [
-        # Regulator, angle model and protections, as the built-in controllers have them.
+        # Regulator, angle model and protections, the same as in the built-in controllers.
         ("controller", CONTROLLER_STATE),
         ("design", np.int64),
-        # The drive's table: speed of its first row, step from row to row, current sums and their angles.
+        # The drive's table: speed of its first row, speed step between rows, current sums and their angles.
         ("table_from", np.float64),
         ("table_step", np.float64),
         ("table_sums", np.float64, (TABLE_ROWS, TABLE_COLUMNS)),
         ("table_angles", np.float64, (TABLE_ROWS, TABLE_COLUMNS)),
-        # Whether the angle for the present load comes from the table.
+        # 1 if the angle for the present load comes from the table.
         ("tabled", np.int64),
-        # The running probe: where it is taken, and for how many decisions its angle has been reached.
+        # The present probe: its offset, and the number of decisions since that was reached.
         ("target", np.float64),
         ("waited", np.int64),
-        # What is known of the present load: where the search began, and the cheapest probe.
+        # Findings under the present load: the start of the search, and the cheapest probe.
         ("speed", np.float64),
         ("line", np.float64),
         ("home", np.float64),
@@ -53,7 +53,7 @@ DESIGN_STATE: Final = np.dtype(
         ("finished", np.int64),
         ("confirming", np.int64),
         ("stride", np.float64),
-        # Watching the rest.
+        # Monitoring at rest.
         ("watched", np.int64),
         ("still", np.int64),
         ("restless", np.int64),
@@ -64,7 +64,7 @@ DESIGN_STATE: Final = np.dtype(
         ("swing_from", np.float64),
         ("swing_rises", np.int64),
         ("swings", np.int64),
-        # Whether the current sum has fallen with every step since the last probe was read.
+        # 1 if the current sum has fallen with every step since the last probe was measured.
         ("falls", np.int64),
         ("stage", np.int64),
         ("probes", np.int64),

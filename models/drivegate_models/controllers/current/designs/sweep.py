@@ -1,4 +1,4 @@
-"""The design that sweeps the advance angle, coarse and fine, and returns to where the current sum was least."""
+"""The design that sweeps the advance angle, coarsely and then finely, and returns to the minimum current sum."""
 
 from __future__ import annotations
 
@@ -18,17 +18,9 @@ _AROUND = radians(1.25)
 
 @inlined
 def begin_sweep(state: Any) -> float:
-    """Sweep down from the starting angle.
+    """Sweep down from the starting angle, and return the first offset to probe (rad electrical).
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated; `left` is the cheapest offset, `right` the last one, `low` the end of the sweep.
-
-    Returns
-    -------
-    float
-        First offset to probe (rad electrical).
+    `left` is the cheapest offset, `right` the last one, and `low` the end of the sweep.
     """
     state.left = state.home
     state.left_power = state.home_power
@@ -39,33 +31,24 @@ def begin_sweep(state: Any) -> float:
 
 
 @inlined
-def continue_sweep(state: Any, power: float) -> float:
-    """Go on down until the current sum rises or the torque is lost; then sweep finely about the least.
+def continue_sweep(state: Any, current_sum: float) -> float:
+    """Continue down until the current sum rises or the torque is lost, then sweep finely around the minimum.
 
-    Parameters
-    ----------
-    state : record of DESIGN_STATE
-        Updated; `stage` is 0 during the coarse sweep, 1 on the way back up, 2 during the fine sweep.
-    power : float
-        What the last probe cost (A); infinite where the torque was lost.
-
-    Returns
-    -------
-    float
-        Next offset to probe (rad electrical).
+    `stage` is 0 during the coarse sweep, 1 on the way back up and 2 during the fine sweep. `current_sum` is what
+    the last probe cost (A), infinite if the torque was lost. Return the next offset to probe (rad electrical).
     """
-    # Back at the top of the fine sweep, what the coarse one measured there is no longer compared with.
-    if state.stage == 1 or power < state.left_power:
+    # At the top of the fine sweep, replace the value that the coarse sweep measured there.
+    if state.stage == 1 or current_sum < state.left_power:
         state.left = state.right
-        state.left_power = power
-    # A small rise is passed over: at light load the current sum has minima beside the least.
-    ended = power > state.left_power * (_COARSE_RISE if state.stage == 0 else _FINE_RISE)
+        state.left_power = current_sum
+    # Ignore a small rise: at light load the current sum has local minima.
+    ended = current_sum > state.left_power * (_COARSE_RISE if state.stage == 0 else _FINE_RISE)
     step = _COARSE if state.stage == 0 else _FINE
     ended = ended or state.right - step < state.low
     if state.stage == 0 and ended and is_worth_confirming(state):
         state.stage = 1
         state.low = max(state.low, state.left - _AROUND)
-        # The fine sweep comes down like the coarse one, from the side that has the torque.
+        # Like the coarse sweep, the fine sweep descends from the side that provides the torque.
         state.right = min(state.left + _AROUND, state.home)
     elif ended:
         state.best_offset = state.left

@@ -1,7 +1,7 @@
-"""The design that takes the angle from a table over speed and current sum instead of searching for it.
+"""The design that looks up the angle in a table over speed and current sum instead of searching for it.
 
-The table was computed beforehand for the drive. The current sum stands for the torque: it is greater than
-the table's as long as the angle is too great, so looking up again and again leads down to the table's own angle.
+The table was computed beforehand for the drive. The current sum represents the torque: it exceeds the table's value
+as long as the angle is too large, so repeated look-ups lead down to the table's own angle.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.current.designs.state import LOWEST_ANGLE, TABLE_COLUMNS, TABLE_ROWS
 
 MOST_LOOKUPS: Final = 14
-"""Look-ups after which the angle is kept whatever the current sum."""
+"""Look-ups after which the angle is final whatever the current sum."""
 
 _CLOSE = radians(0.12)
 _AWAY = radians(0.7)
@@ -21,20 +21,7 @@ _AWAY = radians(0.7)
 
 @inlined
 def angle_in_row(state: Any, row: int, current_sum: float) -> float:
-    """Interpolate in one row of the table.
-
-    Parameters
-    ----------
-    row : int
-        Which speed.
-    current_sum : float
-        Measured sum of current magnitudes (A).
-
-    Returns
-    -------
-    float
-        Advance angle (rad electrical); that of the row's end outside of it.
-    """
+    """Interpolate the advance angle (rad electrical) for a current sum (A) in one row, limited to the row's ends."""
     sums, angles = state.table_sums, state.table_angles
     column = 0
     last = TABLE_COLUMNS - 1
@@ -48,21 +35,11 @@ def angle_in_row(state: Any, row: int, current_sum: float) -> float:
 
 @inlined
 def table_angle(state: Any, speed: float, current_sum: float) -> float:
-    """Return the table's advance angle.
+    """Return the table's advance angle (rad electrical) for a current sum (A).
 
-    Parameters
-    ----------
-    speed : float
-        Speed at nominal supply (rad/s); with another supply, that of equal EMF over supply.
-    current_sum : float
-        Sum of current magnitudes (A).
-
-    Returns
-    -------
-    float
-        Advance angle (rad electrical).
+    `speed` is at nominal supply (rad/s); with another supply, it is the speed of equal EMF over supply.
     """
-    # Short of the last row, so that there is always a next one to interpolate toward.
+    # Stay below the last row, so that there is always a next row for interpolation.
     position = min(max((speed - state.table_from) / state.table_step, 0.0), TABLE_ROWS - 1.001)
     row = int(position)
     share: float = position - row
@@ -72,28 +49,20 @@ def table_angle(state: Any, speed: float, current_sum: float) -> float:
 
 
 @inlined
-def look_up(state: Any, power: float) -> float:
-    """Go to the table's angle for the current sum just measured; rest once it stays.
+def look_up(state: Any, current_sum: float) -> float:
+    """Return the table's offset for the current sum just measured (rad electrical); finish once it stays the same.
 
-    Parameters
-    ----------
-    power : float
-        Current sum at the present angle (A); infinite where the torque was lost.
-
-    Returns
-    -------
-    float
-        Next offset (rad electrical).
+    `current_sum` is in A, infinite if the torque was lost.
     """
     controller = state.controller
     state.probes += 1
-    if power < inf:
+    if current_sum < inf:
         state.best_offset = controller.offset
-        state.best_power = power
+        state.best_power = current_sum
         speed = state.speed * controller.nominal_voltage / controller.supply_voltage
-        state.left = max(table_angle(state, speed, power), LOWEST_ANGLE) - state.line
+        state.left = max(table_angle(state, speed, current_sum), LOWEST_ANGLE) - state.line
     else:
-        # The plant is not the table's: stay above what has lost the torque.
+        # The plant differs from the table's: stay above the angle that has lost the torque.
         state.left = min(max(state.left, controller.forbidden) + _AWAY, state.home)
     if abs(state.left - controller.offset) < _CLOSE or state.probes >= MOST_LOOKUPS:
         state.finished = 1

@@ -1,17 +1,17 @@
-"""The table of the drive `paper-5-phase`, which takes half a minute to compute: least current sum and its angle.
+"""The table of the drive `paper-5-phase`, which takes half a minute to compute: minimum current sum and its angle.
 
-It is what `steady.angle_table` gives for the drive with its regulators' band, in decimals; a test computes rows anew.
+It is the rounded result of `steady.angle_table` for the drive with its regulators' band; a test recomputes rows.
 Each row is a speed, each column a share of rated power's torque at that speed.
 """
 
 from typing import Final
 
 DRIVE: Final = "paper-5-phase"
-"""Name of the drive of the table."""
+"""Drive for which the table was computed."""
 FIRST_SPEED_RPM: Final = 500.0
 """Speed of the first row (rpm)."""
 SPEED_STEP_RPM: Final = 50.0
-"""Speed from row to row (rpm)."""
+"""Speed step between rows (rpm)."""
 SHARES: Final = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1)
 """Load of each column, as a share of the torque of rated power (1)."""
 
@@ -50,7 +50,7 @@ CURRENT_SUMS: Final = (
     (11.67, 12.28, 13.29, 14.72, 17.60, 20.79, 24.18, 27.82, 31.80, 36.27, 41.53),
     (12.32, 12.89, 13.83, 15.17, 17.76, 20.89, 24.21, 27.79, 31.71, 36.13, 41.36),
 )
-"""Σ|i| at the table's angle, in amperes; beyond what the motor can give, extended."""
+"""Σ|i| at the table's angle (A), extrapolated beyond the motor's maximum torque."""
 ANGLES_DEG: Final = (
     (2.9, 5.6, 8.2, 10.9, 13.5, 13.5, 15.7, 19.4, 20.1, 30.6, 34.6),
     (1.8, 5.7, 7.4, 8.1, 10.0, 12.5, 15.1, 18.0, 19.7, 26.2, 30.2),
@@ -86,4 +86,4 @@ ANGLES_DEG: Final = (
     (22.9, 27.3, 31.7, 36.3, 39.6, 42.9, 46.3, 50.0, 54.1, 58.7, 64.1),
     (22.9, 27.3, 31.7, 36.3, 39.9, 43.2, 46.7, 50.4, 54.5, 59.2, 64.6),
 )
-"""Advance angle in degrees electrical: that of least Σ|i|, never falling with load, off the edge by the margin."""
+"""Advance angle of minimum Σ|i| (degrees electrical). It never falls with load and is off the edge by the margin."""

@@ -14,7 +14,7 @@ from drivegate_models.controllers.current.designs.confirmation import (
     lowest_rest,
 )
 from drivegate_models.controllers.current.designs.probe import aim, approach
-from drivegate_models.controllers.current.designs.rest import begin_watch, stands_still
+from drivegate_models.controllers.current.designs.rest import begin_watch, is_rest_confirmed
 from drivegate_models.controllers.current.designs.search import (
     LONGEST_SEARCH,
     MOST_DECISIONS,
@@ -177,7 +177,7 @@ def test_no_angle_is_gone_to_aside_that_costs_more_than_the_optimum_allows() -> 
         state.controller.last_power = power
         begin_watch(state)
         for _ in range(3):
-            stands_still(state)
+            is_rest_confirmed(state)
         assert bool(state.target > 0.0) is goes, power
 
 
@@ -210,11 +210,11 @@ def test_a_speed_that_never_calms_is_no_place_to_rest() -> None:
     state.controller.last_power = state.best_power = 3.4
     state.controller.worst_error = 0.07 * math.pi / 30.0
     begin_watch(state)
-    rests = [stands_still(state) for _ in range(3)]
+    rests = [is_rest_confirmed(state) for _ in range(3)]
     assert rests == [False, False, False]
     assert state.target > 0.0, "an angle a little higher is tried"
     state.controller.worst_error = 0.01 * math.pi / 30.0
-    rests = [stands_still(state) for _ in range(15)]
+    rests = [is_rest_confirmed(state) for _ in range(15)]
     assert rests == [*[False] * 14, True], "at light load the current sum takes long to settle"
 
 
