@@ -1,4 +1,4 @@
-"""From torque to the currents of the rotor frame: most torque per ampere, and weakening where the voltage runs out."""
+"""Currents of the rotor frame for a torque: maximum torque per ampere, and field weakening at the voltage limit."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from drivegate_models.compilation.kernels import inlined
 _HALVINGS = 24
 _NEWTON_STEPS = 16
 _CONVERGED = 1e-9
-# Newton's step over the root from which on it is the last one: it leaves three halves of its square at most, 6e-10.
+# Newton's relative step below which it is the last one: the remaining error is at most 1.5 times its square, 6e-10.
 _LAST_STEP = 2e-5
-# Share of a place above the root below which the last root is no better place to begin.
+# The last root is not a better initial value below this share of a bound above the root.
 _FAR_BELOW = 0.125
 _GOLDEN = 0.6180339887498949
-# Electrical speed that is as good as none (rad/s).
+# Electrical speed that counts as standstill (rad/s).
 _STANDSTILL = 1e-9
 
 
 @inlined
 def torque_per_quadrature(state: Any, direct: float) -> float:
-    """Return the torque of an ampere across the magnet's axis, at a current along it (N m/A)."""
+    """Return the torque per ampere of q-axis current (N m/A), at a d-axis current (A)."""
     saliency = state.direct_inductance - state.quadrature_inductance
     return float(1.5 * state.pole_pairs * (state.magnet_flux + saliency * direct))
 
 
 @inlined
-def most_torque_direct(state: Any, current: float) -> float:
-    """Return the current along the magnet's axis that gives most torque at a magnitude (A)."""
+def maximum_torque_direct(state: Any, current: float) -> float:
+    """Return the d-axis current of maximum torque at a current magnitude (both A)."""
     saliency = state.quadrature_inductance - state.direct_inductance
     square = current * current
     root = sqrt(state.magnet_flux * state.magnet_flux + 8.0 * saliency * saliency * square)
@@ -36,12 +36,12 @@ def most_torque_direct(state: Any, current: float) -> float:
 
 
 @inlined
-def _beginning(state: Any, square: float) -> float:
-    """Return where to begin to look for the root y of ``y (psi + y)**3``: mostly where the last search has ended."""
+def _initial_flux(state: Any, square: float) -> float:
+    """Return the initial value for the root y of ``y (psi + y)**3 = square``: usually the last result."""
     last = state.added_flux
     cube = state.magnet_flux * state.magnet_flux * state.magnet_flux
     if square < cube * state.magnet_flux:
-        # From one step to the next the torque changes little. Without a division, since it is asked in each.
+        # From one step to the next the torque changes little. This test avoids a division, because every step runs it.
         near = cube * last
         return float(last if _FAR_BELOW * square < near < square else square / cube)
     above = sqrt(sqrt(square))
@@ -50,14 +50,12 @@ def _beginning(state: Any, square: float) -> float:
 
 @inlined
 def least_current_direct(state: Any, torque: float) -> float:
-    """Return the current along the magnet's axis that gives a torque with least current, if it weakens (A).
+    """Return the d-axis current (A) that provides a torque (N m) with minimum current, limited to field weakening.
 
-    Notes
-    -----
-    With ``D = L_d - L_q`` the flux ``psi + y`` that makes the torque is ``psi + D i_d``, and along the line of most
-    torque per ampere ``D**2 i_q**2 = y (psi + y)``; so ``y (psi + y)**3 = (D T / k)**2``, where k is three halves of
-    the pole pairs. The left side is convex, so Newton's method comes down to the root from any place above it, and
-    gets there by one step from any below it. It begins where it has ended the time before, if that is not far off.
+    With ``D = L_d - L_q`` the flux ``psi + y`` that makes the torque is ``psi + D i_d``, and along the MTPA line
+    ``D**2 i_q**2 = y (psi + y)``. Hence ``y (psi + y)**3 = (D T / k)**2``, where k is 1.5 times the pole pairs. The
+    left side is convex, so Newton's method descends to the root from any value above it, and reaches that side in
+    one step from any value below. It starts from the last result if that is close.
     """
     flux = state.magnet_flux
     saliency = state.direct_inductance - state.quadrature_inductance
@@ -65,7 +63,7 @@ def least_current_direct(state: Any, torque: float) -> float:
     square = reach * reach
     if square <= 0.0:
         return 0.0
-    added = _beginning(state, square)
+    added = _initial_flux(state, square)
     for _ in range(_NEWTON_STEPS):
         whole = flux + added
         step = (added * whole * whole * whole - square) / (whole * whole * (whole + 3.0 * added))
@@ -77,8 +75,8 @@ def least_current_direct(state: Any, torque: float) -> float:
 
 
 @inlined
-def _greatest_quadrature(state: Any, electrical: float, voltage: float, direct: float) -> float:
-    """Return the greatest current across the magnet's axis within both limits (A); negative where there is none."""
+def _maximum_quadrature(state: Any, electrical: float, voltage: float, direct: float) -> float:
+    """Return the maximum q-axis current within the limits of current and voltage (V), negative if there is none (A)."""
     square = state.current_limit * state.current_limit - direct * direct
     if square < 0.0:
         return -1.0
@@ -96,21 +94,19 @@ def _greatest_quadrature(state: Any, electrical: float, voltage: float, direct: 
 
 
 @inlined
-def _greatest_torque_at(state: Any, electrical: float, voltage: float, direct: float) -> float:
-    """Return the greatest torque within both limits at a current along the magnet's axis (N m), -1 for none."""
-    quadrature = _greatest_quadrature(state, electrical, voltage, direct)
+def _maximum_torque_at(state: Any, electrical: float, voltage: float, direct: float) -> float:
+    """Return the maximum torque within both limits at a d-axis current (A), -1 if there is none (N m)."""
+    quadrature = _maximum_quadrature(state, electrical, voltage, direct)
     return torque_per_quadrature(state, direct) * quadrature if quadrature >= 0.0 else -1.0
 
 
 @inlined
-def _direct_of_most_torque_per_volt(state: Any, electrical: float, voltage: float) -> float:
-    """Return the current along the magnet's axis that gives most torque at a voltage, without resistance (A).
+def _direct_at_maximum_torque_per_volt(state: Any, electrical: float, voltage: float) -> float:
+    """Return the d-axis current (A) of maximum torque per volt (MTPV), neglecting resistance.
 
-    Notes
-    -----
-    With the voltage's flux ``F = V / w`` the torque goes with ``(L_q psi - s x) sqrt(F**2 - x**2)``, where x is the
-    flux along the magnet's axis and s = L_q - L_d. It is greatest at the lower root of
-    ``2 s x**2 - L_q psi x - s F**2 = 0``: a salient machine is weakened beyond the magnet's whole flux.
+    With the voltage's flux ``F = V / w`` the torque is proportional to ``(L_q psi - s x) sqrt(F**2 - x**2)``, where
+    x is the d-axis flux and s = L_q - L_d. It is maximal at the lower root of ``2 s x**2 - L_q psi x - s F**2 =
+    0``: a salient machine is weakened beyond the magnet's whole flux.
     """
     flux = state.quadrature_inductance * state.magnet_flux
     saliency = state.quadrature_inductance - state.direct_inductance
@@ -121,18 +117,18 @@ def _direct_of_most_torque_per_volt(state: Any, electrical: float, voltage: floa
 
 
 @inlined
-def _direct_of_greatest_torque(state: Any, electrical: float, voltage: float) -> float:
-    """Return the current along the magnet's axis at which the limits leave the greatest torque (A)."""
-    low: float = max(state.deepest, _direct_of_most_torque_per_volt(state, electrical, voltage))
-    high = most_torque_direct(state, state.current_limit)
+def _direct_at_maximum_torque(state: Any, electrical: float, voltage: float) -> float:
+    """Return the d-axis current (A) at which the limits allow the maximum torque."""
+    low: float = max(state.deepest, _direct_at_maximum_torque_per_volt(state, electrical, voltage))
+    high = maximum_torque_direct(state, state.current_limit)
     if low >= high:
         return high
     for _ in range(_HALVINGS):
         inner = high - _GOLDEN * (high - low)
         outer = low + _GOLDEN * (high - low)
-        at_inner = _greatest_torque_at(state, electrical, voltage, inner)
-        at_outer = _greatest_torque_at(state, electrical, voltage, outer)
-        # Where neither can be had at all, more weakening leads to where something can.
+        at_inner = _maximum_torque_at(state, electrical, voltage, inner)
+        at_outer = _maximum_torque_at(state, electrical, voltage, outer)
+        # If both are infeasible, more weakening leads to a feasible current.
         if at_inner >= at_outer and (at_inner >= 0.0 or at_outer < 0.0):
             high = outer
         else:
@@ -142,10 +138,11 @@ def _direct_of_greatest_torque(state: Any, electrical: float, voltage: float) ->
 
 @inlined
 def _weakened_direct(state: Any, torque: float, electrical: float, voltage: float, direct: float) -> float:
-    """Return the current along the magnet's axis from which on a torque needs no more than a voltage (A).
+    """Return the d-axis current (A) at which a torque (N m) needs no more than a voltage (V).
 
-    With the current across that makes the torque, the square of the voltage is convex in that along, so Newton's
-    method comes down to the first root from the side of too much voltage; NaN where there is none within the limit.
+    With the q-axis current that produces the torque, the square of the voltage is convex in the d-axis current.
+    Newton's method therefore descends to the first root from the side of too much voltage. NaN if there is none
+    within the limit.
     """
     saliency = state.direct_inductance - state.quadrature_inductance
     slack = _CONVERGED * voltage * voltage
@@ -173,41 +170,31 @@ def _weakened_direct(state: Any, torque: float, electrical: float, voltage: floa
 
 
 @inlined
-def within_voltage(
+def limited_by_voltage(
     state: Any, torque: float, electrical: float, voltage: float, direct: float
 ) -> tuple[float, float]:
-    """Weaken the field as far as a torque needs it.
+    """Return the d-axis current (A) weakened as far as a torque requires, and the torque (N m).
 
-    Parameters
-    ----------
-    torque : float
-        Wanted, at least 0 (N m).
-    electrical : float
-        Electrical speed (rad/s).
-    voltage : float
-        Peak voltage of a phase that may be used (V).
-    direct : float
-        Current along the magnet's axis if the voltage were free (A).
-
-    Returns
-    -------
-    direct, torque : float
-        (A, N m); less torque where the limits leave less.
+    `torque` is the requested torque (N m, at least 0), `electrical` the electrical speed (rad/s), `voltage` the
+    allowed peak phase voltage (V) and `direct` the d-axis current without a voltage limit (A). The returned torque
+    is smaller if the limits do not allow all of it.
     """
-    turning = abs(electrical)
-    weakened = _weakened_direct(state, torque, turning, voltage, direct)
+    absolute_speed = abs(electrical)
+    weakened = _weakened_direct(state, torque, absolute_speed, voltage, direct)
     if isnan(weakened):
-        # With less weakening than was aimed at, the current may do.
-        weakened = _weakened_direct(state, torque, turning, voltage, least_current_direct(state, torque))
+        # With less weakening than intended, the current may suffice.
+        weakened = _weakened_direct(
+            state, torque, absolute_speed, voltage, least_current_direct(state, torque)
+        )
     if isnan(weakened):
-        weakened = _direct_of_greatest_torque(state, turning, voltage)
-        torque = min(torque, max(_greatest_torque_at(state, turning, voltage, weakened), 0.0))
+        weakened = _direct_at_maximum_torque(state, absolute_speed, voltage)
+        torque = min(torque, max(_maximum_torque_at(state, absolute_speed, voltage, weakened), 0.0))
     return weakened, torque
 
 
 @inlined
-def with_torque(state: Any, direct: float, torque: float, is_backward: bool) -> tuple[float, float]:
-    """Return the currents of a torque (N m) at one along the magnet's axis (A), within the current limit."""
+def currents_for_torque(state: Any, direct: float, torque: float, is_backward: bool) -> tuple[float, float]:
+    """Return the d-axis and q-axis currents (A) for a torque (N m), within the current limit."""
     direct = max(direct, state.deepest)
     room = sqrt(max(state.current_limit * state.current_limit - direct * direct, 0.0))
     quadrature = min(torque / torque_per_quadrature(state, direct), room)

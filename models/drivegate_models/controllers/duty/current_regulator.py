@@ -1,4 +1,4 @@
-"""Currents of the rotor frame, regulated: PI with decoupling, and duty ratios with a min-max zero sequence."""
+"""Current regulators in the rotor frame: PI with decoupling, and duty ratios with a min-max zero sequence."""
 
 from __future__ import annotations
 
@@ -12,23 +12,17 @@ from drivegate_models.machine.rotor_frame import PER_ROOT_THREE, from_phases, of
 from drivegate_models.machine.sine import cosine_sine
 
 BANDWIDTH: Final = 0.2
-"""Bandwidth of the currents over the sampling rate, which a delay of one and a half periods bears."""
+"""Bandwidth of the current regulators relative to the sampling rate, stable with a delay of 1.5 periods."""
 
 _INTEGRAL = 0.1
-# Current over the limit from which on the whole of a dead time is lost, or won: hardly more than none, since a wider
-# ramp leaves ripple where the voltage is small, and the current that is wanted has no noise to be kept out.
+# Current, as a share of the limit, from which dead-time compensation is complete. It is small, because a wider ramp
+# leaves ripple at a low voltage, and the reference current used for compensation has no noise.
 _DEAD_SHARE = 0.0005
 
 
 @inlined
 def reset_regulator(state: Any, nameplate: Any) -> None:
-    """Write the constants of the current regulators and forget everything else.
-
-    Parameters
-    ----------
-    state : record of FOC_STATE
-        Receives them.
-    """
+    """Write the constants of the current regulators and reset everything else."""
     bandwidth = BANDWIDTH / nameplate.control_period
     state.pole_pairs = nameplate.pole_pairs
     state.resistance = nameplate.resistance
@@ -37,7 +31,7 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     state.magnet_flux = nameplate.magnet_flux
     state.current_limit = nameplate.current_limit
     state.lead = (nameplate.update_delay + 0.5) * nameplate.control_period
-    # Once in a period of the carrier, which two control periods with an update each may make up.
+    # Dead time occurs once per carrier period, which consists of two control periods with double update.
     halves = 2.0 if nameplate.updates == 2 else 1.0
     state.dead_ratio = nameplate.dead_time / (halves * nameplate.control_period)
     state.dead_current = _DEAD_SHARE * nameplate.current_limit
@@ -51,7 +45,7 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
 
 @inlined
 def rotor_currents(state: Any, sense: Any) -> tuple[float, float]:
-    """Return the measured currents along and across the magnet's axis (A)."""
+    """Return the measured d-axis and q-axis currents (A)."""
     currents = sense.phase_currents
     along, across = from_phases(double_at(currents, 0), double_at(currents, 1), double_at(currents, 2))
     cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
@@ -60,7 +54,7 @@ def rotor_currents(state: Any, sense: Any) -> tuple[float, float]:
 
 @inlined
 def voltage_limit(sense: Any) -> float:
-    """Return the greatest peak voltage of a phase without distortion (V)."""
+    """Return the linear modulation limit: the maximum peak phase voltage without distortion (V)."""
     return float(max(sense.supply_voltage, 0.0) * PER_ROOT_THREE)
 
 
@@ -68,7 +62,7 @@ def voltage_limit(sense: Any) -> float:
 def limited_voltage(
     along: float, across: float, added_along: float, added_across: float, limit: float
 ) -> tuple[float, float]:
-    """Return a voltage with as much of what may be added to it as the limit bears; the nearest one beyond the limit."""
+    """Return a voltage with as much of the added one as the limit allows, or the nearest one within the limit (V)."""
     square = limit * limit
     outside = along * along + across * across - square
     if outside >= 0.0:
@@ -84,7 +78,7 @@ def limited_voltage(
 
 @inlined
 def write_ratios(command: Any, along: float, across: float, supply: float) -> None:
-    """Write the answer that gives a voltage in the frame that stands still, about the middle of the link (V)."""
+    """Write the duty ratios for a voltage in the stationary frame (V), centred in the link voltage `supply` (V)."""
     first, second, third = along, of_phase(1, along, across), of_phase(2, along, across)
     middle = 0.5 * (max(first, second, third) + min(first, second, third))
     share = 1.0 / supply
@@ -99,65 +93,52 @@ def write_ratios(command: Any, along: float, across: float, supply: float) -> No
 
 
 @inlined
-def _regained(state: Any, ratio: float, current: float) -> float:
-    """Return a duty ratio with what dead time takes from it, or gives to it, made up for."""
+def _compensated_ratio(state: Any, ratio: float, current: float) -> float:
+    """Return a duty ratio with dead-time compensation for a current (A), limited to 0 to 1."""
     share = min(max(current / state.dead_current, -1.0), 1.0)
     return float(min(max(ratio + share * state.dead_ratio, 0.0), 1.0))
 
 
 @inlined
-def regain_dead_time(
+def compensate_dead_time(
     state: Any, command: Any, turned: tuple[float, float], direct: float, quadrature: float
 ) -> None:
-    """Add to the duty ratios what dead time takes from them, where there is any.
+    """Compensate the command's duty ratios for dead time, if there is any.
 
-    Parameters
-    ----------
-    command : record of DUTY_COMMAND
-        Its duty ratios are updated.
-    turned : tuple of float
-        Cosine and sine of the rotor's electrical angle while the duty ratios act.
-    direct, quadrature : float
-        Currents of the rotor frame that are to flow then (A).
+    `turned` is the cosine and sine of the rotor's electrical angle while the duty ratios act. `direct` and
+    `quadrature` are the reference currents at that time (A).
     """
     if state.dead_ratio <= 0.0:
         return
     cosine, sine = turned
     along, across = cosine * direct - sine * quadrature, sine * direct + cosine * quadrature
-    command.first_duty = _regained(state, command.first_duty, along)
-    command.second_duty = _regained(state, command.second_duty, of_phase(1, along, across))
-    command.third_duty = _regained(state, command.third_duty, of_phase(2, along, across))
+    command.first_duty = _compensated_ratio(state, command.first_duty, along)
+    command.second_duty = _compensated_ratio(state, command.second_duty, of_phase(1, along, across))
+    command.third_duty = _compensated_ratio(state, command.third_duty, of_phase(2, along, across))
 
 
 @inlined
-def give_voltage(
+def write_voltage(
     state: Any,
     sense: Any,
     command: Any,
     turned: tuple[float, float],
-    given: tuple[float, float],
-    wanted: tuple[float, float],
+    voltage: tuple[float, float],
+    current: tuple[float, float],
 ) -> None:
-    """Write the answer that gives a voltage of the rotor frame.
+    """Write the duty ratios for d-axis and q-axis voltages (V), with dead time compensated for d and q currents (A).
 
-    Parameters
-    ----------
-    turned : tuple of float
-        Cosine and sine of the rotor's electrical angle while they act.
-    given : tuple of float
-        Voltage along and across the magnet's axis (V).
-    wanted : tuple of float
-        Currents along and across it that are to flow then (A), by which dead time is made up for.
+    `turned` is the cosine and sine of the rotor's electrical angle while the duty ratios act.
     """
     cosine, sine = turned
-    along, across = given
+    along, across = voltage
     write_ratios(
         command,
         cosine * along - sine * across,
         sine * along + cosine * across,
         max(sense.supply_voltage, 1e-9),
     )
-    regain_dead_time(state, command, turned, wanted[0], wanted[1])
+    compensate_dead_time(state, command, turned, current[0], current[1])
 
 
 @inlined
@@ -170,28 +151,17 @@ def regulate_currents(
     direct_reference: float,
     quadrature_reference: float,
 ) -> float:
-    """Write the duty ratios that lead the currents to their references.
+    """Write the duty ratios that move the measured currents (A) to their references (A).
 
-    Parameters
-    ----------
-    direct, quadrature : float
-        Measured currents of the rotor frame (A).
-    direct_reference, quadrature_reference : float
-        (A).
+    Return the requested peak phase voltage (V), before the limit.
 
-    Returns
-    -------
-    float
-        Peak voltage of a phase that was asked for (V).
-
-    Notes
-    -----
-    With the error ``x`` of the flux linkage, ``x' = v - v_r - j w x - R (i - i_r)``, where ``v_r`` is the voltage that
-    holds the references. The rotation ``j w x`` does no work on ``|x|**2``, so decoupling it is worth having and may be
-    left out, and ``v_r - K x`` brought to the nearest voltage within the limit takes the error down wherever ``v_r`` is
-    within it: ``(P(y) - v_r) . (y - P(y)) >= 0`` of a projection ``P`` onto a convex set. A limit that prefers one axis
-    does not: braking, it holds currents far beyond their references. Forces that do no work: Ortega, Loria, Nicklasson
-    and Sira-Ramirez, "Passivity-based Control of Euler-Lagrange Systems", Springer, 1998.
+    With the error ``x`` of the flux linkage, ``x' = v - v_r - j w x - R (i - i_r)``, where ``v_r`` is the voltage
+    that maintains the references. The rotation ``j w x`` does no work on ``|x|**2``, so its decoupling is useful
+    but optional. Limiting ``v_r - K x`` to the nearest voltage within the limit reduces the error wherever ``v_r``
+    is within the limit: ``(P(y) - v_r) . (y - P(y)) >= 0`` for a projection ``P`` onto a convex set. A limit that
+    prefers one axis does not: during braking it maintains currents far beyond their references. Forces that do no
+    work: Ortega, Loria, Nicklasson and Sira-Ramirez, "Passivity-based Control of Euler-Lagrange Systems", Springer,
+    1998.
     """
     limit = voltage_limit(sense)
     electrical = state.pole_pairs * sense.speed
@@ -199,7 +169,8 @@ def regulate_currents(
     quadrature_error = quadrature_reference - quadrature
     direct_flux = state.direct_inductance * direct_error
     quadrature_flux = state.quadrature_inductance * quadrature_error
-    # The voltage that holds the references and leads to them; decoupling is added as far as the limit bears it.
+    # The voltage that maintains the references and moves the currents to them. Decoupling is added as far as the limit
+    # allows.
     along = (
         state.direct_gain * direct_error
         + state.direct_integral
@@ -212,17 +183,17 @@ def regulate_currents(
     )
     direct_voltage = along + electrical * quadrature_flux
     quadrature_voltage = across - electrical * direct_flux
-    direct_given, quadrature_given = limited_voltage(
+    direct_limited, quadrature_limited = limited_voltage(
         along, across, electrical * quadrature_flux, -electrical * direct_flux, limit
     )
-    # What the limit has taken does not enter the integrals.
+    # Anti-windup: the voltage cut by the limit does not enter the integrals.
     state.direct_integral += state.direct_integral_step * (
-        direct_error + (direct_given - direct_voltage) / state.direct_gain
+        direct_error + (direct_limited - direct_voltage) / state.direct_gain
     )
     state.quadrature_integral += state.quadrature_integral_step * (
-        quadrature_error + (quadrature_given - quadrature_voltage) / state.quadrature_gain
+        quadrature_error + (quadrature_limited - quadrature_voltage) / state.quadrature_gain
     )
     ahead = cosine_sine(state.pole_pairs * sense.angle + electrical * state.lead)
-    given, wanted = (direct_given, quadrature_given), (direct_reference, quadrature_reference)
-    give_voltage(state, sense, command, ahead, given, wanted)
+    voltage, current = (direct_limited, quadrature_limited), (direct_reference, quadrature_reference)
+    write_voltage(state, sense, command, ahead, voltage, current)
     return float(sqrt(direct_voltage * direct_voltage + quadrature_voltage * quadrature_voltage))

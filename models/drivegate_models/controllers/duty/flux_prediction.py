@@ -1,4 +1,4 @@
-"""Currents of the rotor frame, led by prediction: every period brings the stator flux nearer to its reference."""
+"""Predictive flux control: every period moves the stator flux toward its reference."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.duty.current_regulator import (
-    give_voltage,
     limited_voltage,
     voltage_limit,
+    write_voltage,
 )
 from drivegate_models.machine.sine import cosine_sine
 
-# Share of the way to the reference in a control period; the whole of it would be dead beat.
+# Share of the flux error that is removed in a control period; 1 is deadbeat control.
 _SHARE = 0.3
-# Share of what a prediction missed that is taken for a voltage the model does not have.
+# Share of the prediction error that is attributed to a voltage missing in the model.
 _TRUST = 0.1
 
 
 @inlined
 def reset_prediction(state: Any, nameplate: Any) -> None:
-    """Write the constants of the prediction and forget everything else."""
+    """Write the constants of the prediction and reset everything else."""
     state.delay = 1 if nameplate.update_delay > 0 else 0
     state.direct_given = 0.0
     state.quadrature_given = 0.0
@@ -35,23 +35,11 @@ def reset_prediction(state: Any, nameplate: Any) -> None:
 def _period_later(
     state: Any, direct: float, quadrature: float, along: float, across: float, turned: tuple[float, float]
 ) -> tuple[float, float]:
-    """Return a flux linkage a period later, in the rotor frame of then.
+    """Return the d and q flux linkages one period later (V s), in the rotor frame at that time.
 
-    Parameters
-    ----------
-    state : record of FOC_STATE
-        The period.
-    direct, quadrature : float
-        Flux linkage in the rotor frame of now (V s).
-    along, across : float
-        What changes it, in that frame, which meanwhile stands still (V).
-    turned : tuple of float
-        Cosine and sine of the angle by which the rotor turns.
-
-    Returns
-    -------
-    direct, quadrature : float
-        (V s).
+    `direct` and `quadrature` are the present flux linkages (V s). `along` and `across` are the voltages that change
+    them (V), in the present rotor frame, which is fixed meanwhile. `turned` is the cosine and sine of the rotor's
+    rotation.
     """
     cosine, sine = turned
     direct += state.control_period * along
@@ -60,7 +48,7 @@ def _period_later(
 
 
 @inlined
-def lead_flux(
+def regulate_flux(
     state: Any,
     sense: Any,
     command: Any,
@@ -69,28 +57,16 @@ def lead_flux(
     direct_reference: float,
     quadrature_reference: float,
 ) -> float:
-    """Write the duty ratios that lead the currents to their references.
+    """Write the duty ratios that move the measured currents (A) to their references (A).
 
-    Parameters
-    ----------
-    direct, quadrature : float
-        Measured currents of the rotor frame (A).
-    direct_reference, quadrature_reference : float
-        (A).
+    Return the requested peak phase voltage (V), before the limit.
 
-    Returns
-    -------
-    float
-        Peak voltage of a phase that was asked for (V).
-
-    Notes
-    -----
-    After Lee, Choi, Seok and Lorenz, "Deadbeat-direct torque and flux control of interior permanent magnet synchronous
-    machines with discrete time stator current and stator flux linkage observer", IEEE Transactions on Industry
-    Applications 47(4), 2011. In the frame that stands still the flux linkage is the integral of ``v - R i``, whatever
-    the speed: the voltage that acts already gives it at the end of its period, and what takes it from there to where
-    it is to be one period later is the answer. What a prediction missed comes from resistance, magnet, dead time and
-    drops that are not as the model has them; its mean is a voltage that the next predictions have.
+    After Lee, Choi, Seok and Lorenz, "Deadbeat-direct torque and flux control of interior permanent magnet
+    synchronous machines with discrete time stator current and stator flux linkage observer", IEEE Transactions on
+    Industry Applications 47(4), 2011. In the stationary frame the flux linkage is the integral of ``v - R i`` at
+    any speed. The voltage that already acts determines it at the end of its period. The command is the voltage that
+    moves it from there to the desired value one period later. Prediction errors come from deviations of resistance,
+    magnet, dead time and voltage drops; their mean is a voltage that later predictions include.
     """
     electrical = state.pole_pairs * sense.speed
     turned = cosine_sine(electrical * state.control_period)
@@ -103,34 +79,34 @@ def lead_flux(
         state.quadrature_missed += _TRUST * (across_flux - state.quadrature_foreseen) / state.control_period
     along_drop = state.direct_missed - state.resistance * direct
     across_drop = state.quadrature_missed - state.resistance * quadrature
-    # Until the first answer acts the legs are off, and the currents stay what they are.
+    # Until the first command acts, the legs are off and the currents do not change.
     if state.delay == 1 and not is_first:
         along, across = state.direct_given + along_drop, state.quadrature_given + across_drop
         flux, across_flux = _period_later(state, flux, across_flux, along, across, turned)
 
-    wanted = state.direct_inductance * direct_reference + state.magnet_flux
-    across_wanted = state.quadrature_inductance * quadrature_reference
-    left, across_left = wanted - flux, across_wanted - across_flux
-    # The voltage that turns the wanted flux with the rotor and leads to it; that which turns what is left to it has no
-    # part in the way there, and is added as far as the limit bears it.
+    desired = state.direct_inductance * direct_reference + state.magnet_flux
+    across_desired = state.quadrature_inductance * quadrature_reference
+    error, across_error = desired - flux, across_desired - across_flux
+    # The voltage that rotates the desired flux with the rotor and moves the flux toward it. The voltage that rotates
+    # the flux error does not reduce it, and is added only as far as the limit allows.
     rate = 1.0 / state.control_period
-    holding = state.resistance * direct_reference - state.direct_missed
-    across_holding = state.resistance * quadrature_reference - state.quadrature_missed
-    along = holding + rate * ((cosine - 1.0) * wanted - sine * across_wanted + _SHARE * left)
-    across = across_holding + rate * (sine * wanted + (cosine - 1.0) * across_wanted + _SHARE * across_left)
-    along_added = -rate * ((cosine - 1.0) * left - sine * across_left)
-    across_added = -rate * (sine * left + (cosine - 1.0) * across_left)
-    given, across_given = limited_voltage(along, across, along_added, across_added, voltage_limit(sense))
+    steady = state.resistance * direct_reference - state.direct_missed
+    across_steady = state.resistance * quadrature_reference - state.quadrature_missed
+    along = steady + rate * ((cosine - 1.0) * desired - sine * across_desired + _SHARE * error)
+    across = across_steady + rate * (sine * desired + (cosine - 1.0) * across_desired + _SHARE * across_error)
+    along_added = -rate * ((cosine - 1.0) * error - sine * across_error)
+    across_added = -rate * (sine * error + (cosine - 1.0) * across_error)
+    applied, across_applied = limited_voltage(along, across, along_added, across_added, voltage_limit(sense))
 
     if state.delay == 0:
-        along_drop, across_drop = given + along_drop, across_given + across_drop
+        along_drop, across_drop = applied + along_drop, across_applied + across_drop
         flux, across_flux = _period_later(state, flux, across_flux, along_drop, across_drop, turned)
     state.direct_foreseen, state.quadrature_foreseen = flux, across_flux
-    # In the frame of the period's start, which is that of the next sample where the answer comes later.
-    state.direct_given, state.quadrature_given = given, across_given
+    # In the frame of the period's start, which is that of the next sample if the command acts one period later.
+    state.direct_given, state.quadrature_given = applied, across_applied
     ahead = cosine_sine(state.pole_pairs * sense.angle + electrical * state.control_period * state.delay)
-    give_voltage(
-        state, sense, command, ahead, (given, across_given), (direct_reference, quadrature_reference)
+    write_voltage(
+        state, sense, command, ahead, (applied, across_applied), (direct_reference, quadrature_reference)
     )
     along += along_added
     across += across_added

@@ -14,11 +14,11 @@ from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.contract.duty.signals import SPEED_REFERENCE
 from drivegate_models.controllers.duty.current_reference import (
+    currents_for_torque,
     least_current_direct,
-    most_torque_direct,
+    limited_by_voltage,
+    maximum_torque_direct,
     torque_per_quadrature,
-    with_torque,
-    within_voltage,
 )
 from drivegate_models.controllers.duty.current_regulator import (
     BANDWIDTH,
@@ -27,9 +27,9 @@ from drivegate_models.controllers.duty.current_regulator import (
     rotor_currents,
     voltage_limit,
 )
-from drivegate_models.controllers.duty.flux_prediction import lead_flux, reset_prediction
+from drivegate_models.controllers.duty.flux_prediction import regulate_flux, reset_prediction
 from drivegate_models.controllers.duty.loss_model import least_loss_direct
-from drivegate_models.controllers.duty.loss_search import forget_search, reset_search, searched_offset
+from drivegate_models.controllers.duty.loss_search import reset_search, restart_search, searched_offset
 from drivegate_models.controllers.duty.plausibility import (
     hold_safe_state,
     look_for_faults,
@@ -84,7 +84,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.regulates_speed = 1 if nameplate.reference_kind == SPEED_REFERENCE else 0
     state.core_loss_conductance = nameplate.core_loss_conductance
     state.deepest = -nameplate.current_limit
-    most = most_torque_direct(state, state.current_limit)
+    most = maximum_torque_direct(state, state.current_limit)
     state.greatest_torque = torque_per_quadrature(state, most) * sqrt(
         state.current_limit * state.current_limit - most * most
     )
@@ -115,10 +115,10 @@ def _currents_for(
     if state.aim == MODELLED_LOSS:
         direct = least_loss_direct(state, wanted, electrical, direct)
     if state.aim != UNWEAKENED:
-        direct, wanted = within_voltage(state, wanted, electrical, voltage, direct)
+        direct, wanted = limited_by_voltage(state, wanted, electrical, voltage, direct)
     if state.aim == SEARCHED_LOSS:
         direct = _searched_direct(state, torque, wanted, electrical, power, direct)
-    return with_torque(state, direct, wanted, torque < 0.0)
+    return currents_for_torque(state, direct, wanted, torque < 0.0)
 
 
 @inlined
@@ -131,12 +131,12 @@ def _searched_direct(
     """
     speed = electrical / state.pole_pairs
     if possible < _GIVEN * min(abs(torque), state.greatest_torque):
-        forget_search(state, torque, speed)
+        restart_search(state, torque, speed)
         return direct
     searched: float = direct + searched_offset(state, torque, speed, power)
-    found, quadrature = with_torque(state, searched, possible, False)
+    found, quadrature = currents_for_torque(state, searched, possible, False)
     if torque_per_quadrature(state, found) * quadrature < _GIVEN * possible:
-        forget_search(state, torque, speed)
+        restart_search(state, torque, speed)
         return direct
     return searched
 
@@ -208,7 +208,9 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     _unwind_speed(state, sense.reference, speed, wanted, given)
 
     if state.regulation == BY_PREDICTION:
-        used = lead_flux(state, sense, command, direct, quadrature, direct_reference, quadrature_reference)
+        used = regulate_flux(
+            state, sense, command, direct, quadrature, direct_reference, quadrature_reference
+        )
     elif state.regulation == OF_TORQUE:
         used = regulate_torque(
             state, sense, command, direct, quadrature, direct_reference, quadrature_reference

@@ -1,7 +1,7 @@
-"""An inner loop of currents: a step that answers with current reference and advance angle, run on duty ratios.
+"""An inner current loop that runs a controller of current reference and advance angle on duty ratios.
 
-The reference I and the advance angle b become ``i_d = -I sin b`` and ``i_q = I cos b``. The step is called by address
-every so many control periods, and sees the drive as its own contract has it.
+The reference I and the advance angle b become ``i_d = -I sin b`` and ``i_q = I cos b``. The outer step is called by
+address every few control periods, with a Sense of its own contract.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ INNER_STATE: Final = np.dtype(
         ("command_address", np.int64),
         ("sense", SENSE),
         ("command", COMMAND),
-        # Control periods to one step of the outer controller, how many have passed, and the current sum over them.
+        # Control periods per step of the outer controller, how many have passed, and the current sum over them (A).
         ("periods", np.int64),
         ("count", np.int64),
         ("magnitude_sum", np.float64),
@@ -49,23 +49,14 @@ INNER_STATE: Final = np.dtype(
     ],
     align=True,
 )
-"""State of the inner loop; what it points to has to outlive it, and it has to stay in its place."""
+"""State of the inner loop. It must not be moved in memory, and the records at its addresses must outlive it."""
 
 
 def inner_state(step_address: int, state_address: int, periods: int) -> NDArray[Any]:
-    """Make the state of an inner loop, for reset to fill in.
+    """Return the state of an inner loop, shape (1,) of INNER_STATE, before its reset.
 
-    Parameters
-    ----------
-    step_address, state_address : int
-        Addresses of the outer controller's step and of its state, which has been reset for steps of so many periods.
-    periods : int
-        Control periods of the inner loop to a step of the outer controller.
-
-    Returns
-    -------
-    array of INNER_STATE, shape (1,)
-        The state.
+    The addresses are those of the outer controller's step and of its state, which must be reset for steps of
+    `periods` control periods of the inner loop.
     """
     state = np.zeros(1, INNER_STATE)
     offsets: Any = INNER_STATE.fields
@@ -78,8 +69,8 @@ def inner_state(step_address: int, state_address: int, periods: int) -> NDArray[
 
 
 @inlined
-def _ask(inner: Any, sense: Any) -> bool:
-    """Ask the outer controller for currents; return whether it has answered with numbers."""
+def _call_outer_step(inner: Any, sense: Any) -> bool:
+    """Call the outer controller for currents; return True if its command contains finite numbers."""
     outer = inner.sense
     outer.struct_size = _SENSE_SIZE
     outer.time = sense.time
@@ -89,17 +80,17 @@ def _ask(inner: Any, sense: Any) -> bool:
     outer.phase_currents = sense.phase_currents
     outer.current_magnitude_sum = inner.magnitude_sum / inner.periods
     outer.half_supply_voltage = 0.5 * sense.supply_voltage
-    answer = inner.command
-    answer.struct_size = _COMMAND_SIZE
-    answer.current_reference = nan
-    answer.advance_angle = nan
-    answer.input_power = nan
+    outer_command = inner.command
+    outer_command.struct_size = _COMMAND_SIZE
+    outer_command.current_reference = nan
+    outer_command.advance_angle = nan
+    outer_command.input_power = nan
     call_step(inner.step_address, inner.state_address, inner.sense_address, inner.command_address)
     inner.magnitude_sum = 0.0
-    if not (isfinite(answer.current_reference) and isfinite(answer.advance_angle)):
+    if not (isfinite(outer_command.current_reference) and isfinite(outer_command.advance_angle)):
         return False
-    current = min(max(answer.current_reference, 0.0), inner.regulator.current_limit)
-    cosine, sine = cosine_sine(min(max(answer.advance_angle, 0.0), 0.5 * pi))
+    current = min(max(outer_command.current_reference, 0.0), inner.regulator.current_limit)
+    cosine, sine = cosine_sine(min(max(outer_command.advance_angle, 0.0), 0.5 * pi))
     inner.direct_reference = -current * sine
     inner.quadrature_reference = current * cosine
     return True
@@ -107,22 +98,20 @@ def _ask(inner: Any, sense: Any) -> bool:
 
 @inlined
 def step_inner(inner: Any, sense: Any, command: Any) -> None:
-    """Answer for one control period.
+    """Compute the command of one control period.
 
-    Parameters
-    ----------
-    command : record of DUTY_COMMAND
-        Receives the answer: without duty ratios where the outer controller gives no numbers, stopped where it stops.
+    The command has no duty ratios if the outer controller returns no numbers, and stops the run if the outer one
+    stops it.
     """
     for phase in range(3):
         inner.magnitude_sum += abs(double_at(sense.phase_currents, phase))
     if inner.count == 0:
-        is_given = _ask(inner, sense)
+        has_command = _call_outer_step(inner, sense)
         if inner.command.struct_size < 0:
             command.struct_size = inner.command.struct_size
             return
-        if not is_given:
-            # As they are before the step: duty ratios that are left out.
+        if not has_command:
+            # The duty ratios are still missing, as before the step.
             return
     inner.count = (inner.count + 1) % inner.periods
     regulator = inner.regulator
@@ -145,10 +134,7 @@ def step_inner(inner: Any, sense: Any, command: Any) -> None:
 def inner_step_function() -> Any:
     """Return the inner loop's step, compiled.
 
-    Returns
-    -------
-    CFunc
-        Its `address` is that of a C function whose state is an INNER_STATE; keep the object.
+    Its `address` is that of a C function whose state is an INNER_STATE. The caller must retain the object.
     """
     signature = step_signature(INNER_STATE, DUTY_SENSE, DUTY_COMMAND)
 
@@ -160,12 +146,9 @@ def inner_step_function() -> Any:
 
 @cache
 def inner_reset_function() -> Any:
-    """Return the function that resets the inner loop, compiled; the outer controller is reset by its own.
+    """Return the compiled function that resets the inner loop, without the outer controller.
 
-    Returns
-    -------
-    Dispatcher
-        Takes the state, shape (1,) of INNER_STATE, and the nameplate, shape (1,) of DUTY_NAMEPLATE.
+    Its arguments are the state, shape (1,) of INNER_STATE, and the nameplate, shape (1,) of DUTY_NAMEPLATE.
     """
 
     def reset(inner: Any, nameplate: Any) -> None:

@@ -1,4 +1,4 @@
-"""The currents of least loss, from a model of copper and core."""
+"""Minimum-loss currents from a model of copper and core loss."""
 
 from __future__ import annotations
 
@@ -13,27 +13,15 @@ _CONVERGED: Final = 1e-9
 
 @inlined
 def least_loss_direct(state: Any, torque: float, electrical: float, direct: float) -> float:
-    """Return the current along the magnet's axis that gives a torque with least loss, if it weakens.
+    """Return the d-axis current (A) that provides a torque with minimum loss, limited to field weakening.
 
-    Parameters
-    ----------
-    torque : float
-        At least 0 (N m).
-    electrical : float
-        Electrical speed (rad/s).
-    direct : float
-        Where to begin, at most 0 (A).
+    `torque` is at least 0 (N m), `electrical` the electrical speed (rad/s) and `direct` the initial value (A, at
+    most 0).
 
-    Returns
-    -------
-    float
-        (A).
-
-    Notes
-    -----
-    After Morimoto, Tong, Takeda and Hirasa, "Loss minimization control of permanent magnet synchronous motor drives",
-    IEEE Transactions on Industrial Electronics 41(5), 1994. With the current across that makes the torque,
-    ``R (i_d**2 + i_q**2) + G w**2 (psi_d**2 + psi_q**2)`` is convex in the one along; its slope is zero at the least.
+    After Morimoto, Tong, Takeda and Hirasa, "Loss minimization control of permanent magnet synchronous motor
+    drives", IEEE Transactions on Industrial Electronics 41(5), 1994. With the q-axis current that produces the
+    torque, ``R (i_d**2 + i_q**2) + G w**2 (psi_d**2 + psi_q**2)`` is convex in ``i_d``, so its slope is zero at the
+    minimum.
     """
     saliency = state.direct_inductance - state.quadrature_inductance
     core = state.core_loss_conductance * electrical * electrical

@@ -1,4 +1,4 @@
-"""The currents of least loss, by trying: the one along the magnet's axis moves to where the link gives less power."""
+"""Minimum loss by search: the d-axis current moves in the direction that reduces the power from the link."""
 
 from __future__ import annotations
 
@@ -8,57 +8,57 @@ from typing import Any, Final
 from drivegate_models.compilation.kernels import inlined
 
 SETTLING: Final = 0.03
-"""Time that a new current is given before the power is looked at (s)."""
+"""Time for a new current to settle before the power is averaged (s)."""
 LOOKING: Final = 0.02
-"""Time over which the power is averaged, or more: a whole number of sixths of the field's turn, as it ripples (s)."""
+"""Minimum averaging time (s). It is extended to whole sixths of an electrical cycle, because the power ripples."""
 _LONGEST = 0.06
 
-# First and last step over the current limit.
+# First and last step, as shares of the current limit.
 _FIRST_STEP = 0.06
 _LAST_STEP = 0.002
-# Least fall of the power over the power, for a step that adds current: the torque, which is not seen, changes by as
-# much in a step, and a search that took this for loss would drift.
+# Minimum relative fall of the power for a step that adds current. The unmeasured torque changes by as much in a step,
+# and a search that mistook this for loss would drift.
 _LEAST_GAIN = 1e-5
-# Steps one after the other that were right, from which on they grow: where a search narrows down there are no more.
+# Consecutive successful steps after which steps grow. They are fewer while a search narrows down.
 _FAR = 3
-# Change of torque over the greatest one, and of speed over itself, from which on the point of operation is another.
+# Change of torque relative to the maximum, and relative change of speed, beyond which the operating point is another.
 _OTHER_TORQUE = 0.02
 _OTHER_SPEED = 0.02
 
 
 @inlined
 def reset_search(state: Any, nameplate: Any) -> None:
-    """Write the constants of the search and forget everything else."""
+    """Write the constants of the search and reset everything else."""
     period = nameplate.control_period
     state.search_settling = int(SETTLING / period)
     state.search_shortest = LOOKING / period
     state.search_longest = _LONGEST / period
     state.search_sixth = pi / 3.0 / (nameplate.pole_pairs * period)
     state.search_inertia = nameplate.inertia / period
-    forget_search(state, 0.0, 0.0)
+    restart_search(state, 0.0, 0.0)
 
 
 @inlined
-def forget_search(state: Any, torque: float, speed: float) -> None:
-    """Begin a search anew at a torque (N m) and a speed (rad/s)."""
+def restart_search(state: Any, torque: float, speed: float) -> None:
+    """Restart the search at a torque (N m) and a speed (rad/s)."""
     state.search_torque = torque
     state.search_speed = speed
     state.search_offset = 0.0
     state.search_step = -_FIRST_STEP * state.current_limit
     state.search_gains = 0
     state.search_power = nan
-    _look_anew(state, speed)
+    _begin_averaging(state, speed)
 
 
 @inlined
-def _look_anew(state: Any, speed: float) -> None:
-    """Give a new current time to settle before its power is looked at."""
-    looking = state.search_shortest
-    turning = abs(speed)
-    if turning * state.search_longest > state.search_sixth:
-        sixth = state.search_sixth / turning
-        looking = ceil(looking / sixth) * sixth
-    state.search_looking = 2 * int(0.5 * min(looking, state.search_longest) + 0.5)
+def _begin_averaging(state: Any, speed: float) -> None:
+    """Let a new current settle, and choose the averaging time for the speed (rad/s)."""
+    averaging = state.search_shortest
+    absolute_speed = abs(speed)
+    if absolute_speed * state.search_longest > state.search_sixth:
+        sixth = state.search_sixth / absolute_speed
+        averaging = ceil(averaging / sixth) * sixth
+    state.search_looking = 2 * int(0.5 * min(averaging, state.search_longest) + 0.5)
     state.search_count = 0
     state.search_sum = 0.0
     state.search_early = 0.0
@@ -66,8 +66,8 @@ def _look_anew(state: Any, speed: float) -> None:
 
 
 @inlined
-def _look(state: Any, speed: float, power: float) -> None:
-    """Take in the power and the speed of a period."""
+def _accumulate(state: Any, speed: float, power: float) -> None:
+    """Accumulate the power (W) and the speed (rad/s) of a period."""
     state.search_sum += power
     if 2 * (state.search_count - state.search_settling) > state.search_looking:
         state.search_late += speed
@@ -76,20 +76,22 @@ def _look(state: Any, speed: float, power: float) -> None:
 
 
 @inlined
-def _move(state: Any, torque: float) -> None:
-    """Take the next step: on while the power falls, further where it keeps falling, else back and half as far.
+def _step_search(state: Any, torque: float) -> None:
+    """Take the next step: continue while the power falls, grow while it keeps falling, otherwise reverse and halve.
 
-    While a speed settles, the power into inertia and load changes by more than the loss does. A search that took this
-    for its own doing would go where the speed happens to fall, so it is left out.
+    While a speed settles, the power into inertia and load changes by more than the loss. It is subtracted, because
+    the search would otherwise follow the speed's fluctuations.
     """
-    pace = (state.search_early + state.search_late) / state.search_looking
-    # The means of the two halves of a look are half a look apart.
+    mean_speed = (state.search_early + state.search_late) / state.search_looking
+    # The means of the two halves of the averaging time are half of it apart.
     half = 0.5 * state.search_looking
-    accelerating = state.search_inertia * pace * (state.search_late - state.search_early) / (half * half)
+    accelerating = (
+        state.search_inertia * mean_speed * (state.search_late - state.search_early) / (half * half)
+    )
     power = state.search_sum / state.search_looking - accelerating
     if not isnan(state.search_power):
         least_gain = _LEAST_GAIN * abs(power) if state.search_step < 0.0 else 0.0
-        if power - torque * (pace - state.search_pace) < state.search_power - least_gain:
+        if power - torque * (mean_speed - state.search_pace) < state.search_power - least_gain:
             state.search_gains += 1
             factor = 2.0 if state.search_gains >= _FAR else 1.0
         else:
@@ -99,46 +101,34 @@ def _move(state: Any, torque: float) -> None:
         size = min(max(abs(step), _LAST_STEP * state.current_limit), _FIRST_STEP * state.current_limit)
         state.search_step = size if step > 0.0 else -size
     state.search_power = power
-    state.search_pace = pace
+    state.search_pace = mean_speed
     state.search_offset += state.search_step
     if state.search_offset > 0.0:
-        # No current that strengthens the field is tried.
+        # Do not try a current that strengthens the field.
         state.search_offset = 0.0
         state.search_step = -0.5 * abs(state.search_step)
 
 
 @inlined
 def searched_offset(state: Any, torque: float, speed: float, power: float) -> float:
-    """Return what is added to the current along the magnet's axis, in one period of the search for least power.
+    """Return the offset of the d-axis current (A, at most 0) in one period of the search for minimum power.
 
-    Parameters
-    ----------
-    torque : float
-        Wanted (N m).
-    speed : float
-        Of the shaft (rad/s).
-    power : float
-        Given by the link in the period just ended (W).
+    `torque` is the requested torque (N m), `speed` the shaft's (rad/s) and `power` the one from the link in the
+    period just ended (W). The offset is 0 until torque and speed are steady.
 
-    Returns
-    -------
-    float
-        At most 0 (A); 0 until torque and speed are steady.
-
-    Notes
-    -----
-    After Colby and Novotny, "An efficiency-optimizing permanent-magnet synchronous motor drive", IEEE Transactions on
-    Industry Applications 24(3), 1988: in steady operation the output is constant, so least input is least loss. Here
-    the search goes on while a speed settles, on the power without what the output has changed by.
+    The method is that of Colby and Novotny, "An efficiency-optimizing permanent-magnet synchronous motor drive",
+    IEEE Transactions on Industry Applications 24(3), 1988: in steady operation the output is constant, so minimum
+    input is minimum loss. Here the search continues while a speed settles, on the power minus the change of the
+    output.
     """
     is_other = abs(torque - state.search_torque) > _OTHER_TORQUE * state.greatest_torque
     if is_other or abs(speed - state.search_speed) > _OTHER_SPEED * abs(state.search_speed):
-        forget_search(state, torque, speed)
+        restart_search(state, torque, speed)
         return 0.0
     state.search_count += 1
     if state.search_count > state.search_settling:
-        _look(state, speed, power)
+        _accumulate(state, speed, power)
     if state.search_count >= state.search_settling + state.search_looking:
-        _move(state, torque)
-        _look_anew(state, speed)
+        _step_search(state, torque)
+        _begin_averaging(state, speed)
     return float(state.search_offset)

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from drivegate_models.contract.duty.records import DUTY_SENSE
 
 LEAST_CURRENT: Final = 0
-"""Least current that gives the torque, weakened as far as the voltage asks for."""
+"""Minimum current for the torque, with as much field weakening as the voltage requires."""
 UNWEAKENED: Final = 1
-"""Least current, whatever the voltage."""
+"""Minimum current, without field weakening."""
 MODELLED_LOSS: Final = 2
-"""Least loss of a model of copper and core."""
+"""Minimum loss of a model of copper and core."""
 SEARCHED_LOSS: Final = 3
-"""Least power from the link, found by trying."""
+"""Minimum power from the link, found by search."""
 
 AIMS: Final = {
     "foc": LEAST_CURRENT,
@@ -26,21 +26,21 @@ AIMS: Final = {
     "predictive-flux": LEAST_CURRENT,
     "direct-torque": LEAST_CURRENT,
 }
-"""The controllers, and what each chooses its currents for."""
+"""Criterion by which each controller chooses its currents."""
 
 OF_CURRENTS: Final = 0
 """PI regulators of the currents."""
 BY_PREDICTION: Final = 1
-"""The stator flux is led by prediction."""
+"""Predictive control of the stator flux."""
 OF_TORQUE: Final = 2
 """PI regulators of the torque and of the stator flux's magnitude."""
 
 REGULATIONS: Final = {"predictive-flux": BY_PREDICTION, "direct-torque": OF_TORQUE}
-"""What leads to these currents where it is not their own regulators."""
+"""Regulation of the controllers without PI current regulators."""
 
 FOC_STATE: Final = np.dtype(
     [
-        # Which currents are chosen, and what leads to them; set before reset, which leaves both.
+        # Criterion for the currents, and their regulation; set before reset, which does not change them.
         ("aim", np.int64),
         ("regulation", np.int64),
         # Constants, set by reset.
@@ -53,17 +53,16 @@ FOC_STATE: Final = np.dtype(
         ("magnet_flux", np.float64),
         ("core_loss_conductance", np.float64),
         ("current_limit", np.float64),
-        # At the current limit, where the voltage is free.
+        # At the current limit, without a voltage limit.
         ("greatest_torque", np.float64),
-        # Current along the magnet's axis beyond which there is no weakening.
+        # Most negative d-axis current: more does not weaken the field further.
         ("deepest", np.float64),
-        # Time from sampling to the middle of the period in which the answer acts.
+        # Time from sampling to the middle of the period in which the command acts.
         ("lead", np.float64),
         ("speed_gain", np.float64),
         ("speed_integral_step", np.float64),
         ("torque_step", np.float64),
-        # What dead time takes from the duty ratio of a phase that carries a current, and the current from which on it
-        # takes all of that.
+        # Duty ratio lost to dead time in a phase with current, and the current from which compensation is complete.
         ("dead_ratio", np.float64),
         ("dead_current", np.float64),
         ("direct_gain", np.float64),
@@ -73,16 +72,16 @@ FOC_STATE: Final = np.dtype(
         ("weakening_step", np.float64),
         # Regulators.
         ("speed_integral", np.float64),
-        # Torque that is gone for.
+        # Requested torque.
         ("torque", np.float64),
-        # Flux y of the last current along the magnet's axis that gave a torque with least current.
+        # Flux y of the last d-axis current by MTPA.
         ("added_flux", np.float64),
         ("direct_integral", np.float64),
         ("quadrature_integral", np.float64),
-        # Share of the undistorted voltage that references are made for.
+        # Share of the undistorted voltage that references may use.
         ("voltage_share", np.float64),
-        # Prediction of the flux: whether an answer acts a period later, the voltage given, what predictions have missed
-        # (V), and what is foreseen of the flux for the next step.
+        # Prediction of the flux: 1 if a command acts one period later, the voltage applied, the prediction errors (V),
+        # and the flux predicted for the next step.
         ("delay", np.int64),
         ("direct_given", np.float64),
         ("quadrature_given", np.float64),
@@ -90,23 +89,23 @@ FOC_STATE: Final = np.dtype(
         ("quadrature_missed", np.float64),
         ("direct_foreseen", np.float64),
         ("quadrature_foreseen", np.float64),
-        # Regulation of torque and flux: currents on the way to their reference, now and in the last two periods.
+        # Regulation of torque and flux: filtered reference currents, now and in the last two periods.
         ("direct_way", np.float64, (3,)),
         ("quadrature_way", np.float64, (3,)),
-        # Search for the least power: control periods in which a current settles and is looked at, at least, at most and
-        # now; speed at which a period is a sixth of the field's turn, and the inertia over a period.
+        # Search for minimum power: control periods for settling, and for averaging (minimum, maximum and present).
+        # Speed at which a control period is a sixth of an electrical cycle, and inertia over a control period.
         ("search_settling", np.int64),
         ("search_shortest", np.float64),
         ("search_longest", np.float64),
         ("search_sixth", np.float64),
         ("search_looking", np.int64),
         ("search_inertia", np.float64),
-        # What it adds to the current along the magnet's axis, by how much that changes, and how often that was right.
+        # Its offset of the d-axis current, the next step, and the number of consecutive successful steps.
         ("search_offset", np.float64),
         ("search_step", np.float64),
         ("search_gains", np.int64),
-        # How far it is in one place, sums of the power and of the first and second half of the speed there, both in
-        # the place before, and where it began.
+        # Control periods since its last step; sums of the power, and of the speed in both halves of the averaging time;
+        # power and speed before the last step; torque and speed of the operating point.
         ("search_count", np.int64),
         ("search_sum", np.float64),
         ("search_early", np.float64),
@@ -115,8 +114,8 @@ FOC_STATE: Final = np.dtype(
         ("search_pace", np.float64),
         ("search_torque", np.float64),
         ("search_speed", np.float64),
-        # What it goes by, with the shaft led on past a Hall edge that is overdue: by how much at most, from which speed
-        # on, by how much now, and the state, angle and speed that the switches gave before.
+        # The Sense in use, with the angle extrapolated past an overdue Hall edge: the maximum extrapolation, its
+        # minimum speed, the present extrapolation, and the last state, angle and speed from the switches.
         ("seen", DUTY_SENSE),
         ("led_on_longest", np.float64),
         ("led_on_from", np.float64),
@@ -124,8 +123,8 @@ FOC_STATE: Final = np.dtype(
         ("hall_before", np.int64),
         ("hall_angle", np.float64),
         ("hall_speed", np.float64),
-        # Plausibility: its constants, the code of the first fault, whether a step has been seen, what was seen in it,
-        # and for how long, or by how much of the field's turning, each thing has been implausible.
+        # Plausibility: constants, the code of the first fault, 1 once a step has been seen, its values, and for how
+        # long, or for which electrical angle, each value has been implausible.
         ("base_speed", np.float64),
         ("slowing_step", np.float64),
         ("stall_periods", np.int64),
@@ -141,22 +140,11 @@ FOC_STATE: Final = np.dtype(
     ],
     align=True,
 )
-"""In SI units; speeds are electrical, but for the speed regulator's gains, which make torque of the shaft's."""
+"""In SI units. Speeds are electrical; the gains of the speed regulator apply to the shaft's speed."""
 
 
 def foc_state(name: str) -> NDArray[Any]:
-    """Make the state of a controller, for reset to fill in.
-
-    Parameters
-    ----------
-    name : str
-        One of `AIMS`.
-
-    Returns
-    -------
-    array of FOC_STATE, shape (1,)
-        Nothing is set but its aim and its regulation.
-    """
+    """Return the state of one of `AIMS`, shape (1,) of FOC_STATE, with only its aim and its regulation set."""
     state = np.zeros(1, FOC_STATE)
     state["aim"] = AIMS[name]
     state["regulation"] = REGULATIONS.get(name, OF_CURRENTS)

@@ -12,7 +12,7 @@ from tests.models.duty_runs import COLUMN, held, limits_of, rating
 from tests.models.pm_ac.conftest import INTERIOR, SURFACE
 
 from drivegate_models.controllers.duty.state import foc_state
-from drivegate_models.controllers.duty.torque_regulation import _short_of_pull_out, _slopes
+from drivegate_models.controllers.duty.torque_regulation import _limited_to_pull_out, _slopes
 from drivegate_models.loop.schedule import Course, steady
 from drivegate_models.pm_ac.oracle import greatest_torque
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive, make_pm_ac_drive
@@ -63,7 +63,7 @@ def test_no_step_of_the_angle_passes_the_greatest_torque(kind: str, share: float
     pull_out = float(angles[np.argmax(torque_of(drive, flux, angles))])
 
     def step_from(angle: float, step: float) -> float:
-        found = _short_of_pull_out(state, flux, cos(sense * angle), sin(sense * angle), sense * step)
+        found = _limited_to_pull_out(state, flux, cos(sense * angle), sin(sense * angle), sense * step)
         return sense * float(found)
 
     assert step_from(pull_out, 1.0) == pytest.approx(0.0, abs=1e-3)

@@ -19,11 +19,11 @@ from drivegate_models.controllers.current.designs.search import (
     LONGEST_SEARCH,
     MOST_DECISIONS,
     begin_search,
+    fall_back_to_table,
     next_probe,
-    note_cheapest,
-    resort_to_table,
-    settle_for,
-    should_resort_to_table,
+    record_cheapest,
+    set_target,
+    should_fall_back_to_table,
 )
 from drivegate_models.controllers.current.designs.state import (
     ANGLE_TABLE,
@@ -58,20 +58,20 @@ def searched(design: int, optimum_deg: float, edge_deg: float) -> tuple[Any, lis
     state = design_state(design)
     optimum, edge = math.radians(optimum_deg), math.radians(edge_deg)
     state.controller.last_power = current_sum(LINE, optimum)
-    settle_for(state, begin_search(state))
+    set_target(state, begin_search(state))
     probed: list[float] = []
     while state.finished == 0 and len(probed) < MOST_DECISIONS:
         angle = LINE + state.target
         probed.append(math.degrees(angle))
         if angle < edge:
             state.controller.forbidden = state.target
-            settle_for(state, state.target)
+            set_target(state, state.target)
             continue
         state.controller.offset = state.target
         state.controller.last_power = current_sum(angle, optimum)
         state.controller.worst_error = 0.0
-        note_cheapest(state)
-        settle_for(state, next_probe(state, float(state.controller.last_power)))
+        record_cheapest(state)
+        set_target(state, next_probe(state, float(state.controller.last_power)))
     return state, probed
 
 
@@ -152,10 +152,10 @@ def test_a_search_without_time_or_current_is_given_up_for_the_table(
     assert state.tabled == 0
     state.decisions, state.confirming = decisions, confirming
     state.controller.last_power = current_sum_a
-    assert bool(should_resort_to_table(state)) is given_up
+    assert bool(should_fall_back_to_table(state)) is given_up
     if given_up:
-        assert resort_to_table(state) == first_offset(ANGLE_TABLE, current_sum_a)
-        assert not should_resort_to_table(state), "once is enough"
+        assert fall_back_to_table(state) == first_offset(ANGLE_TABLE, current_sum_a)
+        assert not should_fall_back_to_table(state), "once is enough"
 
 
 def test_a_rest_keeps_off_the_edge_that_a_small_step_has_shown() -> None:
