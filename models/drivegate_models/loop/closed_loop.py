@@ -1,8 +1,8 @@
 """A controller and the plant in closed loop, in simulated time alone.
 
-The loop calls the controller's step by address, once a control period, and advances the plant exactly by that
-period. It knows no particular drive: `plant_of` makes the loop of a drive from the kernels of its plant.
-Memory does not grow with the length of a run.
+The loop calls the controller's step by address once per control period, and advances the plant exactly by that
+period. It is independent of the kind of drive: `plant_of` builds the loop from the kernels of a plant. Memory does not
+grow with the length of a run.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ class Plant:
     """A kind of drive that controllers can be run against."""
 
     kernels: PlantKernels
-    """What the loop needs of it."""
+    """The plant's functions in the loop."""
     loop: Any
     """The compiled loop."""
 
 
 @dataclass(frozen=True)
 class ClosedLoopRun:
-    """What is kept of one run."""
+    """The results of one run."""
 
     status: int
     """`exchange.COMPLETED`, `exchange.STOPPED`, `exchange.NOT_FINITE` or `PLANT_FAULT`."""
@@ -49,11 +49,11 @@ class ClosedLoopRun:
     totals: NDArray[np.float64]
     """Exact integrals over the run, shape (ledger.ENTRIES,)."""
     observed: RunObservation
-    """What was observed over the whole run."""
+    """Observations over the whole run."""
     windows: tuple[WindowObservation, ...]
-    """What was observed in each window."""
+    """Observations in each window."""
     trace: NDArray[Any]
-    """Kept control periods, shape (n,) of observation.TRACE_RECORD."""
+    """Recorded control periods, shape (n,) of observation.TRACE_RECORD."""
     last_sense: NDArray[Any]
     """The Sense of the last step, shape (1,) of contract.SENSE."""
     last_currents: NDArray[np.float64]
@@ -68,18 +68,7 @@ class ClosedLoopRun:
 
 
 def plant_of(kernels: PlantKernels) -> Plant:
-    """Make the closed loop of a kind of drive.
-
-    Parameters
-    ----------
-    kernels : PlantKernels
-        Its plant.
-
-    Returns
-    -------
-    Plant
-        The kernels and their loop, compiled where it is first called.
-    """
+    """Return the kernels of a kind of drive with their closed loop, which is compiled on its first call."""
     return Plant(kernels, loop_of(kernels))
 
 
@@ -90,21 +79,21 @@ class PreparedLoop:
     loop: Any
     """The compiled loop."""
     arguments: tuple[Any, ...]
-    """What it is called with."""
+    """The arguments of the loop."""
     exchange: Exchange
     """The records between loop and controller."""
     records: Records
-    """What the run fills in."""
+    """The records that the run fills."""
     trace_every: int
-    """Every n-th control period is kept in the trace; 0 keeps none."""
+    """Every n-th control period is recorded in the trace; 0 for none."""
 
     def run(self) -> ClosedLoopRun:
-        """Run the controller, already reset, to the end or to where it stops."""
+        """Run the controller, already reset, until the end or until it stops."""
         status, digest = self.loop(*self.arguments)
         return self.finished(int(status), int(digest))
 
     def finished(self, status: int, digest: int) -> ClosedLoopRun:
-        """Collect what a run has come to whose loop returned a status and a digest."""
+        """Return the results of a run from its records, and from the status and digest that its loop returned."""
         observed = observation.observed_run(self.records.run)
         trace, every = self.records.trace, self.trace_every
         return ClosedLoopRun(
@@ -143,53 +132,53 @@ def prepared_loop(
     kept: NDArray[Any] | None = None,
     trace_every: int = 0,
 ) -> PreparedLoop:
-    """Make a run of a controller against the plant ready to begin.
+    """Prepare a run of a controller against a plant.
 
     Parameters
     ----------
     plant : Plant
-        The kind of drive.
+        Kernels and compiled loop of the kind of drive.
     drive : named tuple
-        The plant's constants.
+        Constants of machine and inverter, of the plant's own type.
     load : Load
-        The load.
+        Torque and inertia at the shaft.
     schedule : Schedule
-        What happens during the run.
+        External conditions over time.
     step_address, state_address : int
         Addresses of the controller's step function and of its state.
     initial_speed : float
         Shaft speed at the start (rad/s).
     base_speed : float
-        Speed below which no advance is allowed (rad/s); only observed.
+        Speed below which no advance is allowed (rad/s); steps below it are only observed.
     control_period : float
-        (s).
+        Time between two steps of the controller (s).
     duration : float
-        (s).
+        Length of the run (s), rounded to control periods.
     windows : sequence of tuple of float
         Start and end of each observed window (s); none by default.
     initial_angle : float
         Electrical angle of the rotor at the start, 0 to 2 pi (rad).
     clock_start : float
-        Time that the controller senses in the first step (s).
+        Time in the controller's first Sense (s).
     restarts : Restarts, optional
-        When the controller is reset in mid-run; never by default.
+        Resets of the controller during the run; none by default.
     sensors : Sensors, optional
-        What the controller sees the plant through, made for this run; ideal by default.
+        Sensors between plant and controller, made for this run; ideal by default.
     power_window : float
-        Time over which the controller's estimate of its input power is a mean (s); 0 for the last period alone.
+        Averaging time of the controller's estimate of its input power (s); 0 for the last period alone.
     mean_time : float
-        Time of the means of the current sum, whose extremes are observed in each window (s).
+        Averaging time of the current sum, whose extreme means are observed in each window (s).
     progress : ndarray of int64, shape (1,), optional
         Receives the number of steps begun.
     kept : ndarray of COMMAND, shape (n,), optional
         Receives the commands of the first n steps.
     trace_every : int
-        Keep every n-th control period in the trace; 0 keeps none.
+        Record every n-th control period in the trace; 0 for none.
 
     Returns
     -------
     PreparedLoop
-        The run.
+        The run, before its first step; the controller must be reset before it starts.
     """
     exchange = make_exchange(
         drive.phases, step_address=step_address, state_address=state_address, progress=progress, kept=kept
@@ -232,7 +221,7 @@ def _timing(
     mean_time: float,
     trace_every: int,
 ) -> Timing:
-    """Turn times into control periods; where the shaft and the clock begin is left at 0."""
+    """Return the timing in control periods, with the initial values of shaft and clock still 0."""
     steps = [
         [round(time / control_period) for time in (start, end, max(start, end - observation.RIPPLE_TIME))]
         for start, end in windows

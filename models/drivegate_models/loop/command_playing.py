@@ -1,4 +1,4 @@
-"""A controller that gives the commands again that another one gave, whatever it senses."""
+"""A controller that plays recorded commands of another controller, whatever it senses."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from drivegate_models.loop.exchange import OUTPUTS
 PLAYER: Final = np.dtype(
     [("commands_address", np.int64), ("count", np.int64), ("given", np.int64)], align=True
 )
-"""State of the playing step: the address of `count` commands, and how many were given."""
+"""State of the playing step: the address of `count` commands, and how many were played."""
 
 
 @cache
 def playing_step() -> Any:
-    """Return the step that gives kept commands, compiled; behind the last one it requests a stop.
+    """Return the step that plays recorded commands, compiled; after the last one it requests a stop.
 
     Returns
     -------
     CFunc
-        Its `address` is that of a function like `drivegate_step`, whose state is a PLAYER; keep the object.
+        Its `address` is that of a function like `drivegate_step`, whose state is a PLAYER. The caller must retain it.
     """
-    # numba has to be imported after the cache folder is known.
+    # numba must be imported after the cache folder is known.
     import numba
     from numba.np.numpy_support import carray
 
@@ -50,28 +50,28 @@ def playing_step() -> Any:
 
 
 def rows_of(commands: NDArray[Any]) -> NDArray[np.float64]:
-    """Write commands as rows of numbers.
+    """Return commands as rows of numbers.
 
     Parameters
     ----------
     commands : ndarray of COMMAND, shape (n,)
-        The commands.
+        Commands as a run stores them.
 
     Returns
     -------
     ndarray, shape (n, 3)
-        `exchange.OUTPUTS` in each row.
+        `exchange.OUTPUTS` in each row (A, rad electrical, W).
     """
     return np.stack([commands[name] for name in OUTPUTS], axis=1)
 
 
 def player_of(commands: NDArray[Any]) -> NDArray[Any]:
-    """Make the state of a playing step of either contract.
+    """Return the state of a playing step of either contract.
 
     Parameters
     ----------
     commands : ndarray, shape (n, 3), or of DUTY_COMMAND, shape (n,)
-        The commands, `exchange.OUTPUTS` in each row or as they were given, contiguous; they have to outlive the state.
+        `exchange.OUTPUTS` in each row, or duty commands; contiguous. They must outlive the state.
 
     Returns
     -------

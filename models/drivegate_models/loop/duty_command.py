@@ -1,4 +1,4 @@
-"""What a command of duty ratios must be for a run to go on; what is only out of its range is for a check to judge."""
+"""The conditions that a command of duty ratios must meet for a run to continue; checks judge its ranges."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 
 BAD_LEG: Final = 4
-"""Status of a run: a leg's state is none of the contract's; those of `exchange` and `loop_kernel` besides."""
+"""Status of a run, in addition to those of `exchange` and `loop_kernel`: a leg's state is not in the contract."""
 
 
 @inlined
 def duty_command_status(command: Any) -> int:
-    """Look at a command.
+    """Return the status of a command: `COMPLETED` if the run may continue.
 
     Parameters
     ----------
     command : record of DUTY_COMMAND
-        As it was given.
+        As written by the controller; duty ratios outside 0 to 1 are allowed here.
 
     Returns
     -------
     int
-        `COMPLETED`, or `STOPPED`, `NOT_FINITE` or `BAD_LEG`.
+        `COMPLETED`, `STOPPED`, `NOT_FINITE` (duty ratios) or `BAD_LEG`.
     """
     if command.struct_size < 0:
         return STOPPED

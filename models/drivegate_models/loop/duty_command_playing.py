@@ -1,4 +1,4 @@
-"""A controller of duty ratios that gives the commands again that another one gave, whatever it senses."""
+"""A controller of duty ratios that plays recorded commands of another controller, whatever it senses."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ _SIZE: Final = DUTY_COMMAND.itemsize
 
 @cache
 def duty_playing_step() -> Any:
-    """Return the step that gives kept commands, compiled; behind the last one it requests a stop.
+    """Return the step that plays recorded commands, compiled; after the last one it requests a stop.
 
     Returns
     -------
     CFunc
-        Its `address` is that of a function like `drivegate_duty_step`, whose state is a PLAYER; keep the object.
+        Its `address` is that of a function like `drivegate_duty_step`, whose state is a PLAYER. The caller must retain
+        it.
     """
-    # numba has to be imported after the cache folder is known.
+    # numba must be imported after the cache folder is known.
     import numba
     from numba.np.numpy_support import carray
 

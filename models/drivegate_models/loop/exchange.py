@@ -1,4 +1,4 @@
-"""Calling a controller for one step: the only place where compiled code does it."""
+"""One step of a controller: the only place where the compiled loop of a current contract calls it."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.current.records import COMMAND, SENSE
 
 OUTPUTS: Final = ("current_reference", "advance_angle", "input_power")
-"""The numbers of a Command, in the order of the columns wherever commands stand in rows."""
+"""The numbers of a Command, in the order of the columns wherever commands are rows."""
 COMPLETED: Final = 0
-"""Status: the controller has answered; of a whole run, that it reached its end."""
+"""Status of a step: the controller returned a command. Status of a run: it reached its end."""
 STOPPED: Final = 1
-"""Status: the controller's bridge requested a stop; it knows why."""
+"""Status: the controller's bridge requested a stop, and stores the reason."""
 NOT_FINITE: Final = 2
-"""Status: the controller's command was not finite; the last Sense shows what it saw."""
+"""Status: the controller's command was not finite; the last Sense contains its input."""
 
 _WORD = 0xFFFFFFFF
 _FNV_PRIME = 16777619
 
 
 class Exchange(NamedTuple):
-    """The records through which loop and controller talk, and where the controller is."""
+    """The records between loop and controller, and the controller's addresses."""
 
     sense: NDArray[Any]
-    """Shape (1,) of contract.SENSE."""
+    """Input of the controller, shape (1,) of contract.SENSE."""
     command: NDArray[Any]
-    """Shape (1,) of contract.COMMAND."""
+    """Output of the controller, shape (1,) of contract.COMMAND."""
     command_bits: NDArray[np.int64]
-    """The command's bits, shape (4,)."""
+    """A view of the command as 64-bit words, shape (4,)."""
     sensed_currents: NDArray[np.float64]
-    """Shape (m,) (A)."""
+    """Phase currents of the Sense, shape (m,) (A)."""
     progress: NDArray[np.int64]
-    """Shape (1,): number of steps begun, watched by the parent process."""
+    """Number of steps begun, shape (1,), monitored by the parent process."""
     kept: NDArray[Any]
-    """Receives the command of each step, shape (n,) of contract.COMMAND; those behind its end are not kept."""
+    """Receives the command of each step, shape (n,) of contract.COMMAND; commands after its end are not stored."""
     step_address: int
     """Address of the controller's step."""
     state_address: int
@@ -58,7 +58,7 @@ def make_exchange(
     progress: NDArray[np.int64] | None = None,
     kept: NDArray[Any] | None = None,
 ) -> Exchange:
-    """Set up the records of a controller that has been reset.
+    """Return the records between the loop and a controller that has been reset.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def make_exchange(
     Returns
     -------
     Exchange
-        The records, sized and tied together.
+        With sizes and addresses set.
     """
     sense = np.zeros(1, SENSE)
     currents = np.zeros(phases)
@@ -99,12 +99,12 @@ def make_exchange(
 
 @inlined
 def step_controller(exchange: Exchange, step: int) -> int:
-    """Call the controller's step on what its Sense holds, and look at the command.
+    """Call the controller's step on the present Sense, and check its command.
 
     Parameters
     ----------
     exchange : Exchange
-        The records; the command is written anew.
+        Its command is overwritten.
     step : int
         Number of the step, from 0.
 
@@ -114,11 +114,11 @@ def step_controller(exchange: Exchange, step: int) -> int:
         `COMPLETED`, `STOPPED` or `NOT_FINITE`.
     """
     command = exchange.command
-    # What a controller leaves out is not what it answered the step before.
+    # A missing output must not repeat the output of the preceding step.
     command[0].current_reference = nan
     command[0].advance_angle = nan
     command[0].input_power = nan
-    # Counted before the call, so that whoever watches knows in which step a controller hangs.
+    # Count before the call, so that a monitor knows in which step a controller hangs.
     exchange.progress[0] = step + 1
     call_step(exchange.step_address, exchange.state_address, exchange.sense_address, exchange.command_address)
     if command[0].struct_size < 0:
@@ -154,14 +154,14 @@ def digested_command(digest: int, exchange: Exchange) -> int:
     Parameters
     ----------
     digest : int
-        Digest of the commands before.
+        Digest of the previous commands.
     exchange : Exchange
-        Holds the command.
+        Its `command_bits` are read.
 
     Returns
     -------
     int
-        Digest of them all.
+        Digest of all commands, in 63 bits.
     """
     for word in range(1, 4):
         digest = _digested(digest, exchange.command_bits[word])

@@ -1,4 +1,4 @@
-"""Steps of a controller of duty ratios on Senses that are given, not fed back: no plant is in this loop."""
+"""Steps of a controller of duty ratios on prescribed Senses: there is no plant and no feedback."""
 
 from __future__ import annotations
 
@@ -15,46 +15,46 @@ from drivegate_models.loop.exchange import COMPLETED
 
 
 class GivenDutySteps(NamedTuple):
-    """What the steps are made of."""
+    """A controller, its prescribed Senses, and the records of its steps."""
 
     step_address: int
     """Address of the controller's step."""
     state_address: int
     """Address of its state."""
     senses: NDArray[Any]
-    """Shape (n,) of DUTY_SENSE."""
+    """Input of each step, shape (n,) of DUTY_SENSE."""
     currents: NDArray[np.float64]
-    """Shape (n, 3), to which they point (A)."""
+    """Phase currents to which the Senses point, shape (n, 3) (A)."""
     command: NDArray[Any]
-    """Shape (1,) of DUTY_COMMAND."""
+    """Output of the present step, shape (1,) of DUTY_COMMAND."""
     fresh: NDArray[Any]
-    """What a command is before the step, shape (1,) of DUTY_COMMAND."""
+    """Initial value of the command in each step, shape (1,) of DUTY_COMMAND."""
     progress: NDArray[np.int64]
-    """Shape (1,): number of steps begun, watched from another process."""
+    """Number of steps begun, shape (1,), monitored by another process."""
     kept: NDArray[Any]
-    """Receives the commands, shape (m,) of DUTY_COMMAND; those behind its end are not kept."""
+    """Receives the commands, shape (m,) of DUTY_COMMAND; commands after its end are not stored."""
 
 
 @unallocating
 def make_duty_steps(given: GivenDutySteps) -> tuple[int, int]:
-    """Step a controller, already reset, through given Senses.
+    """Step a controller, already reset, through prescribed Senses.
 
     Parameters
     ----------
     given : GivenDutySteps
-        Controller and Senses.
+        Its `progress`, `command` and `kept` are updated.
 
     Returns
     -------
     status : int
-        `COMPLETED`, or another status of `duty_command.duty_command_status`.
+        `COMPLETED`, or the status of `duty_command.duty_command_status` at which the steps ended.
     answered : int
-        Number of steps that were answered; the next one is what another status is about.
+        Number of completed steps, and so the number of the step with another status.
     """
     senses, command, kept = given.senses, given.command, given.kept
     for k in range(senses.size):
         command[0] = given.fresh[0]
-        # Counted before the call, so that whoever watches knows in which step a controller hangs.
+        # Count before the call, so that a monitor knows in which step a controller hangs.
         given.progress[0] = k + 1
         call_step(
             given.step_address,
@@ -79,16 +79,16 @@ def given_duty_steps(
     progress: NDArray[np.int64] | None = None,
     kept: NDArray[Any] | None = None,
 ) -> GivenDutySteps:
-    """Tie Senses and a controller together.
+    """Return the records for the steps of a controller on prescribed Senses.
 
     Parameters
     ----------
     step_address, state_address : int
         Addresses of the controller's step function and of its state.
     senses : ndarray of DUTY_SENSE, shape (n,)
-        What the controller senses; the address of its phase currents need not be set.
+        Prescribed Senses; their addresses of phase currents need not be set.
     currents : ndarray, shape (n, 3)
-        The phase currents (A).
+        Phase currents of the Senses (A).
     progress : ndarray of int64, shape (1,), optional
         Receives the number of steps begun.
     kept : ndarray of DUTY_COMMAND, shape (m,), optional
@@ -97,7 +97,7 @@ def given_duty_steps(
     Returns
     -------
     GivenDutySteps
-        For `make_duty_steps`.
+        Argument of `make_duty_steps`, with copies of the Senses.
     """
     given, currents = senses.copy(), np.ascontiguousarray(currents, np.float64)
     given["struct_size"] = DUTY_SENSE.itemsize

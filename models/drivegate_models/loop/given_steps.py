@@ -1,4 +1,4 @@
-"""Steps of a controller on Senses that are given, not fed back: no plant is in this loop."""
+"""Steps of a controller on prescribed Senses: there is no plant and no feedback."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from drivegate_models.compilation.kernels import unallocating
 from drivegate_models.loop.exchange import COMPLETED, Exchange, step_controller
 
 SCALARS: Final = ("time", "speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage")
-"""First columns of a row of a Sense: all but its phase currents, in SI units, which are the columns after them."""
+"""First columns of a row of a Sense (SI units); the phase currents are the columns after them."""
 
 
 @unallocating
 def make_steps(exchange: Exchange, senses: NDArray[np.float64]) -> tuple[int, int]:
-    """Step a controller, already reset, through given Senses.
+    """Step a controller, already reset, through prescribed Senses.
 
     Parameters
     ----------
     exchange : Exchange
-        The records; its `kept` receives the commands.
+        Its Sense is overwritten; its `kept` receives the commands.
     senses : ndarray, shape (n, len(SCALARS) + m)
-        What the controller senses, one row for each step, in SI units.
+        One Sense per row, in SI units.
 
     Returns
     -------
     status : int
         `COMPLETED`, `STOPPED` or `NOT_FINITE`.
     answered : int
-        Number of steps that were answered; the next one is what another status is about.
+        Number of completed steps, and so the number of the step with another status.
     """
     sense = exchange.sense
     for k in range(senses.shape[0]):
@@ -49,7 +49,7 @@ def make_steps(exchange: Exchange, senses: NDArray[np.float64]) -> tuple[int, in
 
 
 def senses_of(signals: NDArray[np.float64], phases: int, control_period: float) -> NDArray[np.float64]:
-    """Make rows of Senses from the signals that a script gives.
+    """Return rows of Senses for a script's signals.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def senses_of(signals: NDArray[np.float64], phases: int, control_period: float) 
     Returns
     -------
     ndarray, shape (n, len(SCALARS) + m)
-        The rows; the phase currents share the sum alike, with changing signs.
+        The rows. The phase currents share the sum equally, with alternating signs.
     """
     times = np.arange(len(signals)) * control_period
     shares = signals[:, 2:3] / phases * np.where(np.arange(phases) % 2, -1.0, 1.0)

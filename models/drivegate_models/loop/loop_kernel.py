@@ -1,4 +1,4 @@
-"""The compiled loop over the control periods of a run: controller, plant, sensors, shaft, and what is observed."""
+"""The compiled loop over the control periods of a run: controller, plant, sensors, shaft and observations."""
 
 from __future__ import annotations
 
@@ -36,32 +36,32 @@ from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load, load_torque
 
 PLANT_FAULT: Final = 3
-"""Status of a run, besides those of `exchange`: the plant reported a fault of the harness."""
+"""Status of a run, in addition to those of `exchange`: the plant reported a fault of the harness."""
 
 _BEGIN, _END, _RIPPLE_BEGIN = range(3)
 
 
 @dataclass(frozen=True)
 class PlantKernels:
-    """What the closed loop needs of a plant: five functions, compiled but for the first."""
+    """The plant's functions in the closed loop; all except the first are compiled."""
 
     make_phases: Callable[..., Any]
-    """``(drive, longest_advance=0.0)`` gives phases at rest: a named tuple with `currents` (A), `magnitudes`
-    (A s), both of shape (m,), `rows` and `row_counts`, where the segments of an advance are kept."""
+    """``(drive, longest_advance=0.0)`` returns phases at rest: a named tuple with `currents` (A), `magnitudes`
+    (A s), both of shape (m,), and `rows` and `row_counts` for the segments of an advance."""
     advance_phases: Callable[..., int]
     """``(drive, phases, angle, speed, upper, lower, reference, advance, duration, totals)`` advances them in
     SI units and returns `machine.advance_status.COMPLETED`, or another status of it."""
     stored_energy: Callable[..., float]
-    """``(drive, currents)`` gives the energy in the windings (J)."""
+    """``(drive, currents)`` returns the energy in the windings (J)."""
     drifted: Callable[..., Any]
-    """``(drive, resistance_factor, emf_factor)`` gives the drive at another temperature."""
+    """``(drive, resistance_factor, emf_factor)`` returns the drive at another temperature."""
     torque_range: Callable[..., tuple[float, float]]
-    """``(drive, phases, positions, duration, lowest, highest)`` widens a range by the torque over the last
-    advance (N m); `positions` is room of shape (m,)."""
+    """``(drive, phases, positions, duration, lowest, highest)`` extends a range by the torque over the last
+    advance (N m); `positions` is work space of shape (m,)."""
 
 
 class Timing(NamedTuple):
-    """When things happen in a run."""
+    """Times of a run, most of them in control periods."""
 
     control_period: float
     steps: int
@@ -69,18 +69,18 @@ class Timing(NamedTuple):
     initial_angle: float
     """Electrical angle of the rotor at the start (rad)."""
     clock_start: float
-    """Time that the controller senses in the first step (s)."""
+    """Time in the controller's first Sense (s)."""
     base_speed: float
     block: int
     """Control periods over which the current sum is averaged."""
     trace_every: int
-    """Keep every n-th control period; n is at least 1."""
+    """Record every n-th control period; n is at least 1."""
     windows: NDArray[np.int64]
-    """First step, step behind the last, and first step whose ripple is followed, of each window; shape (w, 3)."""
+    """First step, step after the last, and first step whose ripple is observed, of each window; shape (w, 3)."""
 
 
 class Records(NamedTuple):
-    """What a run fills in."""
+    """The records that a run fills."""
 
     run: NDArray[Any]
     windows: NDArray[Any]
@@ -89,7 +89,7 @@ class Records(NamedTuple):
 
 
 class Room(NamedTuple):
-    """Room for the loop's computations."""
+    """Work space of the loop."""
 
     course_positions: NDArray[np.int64]
     row_positions: NDArray[np.int64]
@@ -99,7 +99,7 @@ class Room(NamedTuple):
 
 
 class _Measured(NamedTuple):
-    """What the controller saw, kept here since it may write over its Sense."""
+    """The measured values, stored here because a controller may overwrite its Sense."""
 
     speed: float
     supply: float
@@ -117,14 +117,14 @@ def _write_sense(
     speed: float,
     current_sum: float,
 ) -> _Measured:
-    """Write the Sense of a control period, and return what is in it."""
+    """Write the Sense of a control period, and return the measured values."""
     measured_speed = shown_speed(sensors, time, speed)
     measured_supply = shown_supply(sensors, time, conditions.supply)
     measured_sum = show_currents(
         sensors, time, phases.currents, phases.magnitudes, timing.control_period, exchange.sensed_currents
     )
     if sensors.ideal and not sensors.biased and measured_sum > 0.0:
-        # The sum over the phases as the ledger has it, not the sum of its differences.
+        # Use the ledger's sum over the phases, not the sum of its differences.
         measured_sum = current_sum
     sense = exchange.sense
     sense[0].time = timing.clock_start + time
@@ -137,7 +137,7 @@ def _write_sense(
 
 @inlined
 def _mean_product(products: NDArray[np.float64], step: int, product: float) -> float:
-    """Return the mean of the last products, as many as there is room for."""
+    """Add a product (W), and return the mean of the last ``products.size`` ones."""
     count = products.size
     products[step % count] = product
     if count == 1:
@@ -151,7 +151,7 @@ def _mean_product(products: NDArray[np.float64], step: int, product: float) -> f
 
 @inlined
 def _watched_window(windows: NDArray[np.int64], step: int) -> int:
-    """Return the last window whose ripple is followed in a step, or -1."""
+    """Return the last window whose ripple is observed in a step, or -1."""
     watched = -1
     for window in range(windows.shape[0]):
         if windows[window, _RIPPLE_BEGIN] <= step < windows[window, _END]:
@@ -163,7 +163,7 @@ def _watched_window(windows: NDArray[np.int64], step: int) -> int:
 def _observe_windows(
     timing: Timing, records: Records, room: Room, step: int, speed_reference: float, applied: Applied
 ) -> None:
-    """Add one control period to every window that it lies in."""
+    """Add one control period to every window that contains it."""
     windows = timing.windows
     for window in range(windows.shape[0]):
         if windows[window, _BEGIN] <= step < windows[window, _END]:
@@ -178,10 +178,10 @@ def _observe_windows(
 
 
 @inlined
-def _observe_answer(
+def _observe_command(
     observed: Any, exchange: Exchange, time: float, measured: _Measured, base_speed: float, product: float
 ) -> None:
-    """Add the controller's answer, as it gave it, to what is observed of the run."""
+    """Add the controller's command, before clamping, to the record of the run."""
     command = exchange.command
     observe_command(
         observed, command[0].current_reference, command[0].advance_angle, time, measured.speed, base_speed
@@ -199,7 +199,7 @@ def _applied(
     current_sum: float,
     load: float,
 ) -> Applied:
-    """Return what drove the plant in a control period, and what came of it."""
+    """Return the inputs of the plant in a control period, and the results."""
     return Applied(
         reference,
         advance,
@@ -214,7 +214,7 @@ def _applied(
 
 
 def _ripple_follower(torque_range: Callable[..., tuple[float, float]]) -> Callable[..., RippleWatch]:
-    """Return the compiled function that adds a control period to the electrical period whose torque is followed."""
+    """Return the compiled function that adds a control period to the observed electrical period."""
 
     def follow(
         plant: Any,
@@ -241,7 +241,7 @@ def _ripple_follower(torque_range: Callable[..., tuple[float, float]]) -> Callab
 
 
 def loop_of(kernels: PlantKernels) -> Any:
-    """Return the compiled loop of a kind of drive; numba takes the plant's kernels as constants of it."""
+    """Return the compiled loop of a kind of drive, with the plant's kernels as compile-time constants."""
     advance_phases = kernels.advance_phases
     stored_energy = kernels.stored_energy
     drifted = kernels.drifted
@@ -287,8 +287,8 @@ def loop_of(kernels: PlantKernels) -> Any:
             digest = digested_command(digest, exchange)
             since = steps_since(restarts, restarted, k)
             product = _mean_product(room.products, since, measured.supply * measured.current_sum)
-            _observe_answer(observed, exchange, time, measured, timing.base_speed, product)
-            # The inverter keeps to its limits whatever it is commanded; the checks judge the command as it was.
+            _observe_command(observed, exchange, time, measured, timing.base_speed, product)
+            # The inverter limits every command; the checks judge the command before this limit.
             reference = min(max(exchange.command[0].current_reference, 0.0), drive.current_limit)
             advance = min(max(exchange.command[0].advance_angle, 0.0), 0.5 * pi)
 
@@ -298,7 +298,7 @@ def loop_of(kernels: PlantKernels) -> Any:
             moving = recorded if watched >= 0 else phases
             upper = conditions.supply * (1.0 + conditions.imbalance)
             lower = conditions.supply * (1.0 - conditions.imbalance)
-            # The windows rest on the angle that the sensors give; its error moves them as an advance does.
+            # The conduction windows use the sensors' angle; its error shifts them like an advance.
             held = max(held_speed(speed, gained), 0.0)
             shifted = advance + turn_sensors(sensors, k, time, length, held)
             if advance_phases(plant, moving, angle, held, upper, lower, reference, shifted, length, period):

@@ -1,7 +1,7 @@
-"""What the closed loop keeps of a run: fixed numbers, whatever the run's length.
+"""The observations that the closed loop stores for a run: fixed numbers, independent of the run's length.
 
-One record for the whole run, and one for each observed window of it. The kernels write records of numpy; whoever
-reads a finished run gets the same fields as named tuples.
+There is one record for the whole run, and one for each observed window. The kernels write numpy records; readers of
+a completed run get the same fields as named tuples.
 """
 
 from __future__ import annotations
@@ -13,42 +13,42 @@ import numpy as np
 from numpy.typing import NDArray
 
 MEAN_TIME: Final = 0.1
-"""Length of the means of the current sum where none is given (s)."""
+"""Default averaging time of the current sum (s)."""
 
 RIPPLE_TIME: Final = 1.0
-"""Time at a window's end in which the torque's extremes are followed (s)."""
+"""Time at a window's end in which the torque's extremes are observed (s)."""
 
 
 class RunObservation(NamedTuple):
-    """What is observed over a whole run."""
+    """Observations over a whole run."""
 
     steps: float
     """Control periods done."""
     reference_lowest: float
-    """Least current reference that the candidate answered with (A), before clamping."""
+    """Minimum current reference in the candidate's commands, before clamping (A)."""
     reference_highest: float
-    """Greatest (A)."""
+    """Maximum current reference, before clamping (A)."""
     angle_lowest: float
-    """Least advance angle that the candidate answered with (rad), before clamping."""
+    """Minimum advance angle in the candidate's commands, before clamping (rad)."""
     angle_highest: float
-    """Greatest (rad)."""
+    """Maximum advance angle, before clamping (rad)."""
     angle_below_base: float
-    """Greatest magnitude of the advance angle in steps whose Sense showed less than base speed (rad)."""
+    """Maximum magnitude of the advance angle in steps whose measured speed was below base speed (rad)."""
     steps_below_base: float
-    """Number of those steps."""
+    """Number of steps whose measured speed was below base speed."""
     power_estimates: float
     """Number of input power estimates."""
     power_error: float
-    """Greatest difference of an estimate from measured supply voltage times measured current sum, or from the mean
-    of that product over the window that the candidate declares (W)."""
+    """Maximum difference of an estimate from measured supply voltage times measured current sum, or from the mean of
+    that product over the window that the candidate declares (W)."""
     power_error_relative: float
-    """The same over that product, where it exceeds 1 W (1)."""
+    """The same difference relative to that product, or to 1 W if the product is smaller (1)."""
     exchange_error: float
-    """Greatest difference of net supply energy, `EXCHANGED` - 2 `RETURNED`, from where it went, over the energy that
-    was exchanged or stored."""
+    """Maximum difference of net supply energy, `EXCHANGED` - 2 `RETURNED`, from the energy consumed and stored, over
+    the energy exchanged or stored (1)."""
     kinetic_residual: float
-    """Sum of ``J`` times the change of speed times how far its mean lies above the speed that was held, which is what
-    holding the speed within a period leaves out of the kinetic energy (J)."""
+    """Error of the kinetic energy by the constant speed within each period (J): the sum of ``J`` times the change of
+    speed times the difference of its mean from the constant speed."""
     shaft_energy: float
     """Sum of speed times electromagnetic impulse (J)."""
     input_energy: float
@@ -58,26 +58,26 @@ class RunObservation(NamedTuple):
     speed_final: float
     """Speed at the end (rad/s)."""
     neutral_current: float
-    """Greatest |sum of the phase currents| over the sum of their magnitudes, at the end of a period (1)."""
+    """Maximum |sum of the phase currents| over the sum of their magnitudes, at the end of a period (1)."""
     unequal_halves: float
-    """Greatest difference of the energies that a period takes from the half-sources, over what it exchanges (1)."""
+    """Maximum difference of the energies from the half-sources in a period, over the energy exchanged (1)."""
 
 
 class WindowObservation(NamedTuple):
-    """What is observed in one window of a run."""
+    """Observations in one window of a run."""
 
     steps: float
     """Control periods in the window."""
     speed_error: float
-    """Greatest magnitude of the true speed error (rad/s)."""
+    """Maximum magnitude of the true speed error (rad/s)."""
     angle_lowest: float
-    """Least advance angle (rad), as applied."""
+    """Minimum advance angle, as applied (rad)."""
     angle_highest: float
-    """Greatest (rad)."""
+    """Maximum advance angle, as applied (rad)."""
     mean_lowest: float
-    """Least mean of the current sum over the time of a mean (A)."""
+    """Minimum mean of the current sum over the averaging time (A)."""
     mean_highest: float
-    """Greatest (A)."""
+    """Maximum mean of the current sum over the averaging time (A)."""
     current_sum: float
     """Mean of the current sum (A)."""
     torque: float
@@ -93,13 +93,13 @@ class WindowObservation(NamedTuple):
     speed: float
     """Mean speed (rad/s)."""
     peak: float
-    """Greatest phase current (A)."""
+    """Maximum magnitude of a phase current (A)."""
     ripple: float
     """Torque ripple, peak to peak over mean, of the worst electrical period in the window's last `RIPPLE_TIME` (1)."""
     ripple_one_sided: float
-    """Greatest deviation from the mean over the mean, of the worst electrical period there (1)."""
+    """Maximum deviation from the mean over the mean, of the worst electrical period there (1)."""
     torque_lowest: float
-    """Least torque of the electrical periods there (N m); inf where there was none."""
+    """Minimum torque of the electrical periods there (N m); inf if there was none."""
 
 
 TRACE_COLUMNS: Final = (
@@ -115,7 +115,7 @@ TRACE_COLUMNS: Final = (
     "half_supply_v",
     "measured_speed_rpm",
 )
-"""Columns of a trace, in people's units; one record for each kept control period."""
+"""Columns of a trace, with their units; one record for each recorded control period."""
 
 
 def _record_of(names: tuple[str, ...]) -> np.dtype[Any]:
@@ -127,7 +127,7 @@ RUN_RECORD: Final = _record_of(RunObservation._fields)
 WINDOW_RECORD: Final = _record_of(WindowObservation._fields)
 """Record of `WindowObservation`; the means are sums until the run has ended."""
 TRACE_RECORD: Final = _record_of(TRACE_COLUMNS)
-"""Record of one kept control period."""
+"""Record of one recorded control period."""
 
 _MEANS = (
     "current_sum",
@@ -141,13 +141,7 @@ _MEANS = (
 
 
 def empty_run() -> NDArray[Any]:
-    """Make the record of a run that has not begun.
-
-    Returns
-    -------
-    ndarray of RUN_RECORD, shape (1,)
-        Nothing observed.
-    """
+    """Return the record of a run that has not begun, shape (1,) of RUN_RECORD."""
     run = np.zeros(1, RUN_RECORD)
     run["reference_lowest"] = run["angle_lowest"] = inf
     run["reference_highest"] = run["angle_highest"] = -inf
@@ -155,18 +149,7 @@ def empty_run() -> NDArray[Any]:
 
 
 def empty_windows(count: int) -> NDArray[Any]:
-    """Make the records of windows that have not begun.
-
-    Parameters
-    ----------
-    count : int
-        Number of windows.
-
-    Returns
-    -------
-    ndarray of WINDOW_RECORD, shape (count,)
-        Nothing observed.
-    """
+    """Return the records of windows that have not begun, shape (count,) of WINDOW_RECORD."""
     windows = np.zeros(count, WINDOW_RECORD)
     windows["angle_lowest"] = windows["mean_lowest"] = windows["torque_lowest"] = inf
     windows["angle_highest"] = windows["mean_highest"] = -inf
@@ -174,28 +157,17 @@ def empty_windows(count: int) -> NDArray[Any]:
 
 
 def observed_run(run: NDArray[Any]) -> RunObservation:
-    """Give what was observed over a finished run.
-
-    Parameters
-    ----------
-    run : ndarray of RUN_RECORD, shape (1,)
-        Its record.
-
-    Returns
-    -------
-    RunObservation
-        The same numbers.
-    """
+    """Return the observations of a completed run from its record, shape (1,) of RUN_RECORD."""
     return RunObservation(*run[0].tolist())
 
 
 def observed_windows(windows: NDArray[Any]) -> tuple[WindowObservation, ...]:
-    """Give what was observed in the windows of a finished run, sums turned into means.
+    """Return the observations in the windows of a completed run, with means instead of sums.
 
     Parameters
     ----------
     windows : ndarray of WINDOW_RECORD, shape (w,)
-        Their records.
+        With sums over the control periods.
 
     Returns
     -------

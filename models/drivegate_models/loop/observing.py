@@ -1,4 +1,4 @@
-"""Writing down what is observed of a run, one control period after the other."""
+"""Accumulation of what is observed in a run, one control period at a time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drivegate_models.units import DEGREES, RPM
 
 
 class Applied(NamedTuple):
-    """What drove the plant in one control period, and what came of it."""
+    """The inputs of the plant in one control period, and the results."""
 
     reference: float
     """Current reference, clamped (A)."""
@@ -34,27 +34,27 @@ class Applied(NamedTuple):
     exchanged_power: float
     """Mean power exchanged with the half-sources (W)."""
     peak: float
-    """Greatest phase current (A)."""
+    """Maximum magnitude of a phase current (A)."""
 
 
 @inlined
 def observe_command(
     run: Any, reference: float, advance: float, time: float, measured_speed: float, base_speed: float
 ) -> None:
-    """Add a command, as the controller gave it, to what is observed of a run.
+    """Add the controller's command, before clamping, to the record of a run.
 
     Parameters
     ----------
     run : record of RUN_RECORD
-        Updated.
+        Its extremes of reference and angle, and its steps below base speed, are updated.
     reference, advance : float
-        The command (A, rad).
+        The command (A, rad electrical).
     time : float
         Time of the step (s).
     measured_speed : float
-        The speed that the controller saw (rad/s).
+        Speed in the controller's Sense (rad/s).
     base_speed : float
-        Base speed (rad/s).
+        Speed below which no advance is allowed (rad/s).
     """
     if reference < run.reference_lowest:
         run.reference_lowest = reference
@@ -64,7 +64,7 @@ def observe_command(
         run.angle_lowest = advance
     if advance > run.angle_highest:
         run.angle_highest = advance
-    # The controller cannot know better than its Sense whether it is below base speed.
+    # The controller knows only from its Sense whether it is below base speed.
     if measured_speed < base_speed:
         run.steps_below_base += 1.0
         if abs(advance) > run.angle_below_base:
@@ -74,16 +74,16 @@ def observe_command(
 
 @inlined
 def observe_power_estimate(run: Any, estimate: float, product: float) -> None:
-    """Add a controller's estimate of its input power, if it gave one, to what is observed of a run.
+    """Add the controller's estimate of its input power, if there is one, to the record of a run.
 
     Parameters
     ----------
     run : record of RUN_RECORD
-        Updated.
+        Its count of estimates and their maximum errors are updated.
     estimate : float
         The estimate (W); NaN for none.
     product : float
-        Measured supply voltage times measured current sum, or its mean (W).
+        Measured supply voltage times measured current sum, or its mean over the power window (W).
     """
     if estimate == estimate:
         run.power_estimates += 1.0
@@ -99,16 +99,16 @@ def observe_power_estimate(run: Any, estimate: float, product: float) -> None:
 def observe_energy(
     run: Any, resistance: float, speed: float, before: float, after: float, period: NDArray[np.float64]
 ) -> None:
-    """Add the energies of one control period to what is observed of a run, and hold them against each other.
+    """Add the energies of one control period to the record of a run, and check their balance.
 
     Parameters
     ----------
     run : record of RUN_RECORD
-        Updated.
+        Its energies and its maximum relative imbalance are updated.
     resistance : float
         Winding resistance (ohm).
     speed : float
-        Shaft speed that was held (rad/s).
+        Shaft speed at which the period was computed (rad/s).
     before, after : float
         Energy in the windings at the start and at the end of the period (J).
     period : ndarray, shape (ledger.ENTRIES,)
@@ -118,7 +118,7 @@ def observe_energy(
     shaft = speed * period[ledger.IMPULSE]
     spent = resistance * period[ledger.SQUARE] + shaft + period[ledger.DEVICE] + (after - before)
     throughput = exchanged + before + after
-    # What is not a number must not pass for a balance, hence the comparisons the other way round.
+    # NaN must not count as balanced, hence the negated comparisons.
     if not throughput <= 0.0:
         mismatch = abs(exchanged - 2.0 * period[ledger.RETURNED] - spent) / throughput
         if not mismatch <= run.exchange_error:
@@ -131,18 +131,18 @@ def observe_energy(
 def observe_balance(
     run: Any, currents: NDArray[np.float64], halves_are_equal: bool, period: NDArray[np.float64]
 ) -> None:
-    """Add what the currents of one control period leave for a return that is common to all phases.
+    """Add the share of the phase currents that needs a common return path to the record of a run.
 
-    A neutral that is isolated has none: the currents sum to zero, and equal halves of a supply give the same energy.
+    An isolated neutral has no such path: the currents sum to zero, and equal halves of a supply deliver equal energies.
 
     Parameters
     ----------
     run : record of RUN_RECORD
-        Updated.
+        Its `neutral_current` and `unequal_halves` are updated.
     currents : ndarray, shape (m,)
         Phase currents at the end of the period (A).
     halves_are_equal : bool
-        Whether the half-sources have the same voltage.
+        True if the half-sources have the same voltage.
     period : ndarray, shape (ledger.ENTRIES,)
         Exact integrals over the period.
     """
@@ -162,27 +162,27 @@ def observe_balance(
 def observe_window(
     row: Any, applied: Applied, speed_reference: float, block_sum: float, done: int, block: int
 ) -> float:
-    """Add one control period to a window.
+    """Add one control period to a window, and return the sum of the present block of periods.
 
     Parameters
     ----------
     row : record of WINDOW_RECORD
-        Updated.
+        The window; its extremes and its sums for means are updated.
     applied : Applied
-        The period.
+        Inputs and results of the period.
     speed_reference : float
-        Speed reference (rad/s).
+        Speed reference in the period (rad/s).
     block_sum : float
-        Sum of the current sum in the block of periods that is being averaged (A).
+        Sum of the current sum over the previous periods of the block (A).
     done : int
-        Periods of the window done, this one included.
+        Number of the window's periods so far, this one included.
     block : int
-        Periods in a block.
+        Periods in a block, over which the current sum is averaged.
 
     Returns
     -------
     float
-        The block's sum behind this period, 0 where the block has just ended (A).
+        The block's sum after this period, 0 if the block has just ended (A).
     """
     row.steps += 1.0
     deviation = abs(applied.speed - speed_reference)
@@ -216,20 +216,20 @@ def observe_window(
 def write_trace(
     row: Any, time: float, conditions: Conditions, applied: Applied, speed: float, measured_speed: float
 ) -> None:
-    """Write one control period into a trace, in people's units.
+    """Write one control period into a trace, in the units of its columns.
 
     Parameters
     ----------
     row : record of TRACE_RECORD
-        Written.
+        Overwritten.
     time : float
         Start of the period (s).
     conditions : Conditions
-        What acted from outside.
+        References, load and supply of the period.
     applied : Applied
-        The period.
+        Inputs and results of the period.
     speed, measured_speed : float
-        True speed at the start of the period, and the one that the controller saw then (rad/s).
+        True speed at the start of the period, and the measured one (rad/s).
     """
     row.time_s = time
     row.speed_reference_rpm = conditions.speed_reference * RPM

@@ -1,4 +1,4 @@
-"""Starting a controller anew in mid-run, as a watchdog does, while the drive runs on."""
+"""Reset of a controller during a run, as by a watchdog, while the drive continues."""
 
 from __future__ import annotations
 
@@ -13,46 +13,40 @@ from drivegate_models.loop.exchange import STOPPED, Exchange, step_controller
 
 
 class Restarts(NamedTuple):
-    """When a controller is reset in mid-run, and how."""
+    """The resets of a controller during a run."""
 
     steps: NDArray[np.int64]
     """The steps before which it is reset, increasing, shape (n,)."""
     address: int
-    """Address of a function that takes the arguments of a step and resets it; it stops the run where that fails."""
+    """Address of a function with the arguments of a step that resets the controller; it stops the run if that fails."""
 
 
 def no_restarts() -> Restarts:
-    """Leave a controller alone.
-
-    Returns
-    -------
-    Restarts
-        None at all.
-    """
+    """Return the restarts of a controller that is never reset."""
     return Restarts(np.zeros(0, np.int64), 0)
 
 
 @inlined
 def step_or_restart(exchange: Exchange, restarts: Restarts, done: int, step: int) -> tuple[int, int]:
-    """Call the controller's step, after a reset where one is due.
+    """Call the controller's step, after a reset if one is due.
 
     Parameters
     ----------
     exchange : Exchange
-        The records; the command is written anew.
+        The records between loop and controller; its command is overwritten.
     restarts : Restarts
-        All of them.
+        All restarts of the run.
     done : int
-        Number of those that have been.
+        Number of restarts done before this step.
     step : int
-        Number of the step, from 0.
+        Number of the step in the run, from 0.
 
     Returns
     -------
     status : int
-        As `step_controller` has it; `STOPPED` too where the reset failed.
+        Status of `step_controller`; `STOPPED` if the reset failed.
     done : int
-        Number of restarts that have been.
+        Number of restarts done, including one before this step.
     """
     if done < restarts.steps.size and restarts.steps[done] <= step:
         done += 1
@@ -64,21 +58,21 @@ def step_or_restart(exchange: Exchange, restarts: Restarts, done: int, step: int
 
 @inlined
 def steps_since(restarts: Restarts, done: int, step: int) -> int:
-    """Return the number of steps that a controller has made since its reset.
+    """Return the number of a step counted from the controller's last reset.
 
     Parameters
     ----------
     restarts : Restarts
-        All of them.
+        All restarts of the run.
     done : int
-        Number of those that have been.
+        Number of restarts done, including one before this step.
     step : int
         Number of the step in the run, from 0.
 
     Returns
     -------
     int
-        Number of the step since the last reset, from 0.
+        Number of the step since the last reset, from 0; `step` if there was none.
     """
     since: int = step - restarts.steps[done - 1] if done > 0 else step
     return since

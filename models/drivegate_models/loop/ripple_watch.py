@@ -1,4 +1,4 @@
-"""Torque ripple of whole electrical periods in closed loop, from one control period to the next."""
+"""Torque ripple of whole electrical periods in closed loop, accumulated one control period at a time."""
 
 from __future__ import annotations
 
@@ -9,33 +9,33 @@ from drivegate_models.compilation.kernels import inlined
 
 
 class RippleWatch(NamedTuple):
-    """The electrical period whose torque is followed."""
+    """The electrical period whose torque is observed."""
 
     lowest: float
-    """Least torque so far (N m)."""
+    """Minimum torque so far (N m)."""
     highest: float
-    """Greatest torque so far (N m)."""
+    """Maximum torque so far (N m)."""
     impulse: float
     """Integral of the torque so far (N m s)."""
     time: float
     """Time since it began (s)."""
     is_whole: bool
-    """Whether it has been followed from its beginning."""
+    """True if it was observed from its beginning."""
 
 
 @inlined
 def fresh_watch(is_whole: bool) -> RippleWatch:
-    """Return the watch of an electrical period that begins.
+    """Return the watch of an electrical period without any torque observed yet.
 
     Parameters
     ----------
     is_whole : bool
-        Whether it begins now, or has begun unwatched.
+        True if the electrical period begins now, False if part of it has passed unobserved.
 
     Returns
     -------
     RippleWatch
-        Nothing seen yet.
+        With an infinite minimum, a negative infinite maximum and zero sums.
     """
     return RippleWatch(inf, -inf, 0.0, 0.0, is_whole)
 
@@ -44,14 +44,14 @@ def fresh_watch(is_whole: bool) -> RippleWatch:
 def widened_watch(
     watch: RippleWatch, lowest: float, highest: float, impulse: float, length: float
 ) -> RippleWatch:
-    """Add one control period.
+    """Return the watch with one more control period.
 
     Parameters
     ----------
     watch : RippleWatch
         The electrical period so far.
     lowest, highest : float
-        Its extremes, this control period included (N m).
+        Torque extremes since its beginning, this control period included (N m).
     impulse : float
         Integral of the torque over the control period (N m s).
     length : float
@@ -60,19 +60,19 @@ def widened_watch(
     Returns
     -------
     RippleWatch
-        With the control period.
+        With the new extremes and the sums increased.
     """
     return RippleWatch(lowest, highest, watch.impulse + impulse, watch.time + length, watch.is_whole)
 
 
 @inlined
 def observe_ripple(row: Any, watch: RippleWatch) -> None:
-    """Add an electrical period that has ended to a window, if it was followed from its beginning.
+    """Add a completed electrical period to a window if it was observed from its beginning.
 
     Parameters
     ----------
     row : record of WINDOW_RECORD
-        Updated.
+        The window; its torque minimum and its ripple of the worst electrical period are updated.
     watch : RippleWatch
         The electrical period.
     """

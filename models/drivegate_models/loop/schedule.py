@@ -1,4 +1,4 @@
-"""What happens to a run from outside, as piecewise linear functions of time."""
+"""The external conditions of a run, as piecewise linear functions of time."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ class Course(NamedTuple):
     """A piecewise linear function of time; a step is two points at one time."""
 
     times: NDArray[np.float64]
-    """Shape (n,), never decreasing (s)."""
+    """Times of the points, shape (n,), never decreasing (s)."""
     values: NDArray[np.float64]
-    """Shape (n,), in the unit of the quantity."""
+    """Values at these times, shape (n,), in the unit of the quantity."""
 
 
 class Schedule(NamedTuple):
-    """What happens during a run."""
+    """The external conditions of a run over time."""
 
     speed: Course
     """Speed reference (rad/s)."""
@@ -37,10 +37,10 @@ class Schedule(NamedTuple):
 
 
 class Conditions(NamedTuple):
-    """What acts on a drive from outside in one control period."""
+    """The external conditions in one control period."""
 
     speed_reference: float
-    """(rad/s)."""
+    """Speed reference of the shaft (rad/s)."""
     load_factor: float
     """Load factor (1), or a vehicle's grade (1)."""
     supply: float
@@ -54,40 +54,29 @@ class Conditions(NamedTuple):
 
 
 def steady(value: float) -> Course:
-    """Make the course of a quantity that does not change.
-
-    Parameters
-    ----------
-    value : float
-        The quantity.
-
-    Returns
-    -------
-    Course
-        The same value at all times.
-    """
+    """Return the course of a quantity that has the same value, in its own unit, at all times."""
     return Course(np.zeros(1), np.full(1, float(value)))
 
 
 @inlined
 def follow(course: Course, positions: NDArray[np.int64], index: int, time: float) -> float:
-    """Return a course's value at a time no earlier than the last one; at a step the one behind it.
+    """Return a course's value at a time; at a step, the value after it.
 
     Parameters
     ----------
     course : Course
-        What is followed.
+        The function of time.
     positions : ndarray of int64
-        Where each course was found last; updated.
+        Index of the point before the last time, for each course; updated.
     index : int
-        Place of this course among them.
+        Index of this course in `positions`.
     time : float
-        Time (s).
+        Time, not earlier than in the last call (s).
 
     Returns
     -------
     float
-        The value, in the unit of the quantity.
+        The value, in the unit of the quantity; constant after the last point.
     """
     times = course.times
     values = course.values
@@ -104,21 +93,21 @@ def follow(course: Course, positions: NDArray[np.int64], index: int, time: float
 
 @inlined
 def conditions_at(schedule: Schedule, positions: NDArray[np.int64], time: float) -> Conditions:
-    """Return what acts at a time no earlier than the last one.
+    """Return the external conditions at a time; at a step, the values after it.
 
     Parameters
     ----------
     schedule : Schedule
-        What happens during the run.
+        The external conditions over time.
     positions : ndarray of int64, shape (6,)
-        Where each course was found last; updated.
+        Index of the point before the last time, for each course; updated.
     time : float
-        Time (s).
+        Time, not earlier than in the last call (s).
 
     Returns
     -------
     Conditions
-        The values; at a step those behind it.
+        The value of each course.
     """
     return Conditions(
         follow(schedule.speed, positions, 0, time),

@@ -1,4 +1,4 @@
-"""The shaft over one control period: where it has turned to, and how fast it turns then."""
+"""Angle and speed of the shaft over one control period."""
 
 from __future__ import annotations
 
@@ -14,51 +14,40 @@ from drivegate_models.machine import ledger
 
 @inlined
 def whole_turns(angle: float) -> int:
-    """Return how many whole turns lie below an angle.
-
-    Parameters
-    ----------
-    angle : float
-        The angle (rad).
-
-    Returns
-    -------
-    int
-        Below zero for a negative angle (1).
-    """
+    """Return the number of whole turns in an angle (rad), negative for a negative angle."""
     return floor(angle * (0.5 / pi))
 
 
 @inlined
 def within_a_turn(angle: float) -> float:
-    """Return an angle less whole turns.
+    """Return an angle minus whole turns.
 
     Parameters
     ----------
     angle : float
-        Electrical angle (rad).
+        Any angle, electrical or of the shaft (rad).
 
     Returns
     -------
     float
-        The same in [0, 2 pi) but for rounding.
+        The angle in [0, 2 pi), except for rounding.
     """
     return angle - 2.0 * pi * whole_turns(angle)
 
 
 @inlined
 def shown_angle(angle: float) -> float:
-    """Return an angle of the shaft as controllers are shown it.
+    """Return the angle of the shaft as a controller senses it.
 
     Parameters
     ----------
     angle : float
-        Angle of the shaft, whole turns included (rad).
+        Angle of the shaft, including whole turns (rad).
 
     Returns
     -------
     float
-        The same in [0, 2 pi), whatever is rounded.
+        The angle in [0, 2 pi), with rounding too.
     """
     within = within_a_turn(angle)
     return within if 0.0 <= within < 2.0 * pi else 0.0
@@ -66,22 +55,22 @@ def shown_angle(angle: float) -> float:
 
 @inlined
 def held_speed(speed: float, gained: float) -> float:
-    """Return the speed at which a control period is computed: that of its middle, as far as the last period tells.
+    """Return the constant speed at which a control period is computed: that of its middle, extrapolated.
 
-    The error of a run then falls with the square of the period; with the speed of the period's start it falls with the
-    period.
+    The error of a run then falls with the square of the period. With the speed of the period's start it would fall
+    only in proportion to the period.
 
     Parameters
     ----------
     speed : float
         Speed at the start of the period (rad/s).
     gained : float
-        What it gained in the period before (rad/s).
+        Change of speed in the preceding period (rad/s).
 
     Returns
     -------
     float
-        (rad/s); below zero where a shaft that has slowed down would come to rest within the period.
+        Speed (rad/s), negative if a decelerating shaft would come to rest within the period.
     """
     return speed + 0.5 * gained
 
@@ -96,12 +85,12 @@ def speed_gained(
     period: NDArray[np.float64],
     length: float,
 ) -> float:
-    """Return what the speed gains in a control period.
+    """Return the change of speed in a control period.
 
     Parameters
     ----------
     drive : named tuple
-        The drive; its `friction` and `viscous_friction`.
+        Its `friction` (N m) and `viscous_friction` (N m s/rad) are used.
     inertia : float
         Inertia of rotor and load (kg m2).
     speed : float
@@ -109,19 +98,19 @@ def speed_gained(
     held : float
         Speed at which the period was computed (rad/s).
     load : float
-        Torque of the load in it (N m).
+        Load torque in the period (N m).
     period : ndarray, shape (ledger.ENTRIES,)
         Exact integrals over the period.
     length : float
-        Its length (s).
+        Length of the period (s).
 
     Returns
     -------
     float
-        (rad/s).
+        Change of speed (rad/s), at least ``-speed``.
     """
     resisting = load + drive.friction + drive.viscous_friction * held
     change = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE] - resisting * length) / inertia
-    # Load and friction hold a shaft at standstill; they never drive it backward.
+    # Load and friction stop a shaft; they never drive it backward.
     gained: float = max(change, -speed)
     return gained

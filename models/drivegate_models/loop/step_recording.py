@@ -1,7 +1,7 @@
-"""Keeping every step of a controller as sensed and answered, and finding where two records differ.
+"""Recording of every step of a controller, its Sense and its command, and the first difference of two records.
 
-A recorder stands between the closed loop and a controller: it passes each step on and writes a row of exact
-numbers. Its memory is one block of rows; a full one is handed to a function that empties it.
+A recorder is placed between the closed loop and a controller. It passes each step on and writes a row of exact
+numbers. Its memory is one block of rows; it passes a full block to a function that empties it.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from drivegate_models.loop.exchange import OUTPUTS
 from drivegate_models.loop.given_steps import SCALARS
 
 MOST_PHASES: Final = 64
-"""Phase currents that a row has room for."""
+"""Maximum number of phase currents in a row."""
 
 BLOCK_ROWS: Final = 1024
-"""Rows that a recorder holds."""
+"""Number of rows in a recorder's block."""
 
 _FIRST_OUTPUT = len(SCALARS)
 _FIRST_CURRENT = len(SCALARS) + len(OUTPUTS)
@@ -38,25 +38,14 @@ RECORDER: Final = np.dtype(
     ],
     align=True,
 )
-"""A recorder: the controller that it passes steps on to, the function that empties it, and `count` rows.
+"""A recorder: the controller to which it passes steps, the function that empties it, and `count` rows.
 
 The function is called like a step, with the recorder's address first; it sets `count` to 0.
 """
 
 
 def row_length(phases: int) -> int:
-    """Return the length of a row.
-
-    Parameters
-    ----------
-    phases : int
-        Number of phases.
-
-    Returns
-    -------
-    int
-        Number of columns.
-    """
+    """Return the number of columns in a row for a number of phases."""
     return _FIRST_CURRENT + phases
 
 
@@ -67,9 +56,9 @@ def recording_step() -> Any:
     Returns
     -------
     CFunc
-        Its `address` is that of a function like `drivegate_step`, whose state is a RECORDER; keep the object.
+        Its `address` is that of a function like `drivegate_step`, whose state is a RECORDER. The caller must retain it.
     """
-    # numba has to be imported after the cache folder is known.
+    # numba must be imported after the cache folder is known.
     import numba
     from numba.np.numpy_support import carray
 
@@ -103,22 +92,22 @@ def recording_step() -> Any:
 
 @inlined
 def differs(one: float, other: float, one_bits: int, other_bits: int, tolerance: float) -> bool:
-    """Return whether two numbers differ: by any bit, or by more than a tolerance.
+    """Return True if two numbers differ by any bit, or by more than a tolerance; two NaN do not differ.
 
     Parameters
     ----------
     one, other : float
-        The numbers; two NaN do not differ.
+        The numbers, in the same unit.
     one_bits, other_bits : int
-        Their bits.
+        Their bits, read as 64-bit integers.
     tolerance : float
-        Greatest difference, relative to the larger number, absolute where that is below 1; negative for none, so
-        that every bit counts, that of the sign of zero too.
+        Maximum difference, relative to the larger number, and absolute if that is below 1. Negative to compare every
+        bit, including the sign of zero.
 
     Returns
     -------
     bool
-        Whether they do.
+        False if the difference is within the tolerance.
     """
     if one != one or other != other:
         return one == one or other == other
@@ -156,23 +145,23 @@ def first_difference(
     judged: tuple[str, ...] = OUTPUTS,
     tolerance: float = -1.0,
 ) -> int | None:
-    """Find the first answer that differs from the recorded one.
+    """Return the number of the first row whose command differs from the recorded one.
 
     Parameters
     ----------
     rows : ndarray, shape (n, row_length(phases))
-        What a recorder wrote.
+        The rows of a recorder.
     answers : ndarray, shape (k, 3)
-        Another controller's `OUTPUTS` to the first k of them.
+        Another controller's `OUTPUTS` for the first k rows.
     judged : tuple of str
         The outputs that must not differ, of `OUTPUTS`.
     tolerance : float
-        As `differs` has it.
+        See `differs`.
 
     Returns
     -------
     int or None
-        Number of the row; None where there is none.
+        Number of the row; None if there is no difference.
     """
     recorded = np.ascontiguousarray(rows[:, _FIRST_OUTPUT:_FIRST_CURRENT])
     answers = np.ascontiguousarray(answers)
@@ -184,12 +173,12 @@ def first_difference(
 
 
 def senses_in(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Take the Senses out of recorded rows.
+    """Return the Senses in recorded rows, without the commands.
 
     Parameters
     ----------
     rows : ndarray, shape (n, row_length(phases))
-        What a recorder wrote.
+        The rows of a recorder.
 
     Returns
     -------

@@ -1,1 +1,1 @@
-"""Sensors between the plant and its controller: converters of currents and supply, an encoder, Hall switches."""
+"""Sensors between the plant and its controller: current and voltage converters, an encoder, and Hall switches."""

@@ -1,4 +1,4 @@
-"""Currents and supply as converters show them: a gain, an offset, noise, finite steps and a finite range."""
+"""Measured currents and supply voltage: gain, offset, noise, quantization and finite range."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drivegate_models.compilation.kernels import inlined
 # The generator of Park and Miller (multiplier of 1993): one number of state, and no product beyond 64 bits.
 _MODULUS = 2147483647
 _MULTIPLIER = 48271
-# The sum of four even draws has a variance of a third.
+# The sum of four uniform draws has a variance of a third.
 _UNIT_VARIANCE = sqrt(3.0)
 
 
@@ -21,17 +21,17 @@ class Converters(NamedTuple):
     """Constants of the current and voltage sensors, and the state of their noise."""
 
     current_step: float
-    """Step of the converter (A)."""
+    """Quantization of currents (A); 0 for none."""
     current_range: float
-    """Greatest current shown (A)."""
+    """Maximum magnitude of a measured current (A)."""
     current_noise: float
-    """Standard deviation (A)."""
+    """Standard deviation of the current noise (A)."""
     voltage_step: float
-    """Step of the converter (V)."""
+    """Quantization of voltages (V); 0 for none."""
     voltage_range: float
-    """Greatest voltage shown (V)."""
+    """Maximum measured voltage (V)."""
     voltage_noise: float
-    """Standard deviation (V)."""
+    """Standard deviation of the voltage noise (V)."""
     gains: NDArray[np.float64]
     """Gain of each phase's current sensor, shape (m,) (1)."""
     offsets: NDArray[np.float64]
@@ -41,7 +41,7 @@ class Converters(NamedTuple):
 
 
 def exact_converters(gains: NDArray[np.float64], offsets: NDArray[np.float64]) -> Converters:
-    """Make converters without steps, range and noise.
+    """Return converters without quantization, range limit and noise.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def exact_converters(gains: NDArray[np.float64], offsets: NDArray[np.float64]) -
     Returns
     -------
     Converters
-        The converters.
+        With infinite ranges, and 0 for steps and noise.
     """
     return Converters(
         current_step=0.0,
@@ -79,29 +79,29 @@ def real_converters(
     voltage_noise: float,
     converter_bits: int,
 ) -> Converters:
-    """Make converters with finite steps, errors and noise (paper, Fig. 8).
+    """Return converters with quantization, errors and noise (paper, Fig. 8).
 
     Parameters
     ----------
     generator : numpy.random.Generator
-        Where gains, offsets and the noise's beginning are drawn from.
+        Source of the random gains and offsets and of the noise's seed.
     gains, offsets : ndarray, shape (m,)
-        Gain (1) and offset (A) that a phase's current sensor has besides those that are drawn.
+        Gain (1) and offset (A) of each phase's current sensor, to which the random errors are added.
     current_range : float
-        The converter shows currents from minus to plus this (A).
+        Maximum magnitude of a measured current (A).
     current_gain_spread, current_offset : float
-        Greatest error of a gain (1) and greatest offset (A); each phase's are drawn evenly.
+        Maximum error of a gain (1) and maximum offset (A); those of each phase are drawn from uniform distributions.
     current_noise, voltage_noise : float
         Standard deviations (A, V).
     voltage_range : float
-        The converter shows voltages from 0 to this (V).
+        Maximum measured voltage (V); the minimum is 0.
     converter_bits : int
-        Bits of the converter.
+        Resolution of the converter (bits).
 
     Returns
     -------
     Converters
-        The converters.
+        With all errors drawn.
     """
     steps = 2**converter_bits
     phases = gains.size
@@ -120,7 +120,7 @@ def real_converters(
 
 @inlined
 def _noise(random: NDArray[np.int64]) -> float:
-    """Return noise of unit variance, the scaled sum of four even draws of a multiplicative generator."""
+    """Return noise of unit variance, the scaled sum of four uniform draws of a multiplicative generator."""
     total = 0.0
     state = random[0]
     for _ in range(4):
@@ -132,26 +132,26 @@ def _noise(random: NDArray[np.int64]) -> float:
 
 @inlined
 def _converted(value: float, step: float, lowest: float, highest: float) -> float:
-    """Return what a converter shows of a value; with a step of 0 only its range counts."""
+    """Return a value quantized by `step`, or unquantized if that is 0, and limited to the range."""
     shown = floor(value / step + 0.5) * step if step > 0.0 else value
     return min(max(shown, lowest), highest)
 
 
 @inlined
 def converted_supply(converters: Converters, supply: float) -> float:
-    """Return what is shown of the supply.
+    """Return the measured supply voltage.
 
     Parameters
     ----------
     converters : Converters
-        With finite steps; their noise goes on.
+        The state of their noise is updated.
     supply : float
         Mean voltage of the half-sources (V).
 
     Returns
     -------
     float
-        (V).
+        Quantized and limited voltage, with noise (V).
     """
     seen = supply + converters.voltage_noise * _noise(converters.random)
     return _converted(seen, converters.voltage_step, 0.0, converters.voltage_range)
@@ -166,27 +166,27 @@ def biased_current(
     Parameters
     ----------
     converters : Converters
-        With the gains and offsets.
+        Only gains and offsets are used.
     phase : int
-        Index of the phase.
+        Index of the phase, from 0.
     current, magnitude : float
         True current, and mean of its magnitude (A).
 
     Returns
     -------
     current, magnitude : float
-        (A).
+        Both with gain and offset, before quantization and noise (A).
     """
     gain = converters.gains[phase]
     offset = converters.offsets[phase]
-    # The sensor sees the signed current, and only then is its magnitude taken.
+    # The sensor measures the signed current; its magnitude is computed afterwards.
     signed_offset = -offset if current < 0.0 else offset
     return gain * current + offset, abs(gain * magnitude + signed_offset)
 
 
 @inlined
 def _noisy_current(converters: Converters, current: float) -> float:
-    """Return what a converter shows of a current with its sensor's bias (A)."""
+    """Return the measured value of a current that includes its sensor's bias (A)."""
     noisy = current + converters.current_noise * _noise(converters.random)
     greatest = converters.current_range
     return _converted(noisy, converters.current_step, -greatest, greatest)
@@ -194,19 +194,19 @@ def _noisy_current(converters: Converters, current: float) -> float:
 
 @inlined
 def converted_current(converters: Converters, current: float, magnitude: float) -> tuple[float, float]:
-    """Return what is shown of a phase's current and of its mean magnitude.
+    """Return the measured values of a phase's current and of its mean magnitude.
 
     Parameters
     ----------
     converters : Converters
-        With finite steps; their noise goes on.
+        The state of their noise is updated.
     current, magnitude : float
-        Current with its sensor's bias, and mean of its magnitude (A).
+        Current and mean of its magnitude, with the sensor's bias (A).
 
     Returns
     -------
     current, magnitude : float
-        (A).
+        Quantized and limited, with noise (A).
     """
     noisy = magnitude + converters.current_noise * _noise(converters.random)
     shown_magnitude = _converted(noisy, converters.current_step, 0.0, converters.current_range)
@@ -215,20 +215,20 @@ def converted_current(converters: Converters, current: float, magnitude: float) 
 
 @inlined
 def shown_current(converters: Converters, phase: int, current: float) -> float:
-    """Return what is shown of a phase's current at an instant.
+    """Return the measured value of a phase's current at an instant.
 
     Parameters
     ----------
     converters : Converters
-        With finite steps; their noise goes on.
+        The state of their noise is updated.
     phase : int
-        Index of the phase.
+        Index of the phase, from 0.
     current : float
         True current (A).
 
     Returns
     -------
     float
-        (A).
+        Current with gain, offset and noise, quantized and limited (A).
     """
     return _noisy_current(converters, converters.gains[phase] * current + converters.offsets[phase])

@@ -1,8 +1,8 @@
 """A quadrature encoder whose edges are counted and timed.
 
-Its edges are exact, since the speed is constant within a control period. A counter and the time of its last edge
-are looked at once a control period; the speed is the number of edges over the time between the last edges of two
-such looks (paper, Fig. 8: high-speed inputs).
+Its edges are exact, because the speed is constant within a control period. A counter and the time of its last edge are
+sampled once per control period. The speed is the number of edges over the time between the last edges of two samples
+(paper, Fig. 8: high-speed inputs).
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ _EDGES_A_LINE = 4
 
 
 class Encoder(NamedTuple):
-    """Constants of the encoder and what its counter and timer remember; the arrays are updated in place."""
+    """Constants of the encoder and the state of its counter and timer; the arrays are updated in place."""
 
     edge_angle: float
     """Shaft angle between two edges (rad)."""
     clock: float
     """Resolution of the edges' times (s)."""
     counts: NDArray[np.int64]
-    """Counter at the looks of the last speed window, shape (n,)."""
+    """Counter at the samples of the last speed window, shape (n,)."""
     ticks: NDArray[np.float64]
-    """Time of the last edge before each look, shape (n,) (clock ticks)."""
+    """Time of the last edge before each sample, shape (n,) (clock ticks)."""
     memory: NDArray[np.float64]
     """Position (edges), sum of false and lost edges, measured speed (rad/s), edges yet to be lost, shape (4,)."""
     glitches: NDArray[np.float64]
@@ -40,7 +40,7 @@ class Encoder(NamedTuple):
 
 
 def no_encoder() -> Encoder:
-    """Make room for an encoder where there is none."""
+    """Return a placeholder for a drive without an encoder."""
     return Encoder(1.0, 1.0, np.zeros(1, np.int64), np.zeros(1), np.zeros(4), np.zeros((0, 2)))
 
 
@@ -54,33 +54,33 @@ def turning_encoder(
     initial_angle: float = 0.0,
     glitches: NDArray[np.float64],
 ) -> Encoder:
-    """Make an encoder that has turned for a long time.
+    """Return an encoder whose shaft has turned at constant speed for a long time.
 
     Parameters
     ----------
     lines : int
-        Lines a turn; it gives four edges a line.
+        Lines per turn; each line has four edges.
     speed_window : float
         Time over which edges are counted (s).
     clock : float
         Resolution of the edges' times (s).
     control_period : float
-        Time between two looks at the counter (s).
+        Time between two samples of the counter (s).
     initial_speed : float
-        Speed at which it has turned, of either sign (rad/s).
+        Speed of the shaft, of either sign (rad/s).
     initial_angle : float
-        Angle of the shaft that the count begins with (rad).
+        Angle of the shaft at the start, and of the initial count (rad).
     glitches : ndarray, shape (g, 2)
         Time (s) and number of edges of each burst of false edges.
 
     Returns
     -------
     Encoder
-        The encoder.
+        With a filled speed window.
     """
     edge_angle = 2.0 * pi / (_EDGES_A_LINE * lines)
     looks = max(round(speed_window / control_period), 1)
-    # The looks that a shaft already turning has left, so that the measured speed does not begin at zero.
+    # The samples of the past, so that the measured speed of a turning shaft does not begin at zero.
     times = (np.arange(looks) - looks + 1.0) * control_period
     begin = initial_angle / edge_angle
     positions = begin + initial_speed * times / edge_angle
@@ -103,71 +103,35 @@ def turning_encoder(
 
 @inlined
 def encoder_speed(encoder: Encoder) -> float:
-    """Return the measured speed (rad/s).
-
-    Parameters
-    ----------
-    encoder : Encoder
-        The encoder.
-
-    Returns
-    -------
-    float
-        Of the shaft.
-    """
+    """Return the measured speed of the shaft (rad/s)."""
     return float(encoder.memory[_MEASURED])
 
 
 @inlined
 def encoder_count(encoder: Encoder) -> int:
-    """Return the counter's state.
-
-    Parameters
-    ----------
-    encoder : Encoder
-        The encoder.
-
-    Returns
-    -------
-    int
-        Edges since the angle that it counts from, false ones included; below zero behind it.
-    """
+    """Return the counter: edges since angle 0, false ones included, negative below it."""
     return int(floor(encoder.memory[_POSITION]) + encoder.memory[_FALSE_COUNTS])
 
 
 @inlined
 def count_within_a_turn(encoder: Encoder) -> int:
-    """Return the counter's state less whole turns of the shaft.
-
-    Parameters
-    ----------
-    encoder : Encoder
-        The encoder.
-
-    Returns
-    -------
-    int
-        From 0 to one less than the edges of a turn.
-    """
+    """Return the counter modulo the number of edges per turn."""
     return encoder_count(encoder) % round(2.0 * pi / encoder.edge_angle)
 
 
 @inlined
 def lose_count(encoder: Encoder) -> None:
-    """Let the counter miss the next edge.
+    """Make the counter miss the next edge.
 
-    Parameters
-    ----------
-    encoder : Encoder
-        Updated: from that edge on its count is off by one, and so is the number of edges that the speed follows from
-        while the edge lies within the speed window.
+    From that edge on the count is off by one. The number of edges for the speed is off by one while the edge is
+    within the speed window.
     """
     encoder.memory[_TO_LOSE] += 1.0
 
 
 @inlined
 def _without_lost(encoder: Encoder, edges: float) -> float:
-    """Return how many of the edges of a control period are seen, of either sign, with one that is lost taken off."""
+    """Return the number of counted edges in a control period, of either sign, without one that is to be lost."""
     if encoder.memory[_TO_LOSE] <= 0.0 or edges == 0.0:
         return edges
     encoder.memory[_TO_LOSE] -= 1.0
@@ -178,25 +142,25 @@ def _without_lost(encoder: Encoder, edges: float) -> float:
 
 @inlined
 def turn_encoder(encoder: Encoder, step: int, time: float, period: float, speed: float) -> None:
-    """Let the encoder turn for one control period, and measure the speed at its end.
+    """Advance the encoder by one control period, and measure the speed at its end.
 
     Parameters
     ----------
     encoder : Encoder
-        Updated.
+        Its arrays are updated.
     step : int
-        Number of the control period.
+        Number of the control period, from 0.
     time : float
-        Its start (s).
+        Start of the period (s).
     period : float
-        Its length (s).
+        Length of the period (s).
     speed : float
         True speed of the shaft, of either sign (rad/s).
     """
     memory = encoder.memory
     counts = encoder.counts
     ticks = encoder.ticks
-    # A ring: what this look overwrites is the one a speed window ago.
+    # A ring buffer: this sample overwrites the one from a speed window ago.
     slot = step % counts.size
     before = memory[_POSITION]
     after = before + speed * period / encoder.edge_angle

@@ -1,20 +1,20 @@
-"""Three Hall switches: six edges an electrical cycle, and what a timer of their edges makes of speed and angle.
+"""Three Hall switches: six edges per electrical cycle, and a timer that measures speed and angle from them.
 
 The switches of a conventional brushless DC drive change where a conduction window of 120 degrees opens or closes
-without advance, every 60 electrical degrees. Each edge has an error of its placement, and comes later by the
-switches' hysteresis. Speed and angle come from the edges' times alone:
+without advance, every 60 electrical degrees. Each edge has a placement error, and is delayed by the switches'
+hysteresis. Speed and angle are computed from the times of the edges alone:
 
-- The speed is that of the last electrical cycle, between an edge and the same edge one cycle before. Between two
-  edges that follow each other, 1.5 degrees of placement would be 5 % of speed; between like ones they cancel. Until
-  a cycle has passed, the edges that there are must do; before the second one the speed is 0.
-- While no edge comes the speed is no more than a sector over the time since the last one, so it falls toward 0. A
-  sector is 60 degrees and what its two edges may be out of place.
-- The angle goes on from the last edge with that speed, within the 60 degrees up to the next edge's place. Without a
-  speed it is the sector's middle, which commutates block by block.
-- The order of the states shows the sense of rotation. Where it reverses, the timer starts again from the next edge.
+- The speed is the mean over the last electrical cycle, between an edge and the same edge one cycle before. Between
+  consecutive edges, a placement error of 1.5 degrees would cause a speed error of 5 %; between equal edges the errors
+  cancel. Until a cycle has passed, the speed uses the available edges; before the second edge it is 0.
+- Without a new edge, the speed is at most one sector over the time since the last edge, so it falls toward 0. A sector
+  is 60 degrees plus the maximum placement errors of its two edges.
+- The angle is extrapolated from the last edge with that speed, within the 60 degrees up to the nominal place of the
+  next edge. Without a speed it is the middle of the sector, which results in block commutation.
+- The order of the states shows the sense of rotation. After a reversal, the timer starts again from the next edge.
 
-The inverter's windows rest on that angle. What they are off by is a shift of the advance; of its course within a
-control period the mean counts, which is exact since the shaft's speed is constant then.
+The inverter's conduction windows use that angle. Its error shifts the advance; the mean of the error over a control
+period is exact, because the shaft's speed is constant within it.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from drivegate_models.compilation.kernels import inlined, unallocating
 EDGES: Final = 6
 """Edges of three switches in an electrical cycle."""
 SECTOR: Final = pi / 3.0
-"""Electrical angle between two of them (rad)."""
+"""Electrical angle between two edges (rad)."""
 FIRST_EDGE: Final = pi / 6.0
-"""Electrical angle of the first one, where the first phase's window of 120 degrees opens without advance (rad)."""
+"""Electrical angle of the first edge, where the first phase's window of 120 degrees opens without advance (rad)."""
 
 _RING = EDGES + 1
 _SINCE = 0
@@ -42,42 +42,42 @@ _TIMED = 1
 _UNSEEN = 2
 _TO_LOSE = 3
 _SENSE = 4
-# The angle stays inside its sector by so much (rad), so that rounding commutates no edge that has not come.
+# Minimum distance of the angle from the ends of its sector (rad), so that rounding does not commutate before an edge.
 _INSIDE = 1e-6
-# So slow (rad/s) that a timer that has run for a long time has no edge of it.
+# Electrical speed (rad/s) below which no edge is timed.
 _AT_REST = 1e-6
-# Cycles in a control period that no switch follows.
+# Electrical cycles per control period beyond which the switches are not simulated.
 _BLURRED = 1000.0
 _CYCLE = 2.0 * pi
 
 
 class Hall(NamedTuple):
-    """Constants of the switches and what the timer of their edges remembers; the arrays are updated in place."""
+    """Constants of the switches and the state of their timer; the arrays are updated in place."""
 
     present: bool
-    """Whether there are such switches, which then give speed and angle."""
+    """True if there are Hall switches, which then measure speed and angle."""
     pole_pairs: float
-    """Electrical cycles a turn (1)."""
+    """Electrical cycles per turn (1)."""
     clock: float
     """Resolution of the edges' times (s)."""
     longest: float
-    """Greatest angle between two edges that follow each other (rad electrical)."""
+    """Maximum angle between two consecutive edges (rad electrical)."""
     lags: NDArray[np.float64]
-    """Electrical angle by which each edge comes late forward, hysteresis included, shape (6,) (rad)."""
+    """Delay of each edge in forward rotation, including hysteresis, shape (6,) (rad electrical)."""
     backlash: float
-    """Electrical angle between the places of an edge forward and backward: twice the hysteresis (rad)."""
+    """Angle between the places of an edge in both senses of rotation: twice the hysteresis (rad electrical)."""
     ticks: NDArray[np.float64]
-    """Times at which the last sectors began, a ring by their numbers, shape (7,) (clock ticks)."""
+    """Start times of the last sectors, a ring buffer by their numbers, shape (7,) (clock ticks)."""
     numbers: NDArray[np.int64]
-    """Number of the sector, counted from the electrical angle 0; how many edges are timed; by how many sectors the
-    states lag; how many edges are yet to be lost; and the sense of rotation, 1 or -1; shape (5,)."""
+    """Number of the sector, counted from the electrical angle 0; number of timed edges; number of sectors by which the
+    states lag; number of edges to be lost; sense of rotation, 1 or -1; shape (5,)."""
     memory: NDArray[np.float64]
-    """Electrical angle since the place where the sector begins forward (rad), measured speed of the shaft (rad/s),
-    shape (2,)."""
+    """Angle since the start of the sector in forward rotation (rad electrical), and measured speed of the shaft
+    (rad/s), shape (2,)."""
 
 
 def no_hall() -> Hall:
-    """Make room for Hall switches where there are none."""
+    """Return a placeholder for a drive without Hall switches."""
     numbers = np.array([0, 0, 0, 0, 1])
     return Hall(False, 1.0, 1.0, SECTOR, np.zeros(EDGES), 0.0, np.zeros(_RING), numbers, np.zeros(2))
 
@@ -92,29 +92,29 @@ def turning_hall(
     initial_angle: float,
     initial_speed: float,
 ) -> Hall:
-    """Make switches on a shaft that has turned for a long time, or rests.
+    """Return switches on a shaft that has turned at constant speed for a long time, or is at rest.
 
     Parameters
     ----------
     pole_pairs : int
-        Electrical cycles a turn.
+        Electrical cycles per turn.
     placement_errors : ndarray, shape (6,)
-        Electrical angle by which each edge lies behind its place (rad).
+        Angle by which each edge lies behind its nominal place (rad electrical).
     greatest_error : float
-        Greatest magnitude that they may have (rad electrical), which the timer's program knows.
+        Maximum magnitude of a placement error (rad electrical), which the timer's program knows.
     hysteresis : float
-        Electrical angle by which every edge comes later in the sense of rotation (rad).
+        Angle by which every edge is delayed in the sense of rotation (rad electrical).
     clock : float
         Resolution of the edges' times (s).
     initial_angle : float
         Electrical angle of the rotor, 0 to 2 pi (rad).
     initial_speed : float
-        Speed at which it has turned forward (rad/s); at rest, and backward, no edge is timed yet.
+        Speed of the shaft (rad/s). At rest or backward, no edge is timed yet.
 
     Returns
     -------
     Hall
-        The switches.
+        With the times of the last cycle's edges if the shaft turns forward.
     """
     lags = placement_errors + hysteresis
     places = FIRST_EDGE + SECTOR * np.arange(EDGES) + lags
@@ -145,43 +145,29 @@ def turning_hall(
 
 @inlined
 def hall_speed(hall: Hall) -> float:
-    """Return the measured speed.
-
-    Parameters
-    ----------
-    hall : Hall
-        The switches.
-
-    Returns
-    -------
-    float
-        Of the shaft (rad/s).
-    """
+    """Return the measured speed of the shaft (rad/s)."""
     return float(hall.memory[_MEASURED])
 
 
 @inlined
 def lose_switching(hall: Hall) -> None:
-    """Let the next edge not come.
+    """Make the next edge fail to appear.
 
-    Parameters
-    ----------
-    hall : Hall
-        The switches: their state does not change for one more sector, and changes by two with the edge after it, which
-        shows the timer's program that one was lost.
+    The states do not change for one more sector, and change by two sectors at the edge after it. This shows the
+    timer's program that one edge was lost.
     """
     hall.numbers[_TO_LOSE] += 1
 
 
 @inlined
 def _seen_sector(hall: Hall) -> int:
-    """Return the number of the sector that the states show."""
+    """Return the number of the sector indicated by the states."""
     return int(hall.numbers[_NUMBER] - hall.numbers[_UNSEEN])
 
 
 @inlined
 def _time_edge(hall: Hall, number: int, passed: int, tick: float) -> None:
-    """Store when a sector began (clock ticks), some sectors after the one seen before; times of lost edges are even."""
+    """Store the start of a sector (clock ticks), `passed` sectors after the last one; interpolate lost edges."""
     sense = 1 if passed > 0 else -1
     first = number - passed
     begin = hall.ticks[first % _RING]
@@ -190,7 +176,7 @@ def _time_edge(hall: Hall, number: int, passed: int, tick: float) -> None:
         hall.ticks[(first + sense * lost) % _RING] = begin + floor((tick - begin) * lost / count)
     hall.ticks[number % _RING] = tick
     timed = hall.numbers[_TIMED]
-    # Edges of the two senses lie apart by the hysteresis, so that none of the other one is counted.
+    # Edges of the two senses differ by the hysteresis, so edges of the other sense do not count.
     is_first = timed == 0 or hall.numbers[_SENSE] != sense
     hall.numbers[_TIMED] = 1 if is_first else min(timed + count, _RING)
     hall.numbers[_SENSE] = sense
@@ -198,22 +184,14 @@ def _time_edge(hall: Hall, number: int, passed: int, tick: float) -> None:
 
 @inlined
 def hall_bits(hall: Hall) -> int:
-    """Return the states of the switches as bits, the first phase's the lowest.
+    """Return the states of the switches as bits, with the first phase as the lowest bit.
 
-    Parameters
-    ----------
-    hall : Hall
-        The switches.
-
-    Returns
-    -------
-    int
-        1, 3, 2, 6, 4 and 5 in the sectors of a cycle, from `FIRST_EDGE` on.
+    They are 1, 3, 2, 6, 4 and 5 in the sectors of a cycle, beginning at `FIRST_EDGE`.
     """
     sector = _seen_sector(hall) % EDGES
     bits = 0
     for phase in range(3):
-        # Each switch is on for half a cycle that begins a third of one after the switch before it.
+        # Each switch is on for half a cycle, which begins a third of a cycle after the preceding switch.
         if (sector - 2 * phase + 1) % EDGES < 3:
             bits += 1 << phase
     return bits
@@ -221,19 +199,19 @@ def hall_bits(hall: Hall) -> int:
 
 @inlined
 def hall_angle(hall: Hall, now: float) -> float:
-    """Return the electrical angle that the timer goes by.
+    """Return the timer's estimate of the electrical angle.
 
     Parameters
     ----------
     hall : Hall
-        The switches.
+        The switches at the end of a control period.
     now : float
         Time (s).
 
     Returns
     -------
     float
-        (rad).
+        Angle within the present sector (rad electrical).
     """
     number = _seen_sector(hall)
     begin = FIRST_EDGE + SECTOR * (number % EDGES)
@@ -247,19 +225,19 @@ def hall_angle(hall: Hall, now: float) -> float:
 
 @inlined
 def hall_shaft_angle(hall: Hall, now: float) -> float:
-    """Return the angle of the shaft that the timer goes by, from counted electrical cycles.
+    """Return the timer's estimate of the shaft's angle, with counted electrical cycles.
 
     Parameters
     ----------
     hall : Hall
-        The switches.
+        The switches at the end of a control period.
     now : float
         Time (s).
 
     Returns
     -------
     float
-        Since the shaft's angle 0 (rad); it may be a little outside one turn.
+        Angle since the shaft's angle 0 (rad); it may be slightly outside one turn.
     """
     cycle = (_seen_sector(hall) // EDGES) % int(hall.pole_pairs)
     return (hall_angle(hall, now) + _CYCLE * cycle) / hall.pole_pairs
@@ -267,7 +245,7 @@ def hall_shaft_angle(hall: Hall, now: float) -> float:
 
 @inlined
 def _mean_angle(speed: float, begin: float, end: float) -> float:
-    """Return the mean of the angle that goes on from an edge with a speed (rad), between two times after it (s)."""
+    """Return the mean of the angle extrapolated from an edge (rad), between two times after it (s)."""
     if speed == 0.0:
         return 0.5 * SECTOR
     if speed < 0.0:
@@ -277,7 +255,7 @@ def _mean_angle(speed: float, begin: float, end: float) -> float:
 
 @inlined
 def _mean_forward(speed: float, begin: float, end: float) -> float:
-    """Return the mean of the angle that goes on from an edge with a speed above zero (rad)."""
+    """Return the mean of the angle extrapolated from an edge with a positive speed (rad)."""
     greatest = SECTOR - _INSIDE
     if speed * end <= greatest:
         mean = 0.5 * speed * (begin + end)
@@ -291,19 +269,19 @@ def _mean_forward(speed: float, begin: float, end: float) -> float:
 
 @inlined
 def _measured_speed(hall: Hall, now: float) -> float:
-    """Return the speed of the shaft that follows from the times of the last edges (rad/s)."""
+    """Return the speed of the shaft, computed from the times of the last edges (rad/s)."""
     number = _seen_sector(hall)
     timed = hall.numbers[_TIMED]
     if timed < 2:
         return 0.0
     sectors = min(timed, _RING) - 1
     last = float(hall.ticks[number % _RING])
-    # Faster than the clock nothing is seen.
+    # The clock limits the measurable speed.
     sense = hall.numbers[_SENSE]
     first = float(hall.ticks[(number - sense * sectors) % _RING])
     span = max(last - first, 1.0) * hall.clock
     electrical = sectors * SECTOR / span
-    # The edge may have come anywhere in its tick.
+    # The edge may have occurred anywhere in its tick.
     elapsed = now - (last + 1.0) * hall.clock
     if elapsed * electrical > hall.longest:
         electrical = hall.longest / elapsed
@@ -312,29 +290,29 @@ def _measured_speed(hall: Hall, now: float) -> float:
 
 @unallocating
 def turn_hall(hall: Hall, time: float, period: float, speed: float) -> float:
-    """Let the shaft turn for one control period, and measure the speed at its end.
+    """Advance the shaft by one control period, and measure the speed at its end.
 
     Parameters
     ----------
     hall : Hall
-        The switches, updated.
+        Its arrays are updated.
     time : float
         Start of the period (s).
     period : float
-        Its length (s).
+        Length of the period (s).
     speed : float
         True speed of the shaft, of either sign (rad/s).
 
     Returns
     -------
     float
-        Mean over the period of the angle that the timer goes by, less the true one (rad electrical).
+        Mean over the period of the timer's angle minus the true one (rad electrical).
     """
     lags = hall.lags
     numbers = hall.numbers
     electrical = hall.pole_pairs * speed
-    turning = abs(electrical)
-    if turning * period > _BLURRED * _CYCLE:
+    absolute_speed = abs(electrical)
+    if absolute_speed * period > _BLURRED * _CYCLE:
         return 0.0
     sense = 1 if electrical > 0.0 else -1
     measured = hall.pole_pairs * hall.memory[_MEASURED]
@@ -346,9 +324,13 @@ def turn_hall(hall: Hall, time: float, period: float, speed: float) -> float:
         unseen = numbers[_UNSEEN]
         lag = lags[number % EDGES]
         width = SECTOR + lags[(number + 1) % EDGES] - lag
-        left = width - since if sense > 0 else since + hall.backlash
-        # Divided only where an edge is within reach: a shaft that all but rests would reach it at no finite time.
-        to_edge = max(left, 0.0) / turning if turning > 0.0 and left <= turning * period else inf
+        remaining = width - since if sense > 0 else since + hall.backlash
+        # Divide only if the edge occurs within the period: a shaft close to rest reaches it at no finite time.
+        to_edge = (
+            max(remaining, 0.0) / absolute_speed
+            if absolute_speed > 0.0 and remaining <= absolute_speed * period
+            else inf
+        )
         length = min(to_edge, period - passed)
         begin = time + passed - hall.ticks[(number - unseen) % _RING] * hall.clock
         seen = _mean_angle(measured if numbers[_TIMED] > 0 else 0.0, begin, begin + length)
@@ -358,7 +340,7 @@ def turn_hall(hall: Hall, time: float, period: float, speed: float) -> float:
             break
         passed += to_edge
         number += sense
-        # Backward a sector is entered at the place of its end, earlier by the hysteresis of both senses.
+        # In backward rotation a sector is entered at its end, earlier by the hysteresis of both senses.
         since = 0.0 if sense > 0 else SECTOR + lag - lags[number % EDGES] - hall.backlash
         unseen += sense
         numbers[_NUMBER] = number

@@ -1,4 +1,4 @@
-"""What a controller sees of the plant: ideal sensors, the published implementation's, or those of a Hall drive."""
+"""The sensors between plant and controller: ideal, those of the published implementation, or Hall switches."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ CURRENTS: Final = 1
 SUPPLY: Final = 2
 """Signal that drops out: the supply voltage."""
 FIRST_PHASE: Final = 3
-"""Signal that drops out: the current of the first phase alone; the other phases have the numbers after it."""
+"""Signal that drops out: the current of the first phase alone. The other phases have the numbers after it."""
 
 
 class Sensors(NamedTuple):
-    """Constants of the sensors and what they remember; the arrays are updated in place.
+    """Constants and state of the sensors; the arrays are updated in place.
 
-    All kinds of sensors are of this one type, so that one compiled loop serves them.
+    All kinds of sensors have this one type, so that one compiled loop serves all of them.
     """
 
     ideal: bool
-    """Whether they show the plant as it is, but for the errors of single phases."""
+    """True if measured values are exact, except for errors of single phases."""
     biased: bool
-    """Whether gains and offsets count, or the samples of single phases are lost."""
+    """True if gains and offsets are used, or samples of single phases are lost."""
     converters: Converters
-    """Through which currents and supply are shown."""
+    """Converters of currents and supply voltage."""
     encoder: Encoder
-    """Which gives the speed where there are no Hall switches."""
+    """Measures the speed if there are no Hall switches."""
     hall: Hall
-    """Which give speed and angle where there are such switches."""
+    """Hall switches, which measure speed and angle if present."""
     dropouts: NDArray[np.float64]
     """Signal, start and end (s) of each dropout, shape (d, 3)."""
 
@@ -54,7 +54,7 @@ def ideal_sensors(
     gains: NDArray[np.float64] | None = None,
     offsets: NDArray[np.float64] | None = None,
 ) -> Sensors:
-    """Make sensors that show the plant as it is, but for the errors that are given.
+    """Return sensors without errors, except for dropouts and the bias of current sensors.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def ideal_sensors(
     Returns
     -------
     Sensors
-        The sensors.
+        Without encoder and Hall switches; they measure the true speed.
     """
     dropouts = np.zeros((0, 3)) if dropouts is None else dropouts
     gains = np.ones(phases) if gains is None else gains
@@ -91,23 +91,23 @@ def real_sensors(
     encoder: Encoder | None = None,
     hall: Hall | None = None,
 ) -> Sensors:
-    """Make sensors with finite steps, errors and noise.
+    """Return sensors with quantization, errors and noise.
 
     Parameters
     ----------
     converters : Converters
-        Through which currents and supply are shown.
+        Converters of currents and supply voltage.
     dropouts : ndarray, shape (d, 3)
         Signal, start and end (s) of each dropout.
     encoder : Encoder, optional
-        What gives the speed; the inverter's windows then rest on the true angle.
+        Measures the speed; the inverter's windows then use the true angle.
     hall : Hall, optional
-        What gives the speed and the angle instead.
+        Measures speed and angle instead of an encoder.
 
     Returns
     -------
     Sensors
-        The sensors.
+        With placeholders for missing sensors.
     """
     return Sensors(
         ideal=False,
@@ -120,38 +120,38 @@ def real_sensors(
 
 
 def showing_the_plant(sensors: Sensors) -> Sensors:
-    """Make sensors on which the inverter's windows rest as before, but that show the plant as it is.
+    """Return ideal sensors that leave the angle of the inverter's windows unchanged.
 
     Parameters
     ----------
     sensors : Sensors
-        Any sensors.
+        The sensors with that angle.
 
     Returns
     -------
     Sensors
-        With the same Hall switches, if there are any.
+        Ideal, with the same Hall switches, if there are any.
     """
     return ideal_sensors(sensors.converters.gains.size)._replace(hall=sensors.hall)
 
 
 @inlined
 def dropped(sensors: Sensors, signal: int, time: float) -> bool:
-    """Return whether a signal is lost at a time.
+    """Return True if a signal is lost at a time.
 
     Parameters
     ----------
     sensors : Sensors
-        The sensors.
+        Their `dropouts` are searched.
     signal : int
-        `SPEED`, `CURRENTS`, `SUPPLY`, or `FIRST_PHASE` and up.
+        `SPEED`, `CURRENTS`, `SUPPLY`, or `FIRST_PHASE` plus the index of a phase.
     time : float
         Time (s).
 
     Returns
     -------
     bool
-        True from a dropout's start to just before its end.
+        True from the start of a dropout until just before its end.
     """
     lost = False
     dropouts = sensors.dropouts
@@ -163,21 +163,21 @@ def dropped(sensors: Sensors, signal: int, time: float) -> bool:
 
 @inlined
 def shown_speed(sensors: Sensors, time: float, speed: float) -> float:
-    """Return the measured speed.
+    """Return the measured speed of the shaft.
 
     Parameters
     ----------
     sensors : Sensors
-        The sensors.
+        Hall switches take precedence over the encoder.
     time : float
         Time (s).
     speed : float
-        True speed (rad/s).
+        True speed (rad/s), measured by ideal sensors.
 
     Returns
     -------
     float
-        What the controller senses (rad/s).
+        Measured speed (rad/s), 0 in a dropout.
     """
     if dropped(sensors, SPEED, time):
         return 0.0
@@ -193,7 +193,7 @@ def shown_supply(sensors: Sensors, time: float, supply: float) -> float:
     Parameters
     ----------
     sensors : Sensors
-        The sensors; their noise goes on.
+        The state of their noise is updated.
     time : float
         Time (s).
     supply : float
@@ -202,7 +202,7 @@ def shown_supply(sensors: Sensors, time: float, supply: float) -> float:
     Returns
     -------
     float
-        What the controller senses (V).
+        Measured voltage (V), 0 in a dropout.
     """
     if dropped(sensors, SUPPLY, time):
         return 0.0
@@ -222,13 +222,13 @@ def show_currents(
 ) -> float:
     """Write the measured phase currents, and return the measured sum of their mean magnitudes.
 
-    Each phase's magnitude is averaged over the period just ended by the sensor's filter; its offset counts with
-    the sign that the current has.
+    The sensor's filter averages each phase's magnitude over the period just ended. An offset is added with the sign of
+    the current.
 
     Parameters
     ----------
     sensors : Sensors
-        The sensors; their noise goes on.
+        The state of their noise is updated.
     time : float
         Time (s).
     currents : ndarray, shape (m,)
@@ -236,9 +236,9 @@ def show_currents(
     magnitudes : ndarray, shape (m,)
         Integrals of their magnitudes over the period just ended (A s).
     period : float
-        Its length (s).
+        Length of that period (s).
     shown : ndarray, shape (m,) or longer
-        Receives what the controller senses (A).
+        Receives the measured currents (A).
 
     Returns
     -------
@@ -264,25 +264,25 @@ def show_currents(
 
 @inlined
 def turn_sensors(sensors: Sensors, step: int, time: float, period: float, speed: float) -> float:
-    """Let what is on the shaft turn for one control period, and measure the speed at its end.
+    """Advance the sensors on the shaft by one control period, and measure the speed at its end.
 
     Parameters
     ----------
     sensors : Sensors
-        The sensors, updated.
+        Their arrays are updated.
     step : int
-        Number of the control period.
+        Number of the control period, from 0.
     time : float
-        Its start (s).
+        Start of the period (s).
     period : float
-        Its length (s).
+        Length of the period (s).
     speed : float
         True speed of the shaft (rad/s).
 
     Returns
     -------
     float
-        Mean over the period of the electrical angle that the inverter's windows rest on, less the true one (rad).
+        Mean over the period of the angle used by the inverter's windows, minus the true one (rad electrical).
     """
     if sensors.hall.present:
         return turn_hall(sensors.hall, time, period, speed)
