@@ -1,4 +1,4 @@
-"""The closed loop of this kind of drive."""
+"""The closed loop of star-connected drives with an isolated neutral."""
 
 from __future__ import annotations
 
@@ -27,5 +27,5 @@ PLANT: Final[Plant] = plant_of(
 
 
 def prepared_loop(drive: StarDrive, load: Load, schedule: Schedule, **options: Any) -> PreparedLoop:
-    """Make a run against this plant ready to begin; see `drivegate_models.loop.closed_loop.prepared_loop`."""
+    """Prepare a run against this plant; see `drivegate_models.loop.closed_loop.prepared_loop`."""
     return closed_loop.prepared_loop(PLANT, drive, load, schedule, **options)

@@ -1,9 +1,9 @@
 """The periodic state of the star at fixed speed, advance angle and current reference, by shooting.
 
-Phase j is now what minus phase j - (m - 1)/2 is half an m-th of a cycle later, where both half cycles are alike; where
-only the positive windows chop, it is what phase j + 1 is an m-th of a cycle later. So a state is periodic when the
-advance over that part of the cycle returns it, phases exchanged. The unknowns are m - 1 currents; the map is smooth
-between the coming and going of events, and Newton steps find its fixed point.
+If both half cycles are the same, phase j now equals minus phase j - (m - 1)/2 half an m-th of a cycle later. If only
+the positive windows chop, it equals phase j + 1 an m-th of a cycle later. So a state is periodic if the advance over
+that part of the cycle reproduces it with exchanged phases. The unknowns are m - 1 currents. The map is smooth as long
+as no event appears or disappears, and Newton steps find its fixed point.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from drivegate_models.star.plant.drive import EVERY_HALF, StarDrive
 from drivegate_models.star.plant.phases import StarPhases, advance_phases
 from drivegate_models.star.plant.window import GAP, PIECES
 
-# Steps before plain repetition takes over, and repetitions before a state counts as aperiodic.
+# Steps before plain repetition, and repetitions before a state counts as aperiodic.
 _STEPS = 20
 _SETTLING = 60
-# Periods before the first step: currents that die out or come to their level forget where they began.
+# Periods before the first step: currents that die out or reach their level no longer depend on their initial values.
 _WARM_UP = 2
-# A difference that is small against every current, and large against rounding.
+# A difference that is small compared with every current, and large compared with rounding.
 _DIFFERENCE = 1e-6
-# A step by an old slope is good enough where it takes off this share of the gap.
+# A step by old slopes is good enough if it reduces the gap to this share.
 _GOOD = 0.1
 # A step that leaves more than this share of the gap has failed.
 _POOR = 0.5
@@ -46,11 +46,11 @@ class _Point(NamedTuple):
 
 
 class _Room(NamedTuple):
-    """Room for a search of n = m - 1 unknowns."""
+    """Work space for a search of n = m - 1 unknowns."""
 
     scratch: NDArray[np.float64]
     gap: NDArray[np.float64]
-    """What a state lacks of being periodic, shape (m,) (A)."""
+    """Difference of the state after a period from the state before it, shape (m,) (A)."""
     last_gap: NDArray[np.float64]
     step: NDArray[np.float64]
     image: NDArray[np.float64]
@@ -59,60 +59,47 @@ class _Room(NamedTuple):
     """Derivatives of the gap, shape (n, n)."""
     inverse: NDArray[np.float64]
     kept_currents: NDArray[np.float64]
-    """A state some periods ago, to see that it comes again, shape (m,) (A)."""
+    """An earlier state, to detect its recurrence, shape (m,) (A)."""
     kept_latches: NDArray[np.int64]
 
 
 @inlined
 def _is_symmetric(drive: StarDrive) -> bool:
-    """Return whether positive and negative windows chop alike."""
+    """Return True if positive and negative windows chop in the same way."""
     return drive.regulation & 3 == (drive.regulation >> 2) & (EVERY_HALF >> 2)
 
 
 @inlined
 def torque_period(drive: StarDrive, electrical: float) -> float:
-    """Return the period of the torque in a periodic state.
-
-    Parameters
-    ----------
-    drive : StarDrive
-        The drive's constants.
-    electrical : float
-        Electrical speed (rad/s).
-
-    Returns
-    -------
-    float
-        (s).
-    """
+    """Return the period of the torque in a periodic state (s), at an electrical speed (rad/s)."""
     return (pi if _is_symmetric(drive) else 2.0 * pi) / (drive.phases * electrical)
 
 
 @inlined
 def averaged_cycles(_drive: StarDrive) -> int:
-    """Return the number of electrical cycles that a search averages where no periodic state exists.
+    """Return the number of electrical cycles that a search averages if there is no periodic state.
 
-    Half of such states have means over so many that differ by less than 1e-5 from those over forty times as many, 95 of
-    100 by less than 1e-3.
+    Means over this number differ from means over forty times as many by less than 1e-5 for half of these states, and by
+    less than 1e-3 for 95 % of them.
     """
     return 8
 
 
 @inlined
 def least_conceivable(drive: StarDrive, torque: float) -> float:
-    """Return a current reference below which the drive cannot give a torque.
+    """Return a current reference below which the drive cannot produce a torque.
 
     Parameters
     ----------
     drive : StarDrive
-        The drive's constants.
+        Constants of machine and inverter.
     torque : float
         Mean electromagnetic torque (N m).
 
     Returns
     -------
     float
-        Current reference (A), 0 or more; 0 where a phase that does not chop may carry more than the reference.
+        Current reference (A), 0 or more; 0 if a phase that does not chop may carry more than the reference.
     """
     if drive.regulation != EVERY_HALF:
         return 0.0
@@ -128,7 +115,7 @@ def _gap(
     scratch: NDArray[np.float64],
     gap: NDArray[np.float64],
 ) -> float:
-    """Advance from the state in `slices`; leave in `work` what it must equal, and return the gap (A)."""
+    """Advance from the state in `slices`, store its image in `work`, and return the maximum difference (A)."""
     count = drive.phases
     for k in range(count):
         work.currents[k] = slices.currents[k]
@@ -148,7 +135,7 @@ def _gap(
     )
     symmetric = _is_symmetric(drive)
     shift = (count + 1) // 2 if symmetric else 1
-    # In place by way of the room for magnitudes, which the next advance clears.
+    # Exchange in place, with the magnitudes as work space, which the next advance clears.
     for k in range(count):
         work.magnitudes[k] = work.currents[(k + shift) % count]
         work.row_counts[k] = work.pieces[(k + shift) % count] * 2 + work.latches[(k + shift) % count]
@@ -169,7 +156,7 @@ def _gap(
 
 @inlined
 def _adopt(work: StarPhases, slices: StarPhases) -> None:
-    """Take what a period has led to for the next state."""
+    """Use the state after a period as the next state."""
     for k in range(work.currents.size):
         slices.currents[k] = work.currents[k]
         slices.pieces[k] = work.pieces[k]
@@ -178,7 +165,7 @@ def _adopt(work: StarPhases, slices: StarPhases) -> None:
 
 @inlined
 def _keep(slices: StarPhases, room: _Room) -> None:
-    """Keep a state."""
+    """Store a state for `_is_kept`."""
     for k in range(slices.currents.size):
         room.kept_currents[k] = slices.currents[k]
         room.kept_latches[k] = slices.latches[k]
@@ -186,7 +173,7 @@ def _keep(slices: StarPhases, room: _Room) -> None:
 
 @inlined
 def _is_kept(drive: StarDrive, slices: StarPhases, room: _Room, tolerance: float) -> bool:
-    """Return whether a state is the one that was kept."""
+    """Return True if a state equals the stored one, except for a tolerance (A)."""
     for k in range(slices.currents.size):
         if not abs(slices.currents[k] - room.kept_currents[k]) <= tolerance:
             return False
@@ -197,14 +184,14 @@ def _is_kept(drive: StarDrive, slices: StarPhases, room: _Room, tolerance: float
 
 @inlined
 def _shift_current(slices: StarPhases, phase: int, change: float) -> None:
-    """Change one current, and the last one against it."""
+    """Change one current (A), and the last one by the opposite amount."""
     slices.currents[phase] += change
     slices.currents[slices.currents.size - 1] -= change
 
 
 @inlined
 def _invert(matrix: NDArray[np.float64], inverse: NDArray[np.float64]) -> bool:
-    """Invert a small matrix, which is lost, by elimination with pivots; return whether that was possible."""
+    """Invert a small matrix, which is overwritten, by elimination with pivots; return True if that was possible."""
     size = matrix.shape[0]
     for row in range(size):
         for column in range(size):
@@ -233,14 +220,14 @@ def _invert(matrix: NDArray[np.float64], inverse: NDArray[np.float64]) -> bool:
 
 
 @inlined
-def _improve(
+def _update_inverse(
     inverse: NDArray[np.float64],
     step: NDArray[np.float64],
     change: NDArray[np.float64],
     image: NDArray[np.float64],
     weights: NDArray[np.float64],
 ) -> None:
-    """Let the inverse slopes agree with a step and the change of the gap that it made (Broyden's update)."""
+    """Update the inverse slopes by a step and the resulting change of the gap (Broyden's update)."""
     size = step.size
     divisor = 0.0
     for row in range(size):
@@ -262,7 +249,7 @@ def _improve(
 def _differentiate(
     drive: StarDrive, work: StarPhases, slices: StarPhases, point: _Point, room: _Room
 ) -> bool:
-    """Find the slopes of the gap by differences, and their inverse; return whether there is one."""
+    """Compute the slopes of the gap by differences, and their inverse; return True if there is one."""
     gap = room.gap
     last_gap = room.last_gap
     unknowns = gap.size - 1
@@ -281,8 +268,8 @@ def _differentiate(
 
 
 @inlined
-def _is_wild(step: NDArray[np.float64], limit: float) -> bool:
-    """Return whether a step leads to currents that the drive cannot have."""
+def _is_out_of_range(step: NDArray[np.float64], limit: float) -> bool:
+    """Return True if a step leads to currents beyond a limit that the drive cannot exceed (A)."""
     size = 0.0
     for k in range(step.size):
         size = max(size, abs(step[k]))
@@ -299,7 +286,7 @@ def _newton_step(
     is_known: bool,
     before: float,
 ) -> tuple[bool, float]:
-    """Take a step toward the periodic state; return whether the slopes are good for another one, and the gap (A)."""
+    """Take a step toward the periodic state; return True if its slopes are still valid, and the gap (A)."""
     gap = room.gap
     last_gap = room.last_gap
     step = room.step
@@ -310,8 +297,8 @@ def _newton_step(
         step[row] = 0.0
         for column in range(step.size):
             step[row] -= inverse[row, column] * gap[column]
-    if not is_known or _is_wild(step, 10.0 * (point.reference + drive.current_limit)):
-        # A period leads closer, if not fast; the differences have left another state in `work`.
+    if not is_known or _is_out_of_range(step, 10.0 * (point.reference + drive.current_limit)):
+        # A period leads closer, although slowly. The differences have overwritten `work`, so repeat it first.
         _gap(drive, work, slices, point, room.scratch, gap)
         _adopt(work, slices)
         return False, _gap(drive, work, slices, point, room.scratch, gap)
@@ -322,10 +309,10 @@ def _newton_step(
     if worst <= _GOOD * before:
         for k in range(step.size):
             last_gap[k] = gap[k] - last_gap[k]
-        _improve(inverse, step, last_gap, room.image, room.weights)
+        _update_inverse(inverse, step, last_gap, room.image, room.weights)
         return True, worst
     if not worst < before:
-        # The slopes beside a corner of the map may lead nowhere.
+        # The slopes next to a corner of the map may be useless.
         _adopt(work, slices)
         worst = _gap(drive, work, slices, point, room.scratch, gap)
     return False, worst
@@ -341,20 +328,20 @@ def periodic_start(
     reference: float,
     advance: float,
 ) -> int:
-    """Find the periodic state and leave it, at the first phase's window start, in `work`.
+    """Find the periodic state, and store it at the first phase's window start in `work`.
 
     Parameters
     ----------
     drive : StarDrive
-        The drive's constants.
+        Constants of machine and inverter.
     work, slices : StarPhases
-        Room for the computation; `work` receives the state of all phases.
+        Work space; `work` receives the state of all phases.
     speed : float
         Shaft speed (rad/s), above 0.
     voltage : float
         Half of the link's voltage (V).
     reference : float
-        Current reference (A).
+        Current reference i* (A).
     advance : float
         Advance angle (rad electrical).
 
@@ -366,8 +353,8 @@ def periodic_start(
 
     Notes
     -----
-    With a band, a state often repeats only after a few torque periods. While plain repetition goes on, each state is
-    compared with one that was kept, a newer one each time that twice as many periods have passed (Brent's algorithm).
+    With a band, a state often repeats only after a few torque periods. During plain repetition, each state is compared
+    with a stored one, which is replaced each time that twice as many periods have passed (Brent's algorithm).
     """
     count = drive.phases
     unknowns = count - 1
@@ -404,7 +391,7 @@ def periodic_start(
             before = worst
             is_known, worst = _newton_step(drive, work, slices, point, room, is_known, worst)
             if worst > _POOR * before:
-                # Among the corners of the map such steps may go round for ever; periods lead out of there.
+                # Near corners of the map these steps may repeat in a circle without end; plain periods lead out of it.
                 failures += 1
                 waiting = _WARM_UP * failures
         else:

@@ -1,4 +1,4 @@
-"""The constants of one drive, machine and inverter, as the compiled kernels take them (SI units)."""
+"""The constants of a drive, machine and inverter, for the compiled kernels (SI units)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drivegate_models.machine.emf import full_cycle
 
 
 class Drive(NamedTuple):
-    """Constants of a phase-decoupled machine on a split supply with one half-bridge leg a phase.
+    """Constants of a phase-decoupled machine on a split supply with one half-bridge leg per phase.
 
     Angles are electrical, speeds and torques are the shaft's. The back-EMF of a phase is
     ``emf_constant * speed * f(angle)`` with the shape f given by its corners.
@@ -21,7 +21,7 @@ class Drive(NamedTuple):
     resistance: float
     """Winding resistance (ohm)."""
     emf_constant: float
-    """Peak back-EMF a shaft speed (V s/rad); also peak torque an ampere (N m/A)."""
+    """Peak back-EMF per shaft speed (V s/rad); also peak torque per ampere (N m/A)."""
     phases: int
     """Number of phases m; phase j lags phase j - 1 by pi/m electrical."""
     pole_pairs: int
@@ -35,7 +35,7 @@ class Drive(NamedTuple):
     window: float
     """Width of each conduction window (rad electrical)."""
     current_limit: float
-    """Greatest current reference (A)."""
+    """Maximum current reference (A)."""
     emf_angles: NDArray[np.float64]
     """Corners of the back-EMF shape, shape (k + 1,), from 0 to 2 pi (rad electrical)."""
     emf_values: NDArray[np.float64]
@@ -43,13 +43,13 @@ class Drive(NamedTuple):
     emf_slopes: NDArray[np.float64]
     """Slope of the shape after each corner, shape (k,) (1/rad)."""
     core_loss_conductance: float = 0.0
-    """Core loss a phase over the square of the gap voltage (S)."""
+    """Core loss of a phase over the square of the gap voltage (S)."""
     inertia: float = 1.0
     """Inertia of rotor and load (kg m2)."""
     friction: float = 0.0
     """Friction torque independent of speed (N m)."""
     viscous_friction: float = 0.0
-    """Friction and windage torque a speed (N m s/rad)."""
+    """Friction and windage torque per shaft speed (N m s/rad)."""
     switch_drop: float = 0.0
     """Forward drop of a switch (V)."""
     diode_drop: float = 0.0
@@ -68,7 +68,7 @@ def make_drive(
     emf_values: NDArray[np.float64],
     **constants: float,
 ) -> Drive:
-    """Build the constants of a drive from people's values, in SI units.
+    """Build the constants of a drive from values in SI units.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def make_drive(
     emf_angles, emf_values : ndarray, shape (k,)
         Corners of the positive half cycle of the back-EMF shape (rad, 1); see `drivegate_models.machine.emf`.
     **constants : float
-        The other fields of `Drive`, by name and in its units; its defaults hold for those left out.
+        The other fields of `Drive`, by name and in its units; missing ones have its defaults.
 
     Returns
     -------
@@ -85,7 +85,7 @@ def make_drive(
         The constants, with the shape's corners over the whole cycle.
     """
     angles, values = full_cycle(emf_angles, emf_values)
-    # Each kernel is compiled for one type of drive; an int among the floats would compile it once more.
+    # Each kernel is compiled for one type of drive; an int instead of a float would compile it a second time.
     return Drive(
         phases=int(phases),
         pole_pairs=int(pole_pairs),
@@ -98,19 +98,19 @@ def make_drive(
 
 @inlined
 def drifted(drive: Drive, resistance_factor: float, emf_factor: float) -> Drive:
-    """Return a drive whose windings and magnets have another temperature.
+    """Return a drive with windings and magnets at another temperature.
 
     Parameters
     ----------
     drive : Drive
-        The drive.
+        Constants at the nominal temperature.
     resistance_factor, emf_factor : float
         Factors on the winding resistance and on the EMF constant (1).
 
     Returns
     -------
     Drive
-        The same but for these two.
+        With all other constants unchanged.
     """
-    # Compiled code has no `_replace`; what drifts comes first, so that the rest passes as one piece.
+    # Compiled code has no `_replace`. The fields that drift are the first ones, so the rest is one slice.
     return Drive(drive.resistance * resistance_factor, drive.emf_constant * emf_factor, *drive[2:])

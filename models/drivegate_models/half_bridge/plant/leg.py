@@ -1,4 +1,4 @@
-"""What a half-bridge leg connects its phase to: rail, floating, or the ideal regulator's slide along i*."""
+"""Connection of a phase by its half-bridge leg: a rail, floating, or the ideal regulator's slide along i*."""
 
 from __future__ import annotations
 
@@ -9,37 +9,37 @@ from drivegate_models.compilation.kernels import inlined
 def ideal_latch(
     along: float, reference: float, depart: int, needed: float, front: float, back: float
 ) -> tuple[int, int, bool]:
-    """Return what the ideal regulator (no band) does with its switch.
+    """Return the switch state of the ideal regulator (without hysteresis band).
 
     Parameters
     ----------
     along : float
-        Current along the sector's sign (A).
+        Current times the sector's sign (A).
     reference : float
-        Current reference (A).
+        Current reference i* (A).
     depart : int
-        Direction in which a slide has just been left, along the sector's sign: 1, -1, or 0 for none.
+        Direction in which a slide has just ended, times the sector's sign: 1, -1, or 0 for none.
     needed : float
-        Terminal voltage along the sector's sign that would hold the current (V).
+        Terminal voltage times the sector's sign that maintains the current (V).
     front, back : float
-        Greatest and least terminal voltage along the sector's sign (V).
+        Maximum and minimum terminal voltage times the sector's sign (V).
 
     Returns
     -------
     latch : int
         1 for the switch on, 0 for off.
     depart : int
-        The direction in which the current leaves the reference, if it has to.
+        Direction in which the current must leave the reference, 0 for none.
     slides : bool
-        Whether the current is held at the reference.
+        True if the current slides along the reference.
     """
-    # An exact comparison will do: an event at i* sets the current to i* itself.
+    # An exact comparison is sufficient: an event at i* sets the current to i* itself.
     if along != reference:
         return (1 if along < reference else 0), depart, False
-    # A current that has just left still equals i*; taken for sliding, it would never get away.
+    # A current that has just left still equals i*; if it counted as sliding, it would never leave.
     if depart != 0:
         return (1 if depart < 0 else 0), depart, False
-    # Beyond a rail no share of switching holds the current.
+    # Beyond a rail no duty ratio maintains the current.
     if needed > front:
         return 1, -1, False
     if needed < back:
@@ -59,31 +59,31 @@ def connection(
     switch_drop: float,
     diode_drop: float,
 ) -> tuple[int, int]:
-    """Return the rail that a phase is connected to, and the sign of its current until the next event.
+    """Return the rail of a phase, and the sign of its current until the next event.
 
     Parameters
     ----------
     gate : int
         Switch that is on: 1 upper, -1 lower, 0 none.
     current : float
-        Phase current (A).
+        Phase current at the last event (A).
     starting : int
-        Sign of the current that a floating phase has just begun to carry, or 0.
+        Sign of a current that has just begun to flow in a floating phase, or 0.
     emf, emf_rate : float
         Back-EMF (V) and its slope (V/s).
     upper, lower : float
         Voltages of the half-sources (V).
     switch_drop, diode_drop : float
-        Forward drops (V).
+        Forward drops of switch and diode (V).
 
     Returns
     -------
     rail : int
-        1 upper, -1 lower, 0 for a phase that floats.
+        1 upper, -1 lower, 0 for a floating phase.
     side : int
-        Sign of the current, 0 for none.
+        Sign of the current, 0 if none flows.
     """
-    # A current that begins is still zero; its direction has to come with it, or the phase would float on.
+    # A current that begins is still zero; without its direction, the phase would continue to float.
     side = starting
     if current > 0.0:
         side = 1
@@ -92,12 +92,12 @@ def connection(
     if gate == 0:
         if side == 0:
             # Rectifying: the back-EMF drives current into a rail through that rail's diode.
-            # At equality, where the event that leads here has ended, only the slope says which way it goes.
+            # At equality, where the preceding event has ended, only the slope determines the direction.
             if emf > upper + diode_drop or (emf == upper + diode_drop and emf_rate > 0.0):
                 side = -1
             elif emf < -(lower + diode_drop) or (emf == -(lower + diode_drop) and emf_rate < 0.0):
                 side = 1
-        # With the gates off a current can only flow on through a diode, against the rail that it ends at.
+        # With the gates off a current can only continue through a diode, against that rail's voltage.
         return -side, side
     if side == 0:
         source = upper if gate > 0 else lower
@@ -106,7 +106,7 @@ def connection(
             side = gate
         elif opposing > source + diode_drop:
             side = -gate
-        # Without drops there is no dead zone to rest in: at equality the slope decides.
+        # Without drops there is no dead zone: at equality the slope decides.
         elif switch_drop + diode_drop == 0.0:
             side = -gate if gate * emf_rate > 0.0 else gate
         else:
@@ -117,19 +117,19 @@ def connection(
 
 @inlined
 def time_to_pass(value: float, rate: float, low: float, high: float) -> float:
-    """Return when a straight line leaves a band, or infinity.
+    """Return the time at which a straight line leaves a band.
 
     Parameters
     ----------
     value, rate : float
-        Value now and its slope a second.
+        Present value and its slope (unit of the value, and per second).
     low, high : float
-        The band.
+        Ends of the band, in the unit of the value.
 
     Returns
     -------
     float
-        Time (s), negative where it is outside already.
+        Time from now (s), negative if the value is outside already, 1e300 without a slope.
     """
     if rate > 0.0:
         return (high - value) / rate

@@ -1,7 +1,7 @@
-"""What a phase does from one event to the next: its current slides along i*, it floats, or it conducts.
+"""The modes of a phase between two events: its current slides along i*, it floats, or it conducts.
 
-Each function solves for the first event that ends the stretch, adds the stretch's exact integrals, keeps its
-segment where there is room, and says how the next stretch begins.
+Each function solves for the first event that ends the stretch, adds the stretch's exact integrals, stores its
+segment if there is space, and returns the state at the start of the next stretch.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def _kept(
     voltage_rate: float,
     rate: float,
 ) -> int:
-    """Keep the segment of a stretch, and return the next index."""
+    """Store the segment of a stretch, and return the next index."""
     shape, shape_rate = stretch.shape, stretch.shape_rate
     return keep_segment(
         rows,
@@ -66,22 +66,22 @@ def slide(
     motion: Motion,
     rows: NDArray[np.float64],
 ) -> tuple[float, bool, Sums, Motion]:
-    """Hold the current at i*, as the ideal regulator does, until a rail no longer can.
+    """Maintain the current at i* by the ideal regulator, until a rail's voltage is no longer sufficient.
 
     Parameters
     ----------
     winding : Winding
-        Constants.
+        Constants of leg and winding.
     demand : Demand
-        What the regulator is to do.
+        Commands of the regulator.
     stretch : Stretch
-        Where it begins.
+        Start and maximum length of the stretch.
     upper, lower : float
         Voltages of the half-sources (V).
     sums : Sums
-        Integrals so far.
+        Integrals before the stretch.
     motion : Motion
-        Where the phase stands.
+        State of the phase before the stretch.
     rows : ndarray, shape (m, n, segments.FIELDS)
         Receives the segment.
 
@@ -90,11 +90,11 @@ def slide(
     length : float
         Length of the stretch (s).
     is_whole : bool
-        Whether no event of its own ended it.
+        True if it has the maximum length, because no event of the phase ended it.
     sums : Sums
-        With the stretch.
+        Integrals with the stretch.
     motion : Motion
-        At its end.
+        State of the phase after the stretch.
     """
     sector = demand.sector
     reference = demand.reference
@@ -110,27 +110,27 @@ def slide(
     wait = time_to_pass(needed, needed_rate, -back, front)
     is_whole = not wait < length
     if not is_whole:
-        # By rounding the voltage may lie beyond the rail already.
+        # By rounding the voltage may already be beyond the rail.
         length = max(wait, 0.0)
-        # The rail in front no longer suffices where the need rises, the one behind where it falls.
+        # If the required voltage rises, the front rail is no longer sufficient; if it falls, the back rail is not.
         depart = -1 if needed_rate > 0.0 else 1
     if length > 0.0:
-        # The switch's share of time, the limit of a band that shrinks to nothing.
+        # The switch's duty ratio, the limit of a vanishing band.
         share = (needed + 0.5 * needed_rate * length + back) / (front + back)
         # The share is linear in time, and all integrals are linear in the share: its mean makes them exact.
         charge = reference * length
-        taken = share * front_source * charge
-        given = (1.0 - share) * back_source * charge
+        drawn = share * front_source * charge
+        returned = (1.0 - share) * back_source * charge
         drop = winding.resistance * reference
         shape_mean = stretch.shape + 0.5 * stretch.shape_rate * length
         sums = Sums(
             sums.magnitude + charge,
             sums.square + reference * charge,
             sums.shape_current + sector * shape_mean * charge,
-            sums.upper + (taken if sector > 0 else -given),
-            sums.lower + (-given if sector > 0 else taken),
-            sums.exchanged + (taken + given),
-            sums.returned + given,
+            sums.upper + (drawn if sector > 0 else -returned),
+            sums.lower + (-returned if sector > 0 else drawn),
+            sums.exchanged + (drawn + returned),
+            sums.returned + returned,
             sums.device + (share * winding.switch_drop + (1.0 - share) * winding.diode_drop) * charge,
             # The gap voltage switches between the rails, however small the band.
             sums.core + (share * (front - drop) ** 2 + (1.0 - share) * (back + drop) ** 2) * length,
@@ -156,17 +156,9 @@ def float_free(
 ) -> tuple[float, bool, Sums, Motion]:
     """Carry no current until the back-EMF passes a rail, or leaves the dead zone of a closed switch.
 
-    Parameters
-    ----------
-    winding, demand, stretch, upper, lower, sums, motion, rows
-        As in `slide`.
-
-    Returns
-    -------
-    length, is_whole, sums, motion
-        As in `slide`.
+    Arguments and results are those of `slide`.
     """
-    # A switch that is on leaves only the dead zone between its own drop and its diode's.
+    # With a switch on, only the dead zone between its drop and its diode's drop remains.
     high = upper + winding.diode_drop if demand.gate >= 0 else -(lower - winding.switch_drop)
     low = -(lower + winding.diode_drop) if demand.gate <= 0 else upper - winding.switch_drop
     length = stretch.length
@@ -202,7 +194,7 @@ def float_free(
 def _start_slope(
     winding: Winding, demand: Demand, stretch: Stretch, motion: Motion, voltage: float, side: int
 ) -> float:
-    """Return the slope of the current at the start of a stretch, without what is left of it by rounding (A/s)."""
+    """Return the slope of the current at the start of a stretch, without rounding errors in its sign (A/s)."""
     slope = (voltage - stretch.emf - winding.resistance * motion.current) * winding.inverse_inductance
     if motion.conducting != 0 or (motion.current == 0.0 and side * slope < 0.0):
         # The current has just begun to flow.
@@ -215,12 +207,12 @@ def _start_slope(
 
 @inlined
 def _comparator_level(demand: Demand, side: int) -> tuple[float, bool]:
-    """Return the current at which the comparator switches (A), and whether the current can come to it."""
+    """Return the current at which the comparator switches (A), and True if the current can reach it."""
     if demand.gate != 0:
         return demand.gate * (demand.reference + demand.band), side == demand.gate
     level = demand.sector * max(demand.reference - demand.band, 0.0)
     chops = demand.sector != 0 and demand.reference > 0.0 and side == demand.sector
-    # A level of zero is met by the event of zero current.
+    # The event of zero current covers a level of zero.
     return level, chops and level != 0.0
 
 
@@ -238,7 +230,7 @@ def _conducted(
     source: float,
     voltage: float,
 ) -> tuple[float, Sums]:
-    """Return the current at the end of a stretch without events, and the integrals with it."""
+    """Return the current at the end of a stretch without events (A), and the integrals with the stretch."""
     resistance = winding.resistance
     returning = rail * side < 0
     end, end_slope, first, second, square = current_integrals(start, slope, curvature, winding.rate, length)
@@ -278,27 +270,16 @@ def conduct(
     motion: Motion,
     rows: NDArray[np.float64],
 ) -> tuple[float, bool, Sums, Motion]:
-    """Let the current flow between winding and a rail until it reaches the comparator's level, or zero.
+    """Conduct the current between winding and a rail until it reaches the comparator's level, or zero.
 
-    Parameters
-    ----------
-    winding, demand, stretch, sums, motion, rows
-        As in `slide`.
-    rail, side : int
-        Rail that the phase is connected to, and sign of its current: 1 or -1.
-    source : float
-        Voltage of that rail's half-source (V).
-
-    Returns
-    -------
-    length, is_whole, sums, motion
-        As in `slide`.
+    `rail` and `side` are the phase's rail and the sign of its current (1 or -1), `source` the voltage of that rail's
+    half-source (V). The other arguments and the results are those of `slide`.
     """
     rate = winding.rate
     current = motion.current
     latch = motion.latch
     kept = motion.kept
-    # Beyond, the series are not exact; the rest follows as a stretch of its own.
+    # For longer times the series are not exact; the rest is a separate stretch.
     length = min(stretch.length, winding.longest)
     is_whole = stretch.length <= winding.longest
     returning = rail * side < 0
@@ -311,7 +292,7 @@ def conduct(
     level, reachable = _comparator_level(demand, side)
     level_time = inf
     if reachable:
-        # A switch that is on lets the current rise to its level, a freewheeling diode lets it fall.
+        # With a switch on the current rises to its level, with a freewheeling diode it falls.
         rising = demand.gate > 0 if demand.gate != 0 else demand.sector < 0
         level_time = crossing_time(current, slope, curvature, rate, length, end, end_slope, level, rising)
     at_level = level_time <= zero_time and level_time <= length
@@ -325,7 +306,7 @@ def conduct(
         )
         kept = _kept(rows, stretch, kept, length, current, slope, curvature, voltage, 0.0, rate)
         current = end
-    # An event ends exactly where it is, whatever rounding has left of it.
+    # Set the current to the exact level of the event, without rounding errors.
     if at_level:
         current = level
         latch = 0 if demand.gate != 0 else 1
@@ -349,17 +330,9 @@ def not_sliding(
     motion: Motion,
     rows: NDArray[np.float64],
 ) -> tuple[float, bool, Sums, Motion]:
-    """Float or conduct, as gates, diodes and the back-EMF have it.
+    """Float or conduct, as determined by gates, diodes and the back-EMF.
 
-    Parameters
-    ----------
-    winding, demand, stretch, upper, lower, sums, motion, rows
-        As in `slide`.
-
-    Returns
-    -------
-    length, is_whole, sums, motion
-        As in `slide`.
+    Arguments and results are those of `slide`.
     """
     rail, side = connection(
         demand.gate,

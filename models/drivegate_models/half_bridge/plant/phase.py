@@ -1,11 +1,11 @@
-"""One phase on its half-bridge leg, advanced exactly from event to event.
+"""Exact advance of one phase on its half-bridge leg, from event to event.
 
-Within a control period the speed, the commands and the supply are constant. The leg follows the paper's
-per-phase hysteresis current controllers ("Implementation", Fig. 8) on the split supply of Table 1: in its
-positive window the upper switch is on until the current reaches i* + h, then off until it falls to
-max(i* - h, 0); the lower switch is the mirror image in the negative window. With the gates off a current
-flows on through the freewheeling diode of the other rail; without a current the phase floats, or rectifies
-once its back-EMF exceeds the rail. h = 0 is the ideal regulator, whose current slides along i*.
+Within a control period the speed, the commands and the supply are constant. The leg follows the paper's per-phase
+hysteresis current controllers ("Implementation", Fig. 8) on the split supply of Table 1. In the positive window the
+upper switch is on until the current reaches i* + h, then off until it falls to max(i* - h, 0). The lower switch is the
+mirror image in the negative window. With the gates off, a current continues through the freewheeling diode of the other
+rail. Without a current the phase floats, or rectifies once its back-EMF exceeds the rail. h = 0 is the ideal regulator,
+whose current slides along i*.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from drivegate_models.machine.cycle import next_shape, next_window, shape_at, wi
 from drivegate_models.machine.winding_current import LONGEST
 
 EVENT_LIMIT = 200_000
-"""Greatest number of events of one phase in one advance."""
+"""Maximum number of events of one phase in one advance."""
 
 _STANDSTILL = 1e-100
 _LEAST_REFERENCE = 1e-20
@@ -34,7 +34,7 @@ _LEAST_REFERENCE = 1e-20
 
 @inlined
 def _compared(latch: int, magnitude: float, reference: float, band: float) -> int:
-    """Return the latch after both comparators have looked at the current along the sector's sign."""
+    """Return the latch after both comparators have evaluated the current times the sector's sign (A)."""
     if magnitude >= reference + band:
         return 0
     if magnitude <= max(reference - band, 0.0):
@@ -44,7 +44,7 @@ def _compared(latch: int, magnitude: float, reference: float, band: float) -> in
 
 @inlined
 def _winding(drive: Drive) -> Winding:
-    """Return the constants that every stretch needs."""
+    """Return the constants of all stretches in an advance."""
     inverse_inductance = 1.0 / drive.inductance
     rate = drive.resistance * inverse_inductance
     longest = LONGEST / rate if rate > 0.0 else inf
@@ -62,7 +62,7 @@ def _regulated(
     upper: float,
     lower: float,
 ) -> tuple[int, bool, Motion]:
-    """Return the switch that is on (1, -1, 0), whether the current slides along i*, and the motion with its latch."""
+    """Return the switch that is on (1, -1, 0), True if the current slides along i*, and the motion with its latch."""
     if sector == 0 or reference <= 0.0:
         return 0, False, motion
     if drive.hysteresis_band > 0.0:
@@ -78,7 +78,7 @@ def _regulated(
 
 @inlined
 def _switching_energy(drive: Drive, gate_was: int, gate: int) -> float:
-    """Return the loss of a change of the switch that is on (J); an ideal regulator has no switchings to count."""
+    """Return the loss when the switch that is on changes (J); it is 0 for the ideal regulator."""
     if drive.hysteresis_band == 0.0:
         return 0.0
     energy = drive.turn_off_energy if gate_was != 0 else 0.0
@@ -89,7 +89,7 @@ def _switching_energy(drive: Drive, gate_was: int, gate: int) -> float:
 def _add_to_ledger(
     totals: NDArray[np.float64], drive: Drive, emf_peak: float, sums: Sums, switching: float, events: int
 ) -> None:
-    """Add the integrals of one phase."""
+    """Add the integrals of one phase over an advance to the totals."""
     totals[ledger.MAGNITUDE] += sums.magnitude
     totals[ledger.SQUARE] += sums.square
     totals[ledger.IMPULSE] += drive.emf_constant * sums.shape_current
@@ -133,16 +133,16 @@ def advance_phase(
     Parameters
     ----------
     drive : Drive
-        The drive's constants.
+        Constants of machine and inverter.
     corners, corner_values, corner_slopes : ndarray
-        The drive's `emf_angles`, `emf_values` and `emf_slopes`; taken out of it once by the caller, since
-        every look at an array in a tuple counts a reference.
+        The drive's `emf_angles`, `emf_values` and `emf_slopes`. The caller reads them once, because every access to an
+        array in a tuple counts a reference.
     phase : int
         Index of the phase, 0 to m - 1.
     currents : ndarray, shape (m,)
         Phase currents (A), updated.
     sectors, latches : ndarray of int64, shape (m,)
-        Window that each phase is in (1, 0, -1) and whether its comparator is latched on (1, 0), updated.
+        Window of each phase (1, 0, -1) and state of its comparator (1 on, 0 off), updated.
     angle : float
         Electrical angle of this phase at the start (rad).
     speed : float
@@ -156,11 +156,11 @@ def advance_phase(
     duration : float
         Length of the advance (s).
     totals : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals, added to.
+        The exact integrals of the advance are added to it.
     rows : ndarray, shape (m, n, segments.FIELDS)
-        Receives the segments; n = 0 keeps none.
+        Receives the segments; with n = 0 none are stored.
     row_count : ndarray of int64, shape (m,)
-        Number of segments kept of each phase, set.
+        Receives the number of stored segments of this phase.
 
     Returns
     -------
@@ -169,10 +169,10 @@ def advance_phase(
     """
     electrical = drive.pole_pairs * speed
     if electrical < _STANDSTILL:
-        # So slow that the time of a radian is no number any more.
+        # At this speed the time of a radian would overflow.
         electrical = 0.0
     if reference < _LEAST_REFERENCE:
-        # Such a current comes and goes within the rounding of time; the gates stay blocked, as at zero.
+        # This current rises and falls within the rounding of time; the gates remain blocked, as at zero.
         reference = 0.0
     winding = _winding(drive)
     emf_peak = drive.emf_constant * speed
@@ -183,9 +183,9 @@ def advance_phase(
     latch = latches[phase]
     gate_was = sectors[phase] * latch if reference > 0.0 else 0
     if sector != sectors[phase]:
-        # The latch is set anew at each window's start.
+        # The latch is set again at each window's start.
         latch = 1
-    # A new command may have moved i* or the window, so both comparators look again.
+    # A new command may have changed i* or the window, so evaluate both comparators again.
     if sector != 0:
         latch = _compared(latch, sector * currents[phase], reference, drive.hysteresis_band)
     motion = Motion(currents[phase], latch, 0, 0, 0)
@@ -216,16 +216,16 @@ def advance_phase(
             length, is_whole, sums, motion = not_sliding(
                 winding, demand, stretch, upper, lower, sums, motion, rows
             )
-        # The limit itself, not the sum, so that a corner is passed exactly once.
+        # Use the limit itself, not the sum, so that a corner is passed exactly once.
         time = limit if is_whole else time + length
-        # Not `if`: corners closer together than the rounding of time are passed at once.
+        # `while`, because corners closer together than the rounding of time are passed together.
         while time >= shape.end:
             shape = next_shape(corners, corner_values, corner_slopes, shape, electrical)
         while time >= window.end:
             window = next_window(window, drive.window, electrical)
             latch = motion.latch
             if window.sector != 0:
-                # A latch is on when its window opens, whatever it was in the last one.
+                # A latch is on when its window opens, whatever it was in the preceding one.
                 latch = _compared(1, window.sector * motion.current, reference, drive.hysteresis_band)
             motion = Motion(motion.current, latch, 0, motion.conducting, motion.kept)
 

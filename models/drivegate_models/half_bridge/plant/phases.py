@@ -1,4 +1,4 @@
-"""All phases of the drive advanced together at constant speed, supply and command."""
+"""Advance of all phases of the drive at constant speed, supply and command."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from drivegate_models.machine.advance_status import COMPLETED
 
 
 class Phases(NamedTuple):
-    """State of the m phases and room for the segments of one advance; the arrays are updated in place."""
+    """State of the m phases and space for the segments of one advance; the arrays are updated in place."""
 
     currents: NDArray[np.float64]
     """Phase currents, shape (m,) (A)."""
@@ -27,7 +27,7 @@ class Phases(NamedTuple):
     magnitudes: NDArray[np.float64]
     """Integral of each phase's current magnitude over the last advance, shape (m,) (A s)."""
     rows: NDArray[np.float64]
-    """Segments of the last advance, shape (m, n, segments.FIELDS); n = 0 keeps none."""
+    """Segments of the last advance, shape (m, n, segments.FIELDS); with n = 0 none are stored."""
     row_counts: NDArray[np.int64]
     """Number of segments of each phase, shape (m,)."""
 
@@ -38,20 +38,20 @@ def make_phases(drive: Drive, longest_advance: float = 0.0) -> Phases:
     Parameters
     ----------
     drive : Drive
-        The drive.
+        Its number of phases, and its maximum number of segments, determine the sizes.
     longest_advance : float
-        Longest advance whose segments are to be kept (s); 0 keeps none.
+        Maximum length of an advance whose segments are stored (s); 0 to store none.
 
     Returns
     -------
     Phases
-        With room for every segment that the drive can produce in such an advance.
+        With space for every segment that the drive can produce in that time.
     """
     count = drive.phases
     capacity = 0
     if longest_advance > 0.0:
-        # A segment without room is dropped, so there is room for the steepest current that supply and
-        # back-EMF can drive together, and for corners and window edges besides.
+        # A segment without space is dropped. The capacity covers the steepest current that supply and back-EMF can
+        # drive together, plus corners and window edges.
         band = drive.hysteresis_band
         swing = 2.5 * drive.half_supply_voltage / drive.inductance
         chops = longest_advance * swing / band if band > 0.0 else 0.0
@@ -79,28 +79,28 @@ def advance_phases(
     duration: float,
     totals: NDArray[np.float64],
 ) -> int:
-    """Advance every phase exactly; see `drivegate_models.half_bridge.plant.phase.advance_phase`.
+    """Advance every phase exactly, by `drivegate_models.half_bridge.plant.phase.advance_phase`.
 
     Parameters
     ----------
     drive : Drive
-        The drive's constants.
+        Constants of machine and inverter.
     phases : Phases
-        State, updated; receives the segments.
+        State before the advance; replaced by the state after it, with the segments.
     angle : float
         Electrical angle of the first phase at the start (rad).
     speed : float
-        Shaft speed (rad/s).
+        Constant shaft speed (rad/s).
     upper, lower : float
         Voltages of the half-sources (V).
     reference : float
-        Current reference (A).
+        Current reference i* (A).
     advance : float
         Advance angle (rad electrical).
     duration : float
-        Length (s).
+        Length of the advance (s).
     totals : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals, added to.
+        The exact integrals of the advance are added to it.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def advance_phases(
         A status of `drivegate_models.machine.advance_status`.
     """
     status = COMPLETED
-    # Once for all phases: every look at an array in a tuple counts a reference.
+    # Read the arrays once for all phases: every access to an array in a tuple counts a reference.
     corners = drive.emf_angles
     corner_values = drive.emf_values
     corner_slopes = drive.emf_slopes
@@ -140,7 +140,7 @@ def advance_phases(
             rows,
             row_counts,
         )
-        # The ledger keeps no phase apart, but each phase has a current sensor of its own.
+        # The ledger sums over all phases, but each phase has its own current sensor.
         magnitudes[phase] = totals[ledger.MAGNITUDE] - before
         if outcome != COMPLETED:
             status = outcome

@@ -1,6 +1,6 @@
-"""What the pieces of a phase's advance pass to each other: constants, the stretch between two events, and sums.
+"""The data of a phase's advance: constants, the stretch between two events, and sums.
 
-All of it is plain numbers in named tuples, which the compiler keeps in registers.
+They are plain numbers in named tuples, which the compiler stores in registers.
 """
 
 from __future__ import annotations
@@ -14,21 +14,21 @@ class Winding(NamedTuple):
     """Constants of leg and winding over one advance."""
 
     resistance: float
-    """(ohm)."""
+    """Winding resistance R (ohm)."""
     inverse_inductance: float
-    """(1/H)."""
+    """1/L (1/H)."""
     rate: float
     """R/L (1/s)."""
     longest: float
     """Longest stretch for which the series of `winding_current` are used (s)."""
     switch_drop: float
-    """(V)."""
+    """Forward drop of a switch (V)."""
     diode_drop: float
-    """(V)."""
+    """Forward drop of a diode (V)."""
 
 
 class Demand(NamedTuple):
-    """What the regulator of a phase is to do in one stretch."""
+    """The commands of a phase's regulator in one stretch."""
 
     reference: float
     """Current reference i* (A)."""
@@ -41,26 +41,26 @@ class Demand(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """Where a stretch begins, and the longest that it may last."""
+    """Start, maximum length and back-EMF of a stretch."""
 
     phase: int
     """Index of the phase."""
     time: float
-    """From the beginning of the advance (s)."""
+    """Start, from the beginning of the advance (s)."""
     length: float
-    """To the next corner of the back-EMF, edge of a window, or end of the advance (s)."""
+    """Time to the next corner of the back-EMF, edge of a window, or end of the advance (s)."""
     shape: float
-    """Back-EMF shape at its start (1)."""
+    """Back-EMF shape at the start (1)."""
     shape_rate: float
-    """Its rate (1/s)."""
+    """Rate of the shape (1/s)."""
     emf: float
-    """Back-EMF at its start (V)."""
+    """Back-EMF at the start (V)."""
     emf_rate: float
-    """Its rate (V/s)."""
+    """Rate of the back-EMF (V/s)."""
 
 
 class Sums(NamedTuple):
-    """Exact integrals of one phase over one advance, as `ledger` names them; kept in registers, not in memory."""
+    """Exact integrals of one phase over one advance, named as in `ledger`; stored in registers, not in memory."""
 
     magnitude: float
     square: float
@@ -79,53 +79,29 @@ class Sums(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Where a phase stands between two stretches."""
+    """State of a phase between two stretches."""
 
     current: float
-    """(A)."""
+    """Phase current (A)."""
     latch: int
     """Comparator: 1 on, 0 off."""
     depart: int
-    """Direction in which a slide has just been left, along the sector's sign: 1, -1, or 0 for none."""
+    """Direction in which a slide has just ended, times the sector's sign: 1, -1, or 0 for none."""
     conducting: int
-    """Sign of the current that a floating phase has just begun to carry, or 0."""
+    """Sign of a current that has just begun to flow in a floating phase, or 0."""
     kept: int
-    """Number of segments kept."""
+    """Number of segments stored."""
 
 
 @inlined
 def no_sums(peak: float) -> Sums:
-    """Return the integrals at the start of an advance.
-
-    Parameters
-    ----------
-    peak : float
-        Magnitude of the current there (A).
-
-    Returns
-    -------
-    Sums
-        All 0 but for the peak.
-    """
+    """Return integrals of 0 at the start of an advance, with the current's magnitude as the peak (A)."""
     return Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, peak)
 
 
 @inlined
 def with_peak(sums: Sums, peak: float) -> Sums:
-    """Return the same integrals with another peak.
-
-    Parameters
-    ----------
-    sums : Sums
-        Integrals so far.
-    peak : float
-        Greatest magnitude of the current so far (A).
-
-    Returns
-    -------
-    Sums
-        With that peak.
-    """
+    """Return the same integrals with another peak of the current's magnitude (A)."""
     return Sums(
         sums.magnitude,
         sums.square,

@@ -1,4 +1,4 @@
-"""The constants of a star-connected drive, machine and inverter, as the compiled kernels take them (SI units)."""
+"""The constants of a star-connected drive, machine and inverter, for the compiled kernels (SI units)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine.emf import full_cycle
 
 EVERY_HALF: Final = 0b1111
-"""Every phase chops in the whole of its windows, each on a comparator of its own."""
+"""Every phase chops throughout its windows, each with its own comparator."""
 UPPER_ONLY: Final = 0b0011
 """Only the upper switches chop; the lower ones are on throughout the negative windows."""
 PWM_ON: Final = 0b0101
@@ -25,11 +25,11 @@ REGULATIONS: Final[Mapping[str, int]] = {
     "pwm-on": PWM_ON,
     "on-pwm": ON_PWM,
 }
-"""The halves that chop, by the name of the scheme."""
+"""The chopping halves of each scheme."""
 
 
 class StarDrive(NamedTuple):
-    """Constants of a star-connected machine with an isolated neutral on one half-bridge leg a phase.
+    """Constants of a star-connected machine with an isolated neutral on one half-bridge leg per phase.
 
     Angles are electrical, speeds and torques are the shaft's. The back-EMF of a phase is
     ``emf_constant * speed * f(angle)`` with the shape f given by its corners.
@@ -38,7 +38,7 @@ class StarDrive(NamedTuple):
     resistance: float
     """Winding resistance of a phase (ohm)."""
     emf_constant: float
-    """Peak back-EMF of a phase a shaft speed (V s/rad); also peak torque an ampere (N m/A)."""
+    """Peak back-EMF of a phase per shaft speed (V s/rad); also peak torque per ampere (N m/A)."""
     phases: int
     """Number of phases m, odd and at least 3; phase j lags phase j - 1 by 2 pi/m electrical."""
     pole_pairs: int
@@ -52,7 +52,7 @@ class StarDrive(NamedTuple):
     window: float
     """Width of each conduction window (rad electrical)."""
     current_limit: float
-    """Greatest current reference (A)."""
+    """Maximum current reference (A)."""
     emf_angles: NDArray[np.float64]
     """Corners of the back-EMF shape, shape (k + 1,), from 0 to 2 pi (rad electrical)."""
     emf_values: NDArray[np.float64]
@@ -62,13 +62,13 @@ class StarDrive(NamedTuple):
     regulation: int = EVERY_HALF
     """Which halves of the windows chop, one bit each: positive first and second, negative first and second."""
     core_loss_conductance: float = 0.0
-    """Core loss a phase over the square of the gap voltage (S)."""
+    """Core loss of a phase over the square of the gap voltage (S)."""
     inertia: float = 1.0
     """Inertia of rotor and load (kg m2)."""
     friction: float = 0.0
     """Friction torque independent of speed (N m)."""
     viscous_friction: float = 0.0
-    """Friction and windage torque a speed (N m s/rad)."""
+    """Friction and windage torque per shaft speed (N m s/rad)."""
     switch_drop: float = 0.0
     """Forward drop of a switch (V)."""
     diode_drop: float = 0.0
@@ -88,7 +88,7 @@ def make_star_drive(
     regulation: int = EVERY_HALF,
     **constants: float,
 ) -> StarDrive:
-    """Build the constants of a drive from people's values, in SI units.
+    """Build the constants of a drive from values in SI units.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def make_star_drive(
     emf_angles, emf_values : ndarray, shape (k,)
         Corners of the positive half cycle of the back-EMF shape (rad, 1); see `drivegate_models.machine.emf`.
     **constants : float
-        The other fields of `StarDrive`, by name and in its units; its defaults hold for those left out.
+        The other fields of `StarDrive`, by name and in its units; missing ones have its defaults.
 
     Returns
     -------
@@ -105,7 +105,7 @@ def make_star_drive(
         The constants, with the shape's corners over the whole cycle.
     """
     angles, values = full_cycle(emf_angles, emf_values)
-    # Each kernel is compiled for one type of drive; an int among the floats would compile it once more.
+    # Each kernel is compiled for one type of drive; an int instead of a float would compile it a second time.
     return StarDrive(
         phases=int(phases),
         pole_pairs=int(pole_pairs),
@@ -119,18 +119,18 @@ def make_star_drive(
 
 @inlined
 def drifted(drive: StarDrive, resistance_factor: float, emf_factor: float) -> StarDrive:
-    """Return a drive whose windings and magnets have another temperature.
+    """Return a drive with windings and magnets at another temperature.
 
     Parameters
     ----------
     drive : StarDrive
-        The drive.
+        Constants at the nominal temperature.
     resistance_factor, emf_factor : float
         Factors on the winding resistance and on the EMF constant (1).
 
     Returns
     -------
     StarDrive
-        The same but for these two.
+        With all other constants unchanged.
     """
     return StarDrive(drive.resistance * resistance_factor, drive.emf_constant * emf_factor, *drive[2:])

@@ -1,4 +1,4 @@
-"""When a stretch ends: a current comes to a level, or the neutral to the end of an interval."""
+"""Events that end a stretch: a current reaches a level, or the neutral reaches the end of an interval."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ class Event(NamedTuple):
     """The first event of a stretch."""
 
     length: float
-    """From the stretch's start (s)."""
+    """Time from the stretch's start (s)."""
     phase: int
-    """Phase whose current comes to a level or that the neutral takes from it; -1 where nothing happens."""
+    """Phase whose current reaches or leaves a level; -1 without an event."""
     other: int
-    """Phase that the neutral takes from its level to the other side at the same instant, or -1."""
+    """Phase whose current leaves its level to the other side at the same instant, or -1."""
     level: float
-    """The level (A)."""
+    """The level that a current reaches (A)."""
     side: int
-    """Interval's end that the neutral comes to, 1 upper or -1 lower; 0 where a current comes to a level."""
+    """Interval's end that the neutral reaches, 1 upper or -1 lower; 0 if a current reaches a level."""
 
 
 @inlined
@@ -45,8 +45,8 @@ def bound_motion(circuit: Circuit, place: Any) -> None:
 
 
 @inlined
-def _of_current(rate: float, place: Any, start: float, length: float, phis: Phis) -> tuple[float, float]:
-    """Return when a moving current comes to one of its levels (s), and to which (A)."""
+def _current_event(rate: float, place: Any, start: float, length: float, phis: Phis) -> tuple[float, float]:
+    """Return the time at which a moving current reaches one of its levels (s), and that level (A)."""
     slope = place.slope
     curvature = place.curvature
     end, end_slope = current_by(start, slope, curvature, length, phis)
@@ -64,8 +64,8 @@ def _of_current(rate: float, place: Any, start: float, length: float, phis: Phis
 
 
 @inlined
-def _mirrors(place: Any, other: Any) -> bool:
-    """Tell whether one moving current is another's negative, and its levels too."""
+def _is_mirror_image(place: Any, other: Any) -> bool:
+    """Return True if one moving current and its levels are the negatives of another's."""
     return bool(
         place.start == -other.start
         and place.slope == -other.slope
@@ -76,9 +76,9 @@ def _mirrors(place: Any, other: Any) -> bool:
 
 
 @inlined
-def _of_voltage(place: Any, neutral: Neutral) -> tuple[float, int]:
-    """Return when the neutral leaves the interval of a held phase (s), and by which end."""
-    # Against the interval, which moves with the back-EMF.
+def _voltage_event(place: Any, neutral: Neutral) -> tuple[float, int]:
+    """Return the time at which the neutral leaves the interval of a held phase (s), and by which end (1 or -1)."""
+    # Relative to the interval, which moves with the back-EMF.
     rate = neutral.rate + place.opposed_rate
     if rate > 0.0 and not place.at_high:
         return (place.high - neutral.voltage) / rate, 1
@@ -89,7 +89,7 @@ def _of_voltage(place: Any, neutral: Neutral) -> tuple[float, int]:
 
 @inlined
 def _bounding(places: NDArray[Any], sign: float, tie: float) -> int:
-    """Return the phase whose interval bounds what all share, from above (1) or below (-1), from now on."""
+    """Return the phase whose interval bounds the intersection from now on, from above (1) or below (-1)."""
     bounding = 0
     for k in range(1, places.size):
         one = places[bounding]
@@ -102,15 +102,15 @@ def _bounding(places: NDArray[Any], sign: float, tie: float) -> int:
 
 
 @inlined
-def _of_parting(places: NDArray[Any], tie: float, length: float) -> Event:
-    """Return what happens first where no phase moves: two of them part, or others come to bound what all share."""
+def _separation_event(places: NDArray[Any], tie: float, length: float) -> Event:
+    """Return the first event while no phase moves: two phases leave their levels, or others bound the intersection."""
     lowest = _bounding(places, -1.0, tie)
     highest = _bounding(places, 1.0, tie)
     low = places[lowest]
     high = places[highest]
     first = Event(length, -1, -1, 0.0, 0)
     rate = high.opposed_rate - low.opposed_rate
-    # Two that have just been let go on together do not part.
+    # Two phases that have just been released together do not separate.
     if rate > 0.0 and not (low.at_low and high.at_high) and lowest != highest:
         time = (high.high - low.low) / rate
         if time < length:
@@ -143,32 +143,32 @@ def first_event(
     places : ndarray of PLACE, shape (m,)
         With the motion of every phase.
     currents : ndarray, shape (m,)
-        Phase currents at its start (A).
+        Phase currents at the start of the stretch (A).
     neutral : Neutral
-        Where the neutral is.
+        Voltage and rate of the neutral in the stretch.
     length : float
-        Longest that it may last (s).
+        Maximum length of the stretch (s).
 
     Returns
     -------
     Event
-        Of that length and without a phase where nothing happens.
+        With the maximum length and without a phase if there is no event.
     """
     if neutral.moving == 0:
-        return _of_parting(places, TIE * circuit.source, length)
+        return _separation_event(places, TIE * circuit.source, length)
     first = Event(length, -1, -1, 0.0, 0)
     phis = phis_at(circuit.rate * length)
     for k in range(places.size):
         place = places[k]
         if place.tread == HELD:
-            time, side = _of_voltage(place, neutral)
+            time, side = _voltage_event(place, neutral)
             level = 0.0
         else:
             bound_motion(circuit, place)
-            if first.phase >= 0 and first.side == 0 and _mirrors(place, places[first.phase]):
-                # It comes to its level at the very same instant; the search for that is dear.
+            if first.phase >= 0 and first.side == 0 and _is_mirror_image(place, places[first.phase]):
+                # It reaches its level at the same instant; a second search would be expensive.
                 continue
-            time, level = _of_current(circuit.rate, place, currents[k], length, phis)
+            time, level = _current_event(circuit.rate, place, currents[k], length, phis)
             side = 0
         if time < first.length or (time == first.length and first.phase < 0 and time < inf):
             first = Event(max(time, 0.0), k, -1, level, side)

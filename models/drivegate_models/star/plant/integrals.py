@@ -1,4 +1,4 @@
-"""What one stretch adds to the ledger, phase by phase, and the segments that are kept of it."""
+"""Integrals of one stretch for the ledger, phase by phase, and its segments."""
 
 from __future__ import annotations
 
@@ -25,45 +25,45 @@ from drivegate_models.star.plant.staircase import HIGHEST, LOWEST, MIDDLE, Circu
 
 
 class Span(NamedTuple):
-    """A stretch, and the line on which the neutral moves in it."""
+    """A stretch, and the linear motion of the neutral in it."""
 
     start: float
-    """From the beginning of the advance (s)."""
+    """Start, from the beginning of the advance (s)."""
     length: float
-    """(s)."""
+    """Length of the stretch (s)."""
     neutral: float
-    """Voltage of the neutral at its start (V)."""
+    """Voltage of the neutral at the start (V)."""
     neutral_rate: float
-    """(V/s)."""
+    """Rate of the neutral's voltage (V/s)."""
     ripple_share: float
-    """Share of a chopping phase's mean square voltage ripple that the windings see (1)."""
+    """Share of a chopping phase's mean square voltage ripple across the windings (1)."""
 
 
 @inlined
 def span_of(places: NDArray[Any], neutral: Neutral, start: float, length: float) -> Span:
-    """Return the stretch of a length.
+    """Return a stretch with the motion of the neutral in it.
 
     Parameters
     ----------
     places : ndarray of PLACE, shape (m,)
         With the intervals of all phases.
     neutral : Neutral
-        Where the neutral is at its start.
+        Voltage and rate of the neutral at the start.
     start, length : float
-        (s).
+        Start from the beginning of the advance, and length (s).
 
     Returns
     -------
     Span
-        While every phase is held the neutral is free within what their intervals share; it is taken for the middle,
-        where two chopping phases have equal shares, as comparators on equal currents give them.
+        While every phase is held, the neutral is undetermined within the intersection of their intervals. It is set to
+        the middle, where two chopping phases have equal shares, like comparators on equal currents.
     """
     if neutral.moving == 0:
         begin = shared_middle(places, 0.0)
         rate = (shared_middle(places, length) - begin) / length if length > 0.0 else 0.0
         return Span(start, length, begin, rate, 1.0)
-    # A phase that chops by itself takes the neutral with it: of its ripple u, u (n - 1)/n is left across its own
-    # winding, and u/n falls on each of the others.
+    # A phase that chops alone moves the neutral: of its ripple u, u (n - 1)/n is across its own winding, and u/n across
+    # each of the others.
     return Span(start, length, neutral.voltage, neutral.rate, 1.0 - 1.0 / neutral.connected)
 
 
@@ -75,26 +75,26 @@ def _slide(
     current: float,
     totals: NDArray[np.float64],
 ) -> float:
-    """Add a phase that the ideal regulator holds at i*; return the integral of its current's magnitude (A s)."""
+    """Add a phase whose current the ideal regulator maintains; return the integral of its magnitude (A s)."""
     gate = place.gate
     length = span.length
     source = circuit.source
     front = tread_voltage(circuit, gate, MIDDLE)
     back = tread_voltage(circuit, gate, HIGHEST if gate > 0 else LOWEST)
     voltage = span.neutral + place.opposed
-    # The switch's share of time, the limit of a band that shrinks to nothing; it is linear in time.
+    # The switch's duty ratio, the limit of a vanishing band; it is linear in time.
     share = (voltage - back) / (front - back)
     end_share = share + (span.neutral_rate + place.opposed_rate) * length / (front - back)
     mean_share = 0.5 * (share + end_share)
     charge = abs(current) * length
-    taken = mean_share * source * charge
-    given = (1.0 - mean_share) * source * charge
-    totals[ledger.UPPER] += taken if gate > 0 else -given
-    totals[ledger.LOWER] += -given if gate > 0 else taken
+    drawn = mean_share * source * charge
+    returned = (1.0 - mean_share) * source * charge
+    totals[ledger.UPPER] += drawn if gate > 0 else -returned
+    totals[ledger.LOWER] += -returned if gate > 0 else drawn
     totals[ledger.MAGNITUDE] += charge
     totals[ledger.SQUARE] += current * current * length
-    totals[ledger.EXCHANGED] += taken + given
-    totals[ledger.RETURNED] += given
+    totals[ledger.EXCHANGED] += drawn + returned
+    totals[ledger.RETURNED] += returned
     totals[ledger.DEVICE] += (
         mean_share * circuit.switch_drop + (1.0 - mean_share) * circuit.diode_drop
     ) * charge
@@ -116,7 +116,7 @@ def _slide(
 
 @inlined
 def _drag(circuit: Circuit, place: Any, length: float, totals: NDArray[np.float64]) -> None:
-    """Add the drag of a phase without a current, whose core loss the shaft supplies."""
+    """Add the drag of a phase without current, whose core loss the shaft supplies."""
     shape = place.emf_shape
     shape_end = shape + place.shape_rate * length
     squares = length * (shape * shape + shape * shape_end + shape_end * shape_end) / 3.0
@@ -135,7 +135,7 @@ def _conduct(
     squares: Squares,
     totals: NDArray[np.float64],
 ) -> tuple[float, float]:
-    """Add a phase whose current moves; return the current at the end (A) and the integral of its magnitude (A s)."""
+    """Add a phase whose current moves; return its current at the end (A) and the integral of its magnitude (A s)."""
     length = span.length
     slope = place.slope
     curvature = place.curvature
@@ -148,7 +148,7 @@ def _conduct(
     totals[ledger.PEAK] = peak
     tread = place.tread
     returning = tread != MIDDLE
-    # Against the link's middle a diode leads to the rail that its current opposes.
+    # Relative to the link's middle, a diode leads to the rail that its current opposes.
     rail = place.gate if tread == MIDDLE else (1 if tread == LOWEST else -1)
     magnitude = -rail * first if returning else rail * first
     energy = rail * circuit.source * first
@@ -164,7 +164,7 @@ def _conduct(
     totals[ledger.DEVICE] += (circuit.diode_drop if returning else circuit.switch_drop) * magnitude
     shape_end = place.emf_shape + place.shape_rate * length
     totals[ledger.IMPULSE] += circuit.emf_constant * (shape_end * first - place.shape_rate * second)
-    # Gap voltage v - v_n - R i: a straight line less R i.
+    # Gap voltage v - v_n - R i: a straight line minus R i.
     line = tread_voltage(circuit, place.gate, tread) - span.neutral
     fall = span.neutral_rate
     lines = length * (line * line - fall * length * (line - fall * length / 3.0))
@@ -187,7 +187,7 @@ def add_stretch(
     rows: NDArray[np.float64],
     row_counts: NDArray[np.int64],
 ) -> None:
-    """Add a stretch to the ledger, keep its segments, and take every current to its end.
+    """Add a stretch to the ledger, store its segments, and advance every current to its end.
 
     Parameters
     ----------
@@ -196,17 +196,17 @@ def add_stretch(
     places : ndarray of PLACE, shape (m,)
         With the motion of every phase.
     span : Span
-        The stretch.
+        The stretch with the motion of the neutral.
     currents : ndarray, shape (m,)
-        Phase currents (A), updated.
+        Phase currents (A); updated to the end of the stretch.
     magnitudes : ndarray, shape (m,)
-        Integrals of their magnitudes (A s), added to.
+        The integrals of the currents' magnitudes (A s) are added to it.
     totals : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals, added to.
+        The exact integrals of all phases are added to it.
     rows, row_counts : ndarray
         Receive the segments, as in `machine.segments`.
     """
-    # All phases share R/L, and so the series.
+    # All phases have the same R/L, and so the same series.
     x = circuit.rate * span.length
     phis = phis_at(x)
     squares = squares_at(x)

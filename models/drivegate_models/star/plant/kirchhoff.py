@@ -1,9 +1,10 @@
-"""Where the neutral is: Kirchhoff's law as the balance of distances to intervals.
+"""Voltage of the neutral: Kirchhoff's law as the balance of distances to intervals.
 
-With c = e + R i, a phase on a tread of its staircase wants the neutral at the point v - c; one at a level is content
-in the interval between those points of both treads. L di/dt is the signed distance from the neutral to the point
-or interval. The currents go on summing to zero where the distances do, which is the root of a falling, piecewise
-linear function. The slope of the neutral's voltage solves the same equation one derivative higher.
+With c = e + R i, the current of a phase on a tread of its staircase is constant with the neutral at the point v - c.
+At a level it is constant in the interval between those points of both treads. L di/dt is the signed distance from the
+neutral to the point or interval. The currents continue to sum to zero if the distances do, which is the root of a
+falling, piecewise linear function. The slope of the neutral's voltage solves the same equation for the next
+derivative.
 """
 
 from __future__ import annotations
@@ -30,17 +31,17 @@ def _pull(lows: NDArray[np.float64], highs: NDArray[np.float64], point: float) -
 
 @inlined
 def balance(lows: NDArray[np.float64], highs: NDArray[np.float64]) -> float:
-    """Return the point from which the signed distances to all intervals sum to zero.
+    """Return the point whose signed distances to all intervals sum to zero.
 
     Parameters
     ----------
     lows, highs : ndarray, shape (m,)
-        Ends of the intervals, not all infinite.
+        Ends of the intervals (V, or V/s), not all infinite.
 
     Returns
     -------
     float
-        The point; the middle of what all intervals share, if they do.
+        The point, in the same unit; the middle of the intersection of all intervals if it is not empty.
     """
     below = -inf
     above = inf
@@ -54,7 +55,7 @@ def balance(lows: NDArray[np.float64], highs: NDArray[np.float64]) -> float:
                 below = max(below, bound)
             if pull <= 0.0:
                 above = min(above, bound)
-    # All intervals share what lies between, where nothing pulls.
+    # The intersection of all intervals is in between; the distances are zero there.
     if below >= above:
         return 0.5 * (below + above)
     total = 0.0

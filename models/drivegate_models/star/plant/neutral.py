@@ -1,4 +1,4 @@
-"""Which phases move from an instant on, and how the neutral moves with them."""
+"""The phases whose currents change from an instant on, and the neutral's voltage with them."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from drivegate_models.star.plant.places import HELD
 from drivegate_models.star.plant.staircase import Circuit, tread_voltage
 
 TIE: Final = 2e-12
-"""Distance from an interval's end that counts as none, over half the link's voltage."""
+"""Distance from an interval's end that counts as zero, relative to half the link's voltage."""
 _RATE_TIE = 1e-12
-"""Difference of rates that counts as none, over the steepest."""
+"""Difference of rates that counts as zero, relative to the steepest rate."""
 
 
 class Neutral(NamedTuple):
     """The neutral's voltage from an instant on."""
 
     voltage: float
-    """Against the middle of the link (V)."""
+    """Voltage relative to the middle of the link (V)."""
     rate: float
-    """(V/s); not defined while no phase moves."""
+    """Rate of the voltage (V/s); undefined while no phase moves."""
     moving: int
-    """Number of phases that are not held."""
+    """Number of phases whose current moves."""
     connected: int
-    """Number of phases that are not held without a current."""
+    """Number of phases whose current moves or is not zero."""
 
 
 @inlined
 def _mean_of_moving(places: NDArray[Any]) -> tuple[float, int]:
-    """Return the neutral's voltage that the moving phases make, and how many these are."""
+    """Return the neutral's voltage determined by the moving phases (V), and their number."""
     total = 0.0
     count = 0
     for k in range(places.size):
@@ -46,7 +46,7 @@ def _mean_of_moving(places: NDArray[Any]) -> tuple[float, int]:
 
 @inlined
 def _compare(places: NDArray[Any], voltage: float, tie: float) -> int:
-    """Let every phase at a level move that the neutral pulls from it; return how many are at an interval's end."""
+    """Set whether each phase at a level moves or is held; return the number of phases at an interval's end."""
     ties = 0
     for k in range(places.size):
         place = places[k]
@@ -73,7 +73,7 @@ def _compare(places: NDArray[Any], voltage: float, tie: float) -> int:
 
 @inlined
 def _steepest(places: NDArray[Any]) -> float:
-    """Return the greatest magnitude of a back-EMF's rate (V/s)."""
+    """Return the maximum magnitude of a back-EMF's rate (V/s)."""
     steepest = 0.0
     for k in range(places.size):
         steepest = max(steepest, abs(places[k].opposed_rate))
@@ -81,8 +81,8 @@ def _steepest(places: NDArray[Any]) -> float:
 
 
 @inlined
-def _part(places: NDArray[Any], bounds: NDArray[np.float64]) -> None:
-    """Let those phases leave their level that the neutral, at their interval's end, is about to pull from it."""
+def _release(places: NDArray[Any], bounds: NDArray[np.float64]) -> None:
+    """Release the phases at their interval's end that the neutral's rate moves away from their level."""
     for k in range(places.size):
         place = places[k]
         rate = -place.opposed_rate
@@ -96,7 +96,7 @@ def _part(places: NDArray[Any], bounds: NDArray[np.float64]) -> None:
         if place.tread != HELD:
             continue
         own = -place.opposed_rate
-        # At both ends there is no interval to be held in.
+        # At both ends the interval is empty, so the phase cannot be held.
         if place.at_high and (rate > own + tie or (place.at_low and rate >= own)):
             place.tread = place.below
             place.is_leaving = True
@@ -106,8 +106,8 @@ def _part(places: NDArray[Any], bounds: NDArray[np.float64]) -> None:
 
 
 @inlined
-def _stay_alone(places: NDArray[Any]) -> None:
-    """Hold a phase that would leave its level alone: no other could carry its current."""
+def _hold_single(places: NDArray[Any]) -> None:
+    """Hold a phase that is the only one to leave its level: no other phase could carry its current."""
     moving = 0
     leaving = -1
     for k in range(places.size):
@@ -122,7 +122,7 @@ def _stay_alone(places: NDArray[Any]) -> None:
 
 @inlined
 def shared_middle(places: NDArray[Any], time: float) -> float:
-    """Return the middle of what the intervals of held phases share after a time (V)."""
+    """Return the middle of the intersection of the held phases' intervals after a time (V)."""
     low = -np.inf
     high = np.inf
     for k in range(places.size):
@@ -136,30 +136,30 @@ def shared_middle(places: NDArray[Any], time: float) -> float:
 def settle(
     circuit: Circuit, places: NDArray[Any], bounds: NDArray[np.float64], currents: NDArray[np.float64]
 ) -> Neutral:
-    """Find which phases move and where the neutral is; give every moving phase its slope and curvature.
+    """Find the moving phases and the neutral, and set slope and curvature of every moving phase.
 
     Parameters
     ----------
     circuit : Circuit
-        Constants.
+        Constants of the advance.
     places : ndarray of PLACE, shape (m,)
         With staircase and back-EMF of every phase; receives tread, slope and curvature.
     bounds : ndarray, shape (2, m)
-        Room for the computation.
+        Work space.
     currents : ndarray, shape (m,)
         Phase currents (A).
 
     Returns
     -------
     Neutral
-        Where it is.
+        Voltage and rate until the next event.
     """
     count = places.size
     on_treads = 0
     total = 0.0
     for k in range(count):
         place = places[k]
-        # The voltage falls as the current grows, so the tread above makes the lower end.
+        # The voltage falls as the current grows, so the tread above determines the lower end.
         place.low = tread_voltage(circuit, place.gate, place.above) - place.opposed
         place.high = place.low
         if place.below != place.above:
@@ -170,7 +170,7 @@ def settle(
         bounds[0, k] = place.low
         bounds[1, k] = place.high
     tie = TIE * circuit.source
-    # Nearly always the phases on treads decide alone, and every other one is content with that.
+    # In nearly all cases the phases on treads determine the neutral, and the interval of every other phase contains it.
     voltage = total / on_treads if on_treads > 0 else 0.0
     is_settled = on_treads > 0
     for k in range(count):
@@ -190,8 +190,8 @@ def settle(
     else:
         voltage = balance(bounds[0], bounds[1])
         if _compare(places, voltage, tie) > 0:
-            _part(places, bounds)
-            _stay_alone(places)
+            _release(places, bounds)
+            _hold_single(places)
         mean, moving = _mean_of_moving(places)
         if moving > 0:
             voltage = mean
@@ -200,7 +200,7 @@ def settle(
 
 @inlined
 def _moved(circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64], voltage: float) -> Neutral:
-    """Return the neutral and its rate; give every moving phase its slope and curvature."""
+    """Return the neutral with its rate, and set slope and curvature of every moving phase."""
     moving = 0
     connected = 0
     total = 0.0
@@ -230,7 +230,7 @@ def _moved(circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64]
             place.curvature = (place.opposed_rate + rate) * circuit.inverse_inductance
             curvatures += place.curvature
             last = k
-    # They sum to zero but for the rounding of voltages, which is much beside a small current.
+    # They sum to zero except for the rounding of voltages, which is large compared with a small current.
     if last_free >= 0:
         places[last_free].slope -= slopes
     if last >= 0:

@@ -1,4 +1,4 @@
-"""All phases of the star advanced together at constant speed, supply and command, from event to event."""
+"""Advance of all phases of the star at constant speed, supply and command, from event to event."""
 
 from __future__ import annotations
 
@@ -23,36 +23,36 @@ from drivegate_models.star.plant.staircase import Circuit
 from drivegate_models.star.plant.window import GAP, next_piece, piece_at
 
 EVENT_LIMIT = 1_000_000
-"""Greatest number of events in one advance."""
+"""Maximum number of events in one advance."""
 
 _STANDSTILL = 1e-100
 _LEAST_REFERENCE = 1e-20
 _SAME_ANGLE = 2.0 * pi * 1e-13
-"""Corners and window edges no further apart are one event (rad)."""
+"""Maximum distance of corners and window edges that are one event (rad electrical)."""
 _NEAR = 1e-13
-"""Distance from a level, over the scale of a current in its stretch, that counts as none."""
+"""Distance from a level that counts as zero, relative to the scale of a current in its stretch."""
 _ROUNDING = 1e-15
 
 
 class StarPhases(NamedTuple):
-    """State of the m phases and room for the segments of one advance; the arrays are updated in place."""
+    """State of the m phases and space for the segments of one advance; the arrays are updated in place."""
 
     currents: NDArray[np.float64]
     """Phase currents, shape (m,) (A); they sum to zero."""
     pieces: NDArray[np.int64]
-    """Piece of the conduction windows that each phase is in, shape (m,)."""
+    """Piece of the conduction windows of each phase, shape (m,)."""
     latches: NDArray[np.int64]
     """Comparator of each phase, shape (m,): 1 on, 0 off."""
     magnitudes: NDArray[np.float64]
     """Integral of each phase's current magnitude over the last advance, shape (m,) (A s)."""
     rows: NDArray[np.float64]
-    """Segments of the last advance, shape (m, n, segments.FIELDS); n = 0 keeps none."""
+    """Segments of the last advance, shape (m, n, segments.FIELDS); with n = 0 none are stored."""
     row_counts: NDArray[np.int64]
     """Number of segments of each phase, shape (m,)."""
     places: NDArray[Any]
-    """Room for what is known of each phase between two events, shape (m,) of `places.PLACE`."""
+    """Work space for the state of each phase between two events, shape (m,) of `places.PLACE`."""
     bounds: NDArray[np.float64]
-    """Room for intervals, shape (2, m)."""
+    """Work space for intervals, shape (2, m)."""
 
 
 def make_phases(drive: StarDrive, longest_advance: float = 0.0) -> StarPhases:
@@ -61,19 +61,19 @@ def make_phases(drive: StarDrive, longest_advance: float = 0.0) -> StarPhases:
     Parameters
     ----------
     drive : StarDrive
-        The drive.
+        Its number of phases, and its maximum number of segments, determine the sizes.
     longest_advance : float
-        Longest advance whose segments are to be kept (s); 0 keeps none.
+        Maximum length of an advance whose segments are stored (s); 0 to store none.
 
     Returns
     -------
     StarPhases
-        With room for every segment that the drive can produce in such an advance.
+        With space for every segment that the drive can produce in that time.
     """
     count = drive.phases
     capacity = 0
     if longest_advance > 0.0:
-        # An event of any phase ends the segments of all of them.
+        # An event of any phase ends the segments of all phases.
         band = drive.hysteresis_band
         swing = 2.5 * drive.half_supply_voltage / drive.inductance
         chops = longest_advance * swing / band if band > 0.0 else 0.0
@@ -110,11 +110,11 @@ def _circuit(drive: StarDrive, speed: float, upper: float, lower: float, referen
         inverse_inductance,
         rate,
         LONGEST / rate if rate > 0.0 else inf,
-        # Without a tap between them only the sum of the halves acts.
+        # Without a tap between the halves only their sum acts.
         0.5 * (upper + lower),
         drive.switch_drop,
         drive.diode_drop,
-        # Such a current comes and goes within the rounding of time; the gates stay blocked, as at zero.
+        # A smaller current rises and falls within the rounding of time; the gates remain blocked, as at zero.
         reference if reference >= _LEAST_REFERENCE else 0.0,
         drive.hysteresis_band,
         drive.window,
@@ -140,12 +140,12 @@ def _place_phase(
     advance: float,
     electrical: float,
 ) -> None:
-    """Place a phase in its cycle at the start of an advance."""
+    """Set corner, window and comparator of a phase at the start of an advance."""
     angle = wrapped(angle)
     _set_shape(place, shape_at(corners, corner_values, corner_slopes, angle, electrical))
     place.piece, place.piece_end = piece_at(angle + advance, circuit.window, circuit.regulation, electrical)
     place.gate = gate_of(circuit, piece_was, latch)
-    # A latch is on when its window opens, whatever it was in the last one.
+    # A latch is on when its window opens, whatever it was in the preceding one.
     place.latch = latch if place.piece == piece_was else 1
     place.reached = 0
 
@@ -160,7 +160,7 @@ def _pass_edges(
     until: float,
     electrical: float,
 ) -> None:
-    """Take a phase past every corner and window edge up to a time (s)."""
+    """Move a phase past every corner and window edge up to a time (s)."""
     while until >= place.shape_end:
         shape = Shape(
             place.corner, place.turn, place.shape_begin, place.shape_end, place.shape_start, place.shape_rate
@@ -183,14 +183,14 @@ def _pass_all(
     until: float,
     electrical: float,
 ) -> None:
-    """Take every phase past its corners and window edges up to a time (s)."""
+    """Move every phase past its corners and window edges up to a time (s)."""
     for k in range(places.size):
         _pass_edges(circuit, corners, corner_values, corner_slopes, places[k], until, electrical)
 
 
 @inlined
 def _oppose(circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64], time: float) -> float:
-    """Set back-EMF and opposed voltage of every phase at a time; return the next corner or edge (s)."""
+    """Set back-EMF and e + R i of every phase at a time; return the time of the next corner or edge (s)."""
     limit = inf
     for k in range(places.size):
         place = places[k]
@@ -204,7 +204,7 @@ def _oppose(circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64
 
 @inlined
 def _near_level(place: Any, current: float, length: float) -> float:
-    """Return the level that a current has come to but for rounding, or the current itself (A)."""
+    """Return the level that a current has reached except for rounding, or the current itself (A)."""
     start = place.start
     near = _NEAR * max(abs(current), abs(start), abs(place.slope) * length)
     if start != place.ceiling and abs(current - place.ceiling) <= near:
@@ -231,7 +231,7 @@ def _land(
     event: Event,
     length: float,
 ) -> None:
-    """Set the currents that have come to a level to it, and let the largest other one carry what rounding has left.
+    """Set the currents that have reached a level to that level, and correct the sum by the largest other current.
 
     Parameters
     ----------
@@ -240,9 +240,9 @@ def _land(
     currents : ndarray, shape (m,)
         Phase currents at the end of the stretch (A), updated.
     event : Event
-        What has ended it.
+        Event that ended the stretch.
     length : float
-        Its length (s).
+        Length of the stretch (s).
     """
     free = -1
     near = -1
@@ -261,11 +261,11 @@ def _land(
             free = k
     total, size = _sum_and_size(currents)
     if free >= 0:
-        left = currents[free] - total
-        # Nothing but the rounding of the others is no current: two phases would pass it to and fro for ever.
-        currents[free] = left if abs(left) > _ROUNDING * size else 0.0
+        remainder = currents[free] - total
+        # A remainder within rounding is no current: otherwise two phases would exchange it without end.
+        currents[free] = remainder if abs(remainder) > _ROUNDING * size else 0.0
     elif near >= 0 and abs(total) > _ROUNDING * size:
-        # Not all of them can have come to their levels at once.
+        # Not all currents can have reached their levels at once.
         currents[near] -= total
 
 
@@ -287,13 +287,13 @@ def advance_phases(
     Parameters
     ----------
     drive : StarDrive
-        The drive's constants.
+        Constants of machine and inverter.
     phases : StarPhases
-        State, updated; receives the segments.
+        State before the advance; replaced by the state after it, with the segments.
     angle : float
         Electrical angle of the first phase at the start (rad).
     speed : float
-        Shaft speed (rad/s), at least 0.
+        Constant shaft speed (rad/s), at least 0.
     upper, lower : float
         Voltages of the halves of the link (V); only their sum acts.
     reference : float
@@ -301,16 +301,16 @@ def advance_phases(
     advance : float
         Advance angle (rad electrical).
     duration : float
-        Length (s).
+        Length of the advance (s).
     totals : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals, added to.
+        The exact integrals of the advance are added to it.
 
     Returns
     -------
     int
         `COMPLETED` or `TOO_MANY_EVENTS`.
     """
-    # Once for all events: every look at an array in a tuple counts a reference.
+    # Read the arrays once for all events: every access to an array in a tuple counts a reference.
     corners = drive.emf_angles
     corner_values = drive.emf_values
     corner_slopes = drive.emf_slopes
@@ -323,7 +323,7 @@ def advance_phases(
     count = drive.phases
     electrical = drive.pole_pairs * speed
     if electrical < _STANDSTILL:
-        # So slow that the time of a radian is no number any more.
+        # At this speed the time of a radian would overflow.
         electrical = 0.0
     circuit = _circuit(drive, speed, upper, lower, reference)
     same_time = _SAME_ANGLE / electrical if electrical > 0.0 else 0.0
@@ -371,7 +371,7 @@ def advance_phases(
         if neutral.moving > 0:
             moved = event if event.side == 0 else Event(length, -1, -1, 0.0, 0)
             _land(places, currents, moved, length)
-        # The limit itself, not the sum, so that a corner is passed exactly once.
+        # Use the limit itself, not the sum, so that a corner is passed exactly once.
         time = limit if is_whole else time + length
         if time + same_time >= limit:
             _pass_all(circuit, corners, corner_values, corner_slopes, places, time + same_time, electrical)

@@ -1,4 +1,4 @@
-"""What the plant knows of each phase between two events: one record a phase, room that every advance writes anew."""
+"""Work space for each phase between two events: one record per phase, overwritten in every advance."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 HELD: Final = -1
-"""Instead of a tread: the current stays at its level, and the leg's voltage follows the neutral."""
+"""Instead of a tread: the current remains at its level, and the leg's voltage follows the neutral."""
 
 PLACE: Final = np.dtype(
     [
@@ -19,12 +19,12 @@ PLACE: Final = np.dtype(
         ("shape_end", np.float64),
         ("shape_start", np.float64),
         ("shape_rate", np.float64),
-        # Piece of the conduction windows, and when it ends (s).
+        # Piece of the conduction windows, and its end (s).
         ("piece", np.int64),
         ("piece_end", np.float64),
         # Comparator: 1 on, 0 off.
         ("latch", np.int64),
-        # The leg's staircase, as in `staircase.Staircase`, and the treads beside the current.
+        # The leg's staircase, as in `staircase.Staircase`, and the treads next to the current.
         ("first", np.float64),
         ("second", np.float64),
         ("gate", np.int64),
@@ -35,15 +35,15 @@ PLACE: Final = np.dtype(
         ("emf_shape", np.float64),
         ("opposed", np.float64),
         ("opposed_rate", np.float64),
-        # Interval in which the phase is content with the neutral (V).
+        # Interval of the neutral's voltage in which the phase's current is constant (V).
         ("low", np.float64),
         ("high", np.float64),
-        # An event has just taken the neutral to the interval's upper end (1) or lower end (-1).
+        # Interval's end that the neutral has reached by the last event: upper (1), lower (-1) or none (0).
         ("reached", np.int64),
-        # The neutral lies at the interval's upper or lower end.
+        # True if the neutral is at the interval's upper or lower end.
         ("at_high", np.bool_),
         ("at_low", np.bool_),
-        # Tread, or HELD; and whether the current leaves its level with a slope of zero.
+        # Tread, or HELD; and True if the current leaves its level with a slope of zero.
         ("tread", np.int64),
         ("is_leaving", np.bool_),
         # Motion of the current: slope (A/s), curvature (A/s2), and the levels that end it (A).
@@ -54,9 +54,9 @@ PLACE: Final = np.dtype(
     ],
     align=True,
 )
-"""A phase between two events."""
+"""State of a phase between two events."""
 
 
 def make_places(count: int) -> NDArray[Any]:
-    """Return room for a number of phases."""
+    """Return work space for a number of phases, shape (count,) of PLACE."""
     return np.zeros(count, PLACE).view(np.recarray)

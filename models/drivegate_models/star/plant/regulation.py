@@ -1,4 +1,4 @@
-"""Window, comparator and staircase of every phase: what the inverter does until the next event."""
+"""Window, comparator and staircase of every phase: the state of the inverter until the next event."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.star.plant.staircase import Circuit, staircase, treads_beside
+from drivegate_models.star.plant.staircase import Circuit, staircase, treads_at
 from drivegate_models.star.plant.window import chops, sector_of
 
 _SLACK = 1e-13
-"""Share of a comparator's level by which it looks ahead, so that phases of equal current switch together."""
+"""Relative tolerance of a comparator's level, so that phases of equal current switch together."""
 
 
 @inlined
 def compared(circuit: Circuit, latch: int, along: float) -> int:
-    """Return the latch after both comparators have looked at the current along the sector's sign (A)."""
+    """Return the latch after both comparators have evaluated the current times the sector's sign (A)."""
     if along >= (circuit.reference + circuit.band) * (1.0 - _SLACK):
         return 0
     if along <= max(circuit.reference - circuit.band, 0.0) * (1.0 + _SLACK):
@@ -52,7 +52,7 @@ def regulate(circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float6
     Returns
     -------
     float
-        Loss of the switches that have changed (J); an ideal regulator has no switchings to count.
+        Loss of the switches that have changed (J); 0 for the ideal regulator.
     """
     lost = 0.0
     for k in range(places.size):
@@ -70,15 +70,15 @@ def regulate(circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float6
         steps = staircase(gate, is_chopped and circuit.band == 0.0, circuit.reference)
         place.first = steps.first
         place.second = steps.second
-        place.below, place.above = treads_beside(steps, currents[k])
+        place.below, place.above = treads_at(steps, currents[k])
     return lost
 
 
 @inlined
 def comparator_level(circuit: Circuit, place: Any) -> tuple[float, int]:
-    """Return the current at which the comparator of a phase switches (A), and the side to come from: 1 below, -1 above.
+    """Return the current at which a phase's comparator switches (A), and the side from which it must be reached.
 
-    A side of 0 stands for none.
+    The side is 1 for below, -1 for above, and 0 if the comparator does not switch.
     """
     sector = sector_of(place.piece)
     if (

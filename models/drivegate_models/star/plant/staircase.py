@@ -1,8 +1,8 @@
-"""What a leg does to its phase: gates, diodes and the ideal comparator make its voltage a falling staircase.
+"""Terminal voltage of a leg: gates, diodes and the ideal comparator make it a falling staircase of the current.
 
-The terminal voltage, against the middle of the link, is a falling step function of the phase current alone. It
-has three treads: below a first level the current flows back through the upper diode, above a second one it flows
-on through the lower diode, and between the two the switch of the window is on::
+The terminal voltage, relative to the middle of the link, is a falling step function of the phase current alone. It has
+three treads: below a first level the current flows back through the upper diode, above a second level it continues
+through the lower diode, and between the two the switch of the window is on::
 
     gates off                    levels 0 and 0        (no middle tread)
     upper switch on              0 and infinity        middle +V, less the switch's drop
@@ -32,9 +32,9 @@ class Circuit(NamedTuple):
     """Constants of machine and inverter over one advance."""
 
     resistance: float
-    """(ohm)."""
+    """Winding resistance R of a phase (ohm)."""
     inverse_inductance: float
-    """(1/H)."""
+    """1/L (1/H)."""
     rate: float
     """R/L (1/s)."""
     longest: float
@@ -42,9 +42,9 @@ class Circuit(NamedTuple):
     source: float
     """Voltage of half the link (V)."""
     switch_drop: float
-    """(V)."""
+    """Forward drop of a switch (V)."""
     diode_drop: float
-    """(V)."""
+    """Forward drop of a diode (V)."""
     reference: float
     """Current reference i* (A); 0 blocks the gates."""
     band: float
@@ -54,26 +54,26 @@ class Circuit(NamedTuple):
     regulation: int
     """Which halves of the windows chop, as in `drive.StarDrive`."""
     turn_on_energy: float
-    """(J)."""
+    """Energy lost at each turn-on of a switch (J)."""
     turn_off_energy: float
-    """(J)."""
+    """Energy lost at each turn-off of a switch (J)."""
     emf_constant: float
-    """Peak of a back-EMF over the speed (V s/rad)."""
+    """Peak back-EMF of a phase per shaft speed (V s/rad)."""
     emf_peak: float
-    """(V)."""
+    """Peak back-EMF of a phase at the present speed (V)."""
     core_loss_conductance: float
-    """(S)."""
+    """Core loss of a phase over the square of the gap voltage (S)."""
 
 
 class Staircase(NamedTuple):
-    """The levels of a leg's staircase, and the switch that makes its middle tread."""
+    """The levels of a leg's staircase, and the switch of its middle tread."""
 
     first: float
-    """(A)."""
+    """Current between the lowest and the middle tread (A)."""
     second: float
-    """(A)."""
+    """Current between the middle and the highest tread (A)."""
     gate: int
-    """1 upper, -1 lower, 0 none."""
+    """Switch of the middle tread: 1 upper, -1 lower, 0 none."""
 
 
 @inlined
@@ -85,14 +85,14 @@ def staircase(gate: int, is_ideal: bool, reference: float) -> Staircase:
     gate : int
         Switch that is on, or that the ideal regulator uses: 1 upper, -1 lower, 0 none.
     is_ideal : bool
-        Whether the ideal regulator chops.
+        True if the ideal regulator chops.
     reference : float
-        Current reference (A).
+        Current reference i* (A).
 
     Returns
     -------
     Staircase
-        Its levels.
+        Its levels, infinite where a tread is unlimited.
     """
     end = reference if is_ideal else inf
     return Staircase(-end if gate < 0 else 0.0, end if gate > 0 else 0.0, gate)
@@ -108,22 +108,22 @@ def tread_voltage(circuit: Circuit, gate: int, tread: int) -> float:
 
 
 @inlined
-def treads_beside(steps: Staircase, current: float) -> tuple[int, int]:
+def treads_at(steps: Staircase, current: float) -> tuple[int, int]:
     """Return the treads below and above a current: two at a level, the same one between levels.
 
     Parameters
     ----------
     steps : Staircase
-        The leg's staircase.
+        Levels of the leg.
     current : float
-        Phase current (A).
+        Phase current (A), exactly a level if it has reached one.
 
     Returns
     -------
     below, above : int
         `LOWEST`, `MIDDLE` or `HIGHEST`.
     """
-    # Exact comparisons will do: an event at a level sets the current to the level itself.
+    # Exact comparisons are sufficient: an event at a level sets the current to the level itself.
     if current < steps.first:
         return LOWEST, LOWEST
     if current > steps.second:
@@ -135,7 +135,7 @@ def treads_beside(steps: Staircase, current: float) -> tuple[int, int]:
 
 @inlined
 def levels_of(steps: Staircase, tread: int) -> tuple[float, float]:
-    """Return the currents between which a tread lies (A)."""
+    """Return the minimum and maximum current of a tread (A)."""
     if tread == LOWEST:
         return -inf, steps.first
     if tread == HIGHEST:

@@ -1,8 +1,8 @@
-"""Where a phase is in its conduction windows, cut in halves where only one of them chops.
+"""Position of a phase in its conduction windows, which are split in halves if only one half chops.
 
-The pieces of a cycle are numbered: 0 and 1 are the halves of the positive window, 2 is the gap behind it, 3 and 4
-are the halves of the negative window, 5 is the gap behind that. A window whose halves are alike is one piece, by
-the number of its first half.
+The pieces of a cycle are numbered: 0 and 1 are the halves of the positive window, 2 is the gap after it, 3 and 4 are
+the halves of the negative window, 5 is the gap after that. A window with equal halves is one piece, with the number of
+its first half.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine.cycle import wrapped
 
 GAP: Final = 2
-"""The piece behind the positive window, in which the gates are off."""
+"""The piece after the positive window, in which the gates are off."""
 PIECES: Final = 6
 """Number of pieces of a cycle; half a cycle has half of them."""
 
 
 @inlined
 def sector_of(piece: int) -> int:
-    """Return the sign of the window that a piece belongs to, 0 for a gap."""
+    """Return the sign of the window that contains a piece, 0 for a gap."""
     if piece in (2, 5):
         return 0
     return 1 if piece < GAP else -1
@@ -29,20 +29,20 @@ def sector_of(piece: int) -> int:
 
 @inlined
 def chops(regulation: int, piece: int) -> bool:
-    """Return whether a phase chops in a piece of a window."""
+    """Return True if a phase chops in a piece of a window."""
     return ((regulation >> (piece if piece < GAP else piece - 1)) & 1) != 0
 
 
 @inlined
 def _is_split(regulation: int, piece: int) -> bool:
-    """Return whether only one half chops of the window that a piece belongs to or follows."""
+    """Return True if only one half chops in the window that contains or precedes a piece."""
     halves = (regulation >> (0 if piece <= GAP else 2)) & 3
     return halves in (1, 2)
 
 
 @inlined
 def piece_at(angle: float, width: float, regulation: int, electrical: float) -> tuple[int, float]:
-    """Return the piece at an advanced angle, which is at time zero, and the time of its end.
+    """Return the piece at an angle at time zero, and the time of its end.
 
     Parameters
     ----------
@@ -51,16 +51,16 @@ def piece_at(angle: float, width: float, regulation: int, electrical: float) -> 
     width : float
         Width of each window (rad).
     regulation : int
-        As in `StarDrive`.
+        Chopping halves, as in `StarDrive`.
     electrical : float
         Electrical speed (rad/s); 0 at standstill.
 
     Returns
     -------
     piece : int
-        Its number.
+        Number of the piece.
     end : float
-        (s); infinite at standstill.
+        End of the piece (s), infinite at standstill.
     """
     position = wrapped(angle - 0.5 * (pi - width))
     piece = 0
@@ -82,23 +82,23 @@ def piece_at(angle: float, width: float, regulation: int, electrical: float) -> 
 
 @inlined
 def next_piece(piece: int, end: float, width: float, regulation: int, electrical: float) -> tuple[int, float]:
-    """Return the piece behind one, and the time of its end.
+    """Return the piece after another one, and the time of its end.
 
     Parameters
     ----------
     piece : int
-        The piece that ends.
+        Number of the piece that ends.
     end : float
-        When it ends (s).
+        Time of its end (s).
     width, regulation, electrical
-        As in `piece_at`; the speed is above 0.
+        Arguments of `piece_at`, with a speed above 0.
 
     Returns
     -------
     piece : int
-        What follows.
+        Number of the next piece.
     end : float
-        When that ends (s).
+        End of the next piece (s).
     """
     following = (piece + 1) % PIECES
     if piece in (0, 3) and not _is_split(regulation, piece):
