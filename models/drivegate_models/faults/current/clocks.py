@@ -1,4 +1,4 @@
-"""Faults of clocks, counters and whole numbers."""
+"""Faults of clocks, counters and integer arithmetic."""
 
 from __future__ import annotations
 
@@ -10,72 +10,36 @@ from drivegate_models.controllers.current.protection import rearm
 from drivegate_models.controllers.current.state import HOLDING
 from drivegate_models.faults.current import state as faults
 
-# Of the search at the pace of 1 (s).
+# Decision period of the search on the drive tuned on (s).
 _DECISION_PERIOD: Final = 0.1
 _MILLISECONDS: Final = 1000.0
 
 
 @inlined
-def cut_off(value: float, step: float) -> float:
-    """Return the whole steps in a value.
-
-    Parameters
-    ----------
-    value, step : float
-        In one unit.
-
-    Returns
-    -------
-    float
-        The multiple of the step next to the value toward zero.
-    """
+def truncated(value: float, step: float) -> float:
+    """Truncate a value toward zero to whole steps (same unit)."""
     return trunc(value / step) * step
 
 
 @inlined
 def wrapped(value: float, limit: float) -> float:
-    """Return a value as a number with a sign holds it that overflows.
-
-    Parameters
-    ----------
-    value, limit : float
-        In one unit.
-
-    Returns
-    -------
-    float
-        From minus the limit up to the limit.
-    """
+    """Return a value as a signed integer that overflows at `limit` (same unit)."""
     return (value + limit) % (2.0 * limit) - limit
 
 
 @inlined
 def alter_sense_by_rounding(state: Any, fault: int) -> None:
-    """Change what the controller is shown by how it keeps numbers.
-
-    Parameters
-    ----------
-    state : record of FAULTY_STATE
-        Its copy of the Sense is changed.
-    fault : int
-        The fault.
-    """
+    """Change the controller's copy of the Sense by its number format."""
     sense = state.sense
     if fault == faults.SPEED_IN_STEPS:
-        sense.speed = cut_off(sense.speed, state.size)
+        sense.speed = truncated(sense.speed, state.size)
     elif fault == faults.ERROR_OVERFLOWS:
         sense.speed = sense.speed_reference - wrapped(sense.speed_reference - sense.speed, state.size)
 
 
 @inlined
 def alter_search_by_counters(state: Any, fault: int) -> None:
-    """Change what the search remembers by how it counts, ahead of a step.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Change the state of the search by its counters, before a step."""
     controller = state.controller
     if fault == faults.STEPS_OVERFLOW:
         if state.steps % int(state.size) == 0:
@@ -104,49 +68,26 @@ def alter_search_by_counters(state: Any, fault: int) -> None:
 
 @inlined
 def alter_search_by_rounding(state: Any, fault: int) -> None:
-    """Change what regulator and search have come to by how they keep numbers, behind a step.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Change the state of regulator and search by their number format, after a step."""
     controller, before = state.controller, state.before
     if fault == faults.INTEGRAL_IN_STEPS:
-        controller.integral = before.integral + cut_off(controller.integral - before.integral, state.size)
+        controller.integral = before.integral + truncated(controller.integral - before.integral, state.size)
     elif fault == faults.REARMS_COUNTED and before.mode == HOLDING and controller.mode != HOLDING:
         state.tally += 1
 
 
 @inlined
 def round_angle(state: Any, fault: int, command: Any) -> None:
-    """Change the angle by how it, or what it follows from, is kept.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Change the angle by its number format, or by a count of restarts."""
     if fault == faults.ANGLE_IN_STEPS:
-        command.advance_angle = cut_off(command.advance_angle, state.size)
+        command.advance_angle = truncated(command.advance_angle, state.size)
     elif fault == faults.REARMS_COUNTED and state.tally >= state.size and state.controller.advancing == 1:
         command.advance_angle = max(command.advance_angle - state.controller.offset, 0.0)
 
 
 @inlined
 def search_has_ended(state: Any, fault: int) -> bool:
-    """Return whether the count of runs has brought the search to its end.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-
-    Returns
-    -------
-    bool
-        False for other faults.
-    """
+    """Return True if the count of runs has ended the search."""
     if fault != faults.RUNS_COUNTED:
         return False
     if state.steps == 1:

@@ -1,4 +1,4 @@
-"""Faults of what a controller answers."""
+"""Faults in the controller's commands."""
 
 from __future__ import annotations
 
@@ -16,17 +16,9 @@ _RIPPLE_STEPS: Final = 4
 
 @inlined
 def angle_of_table(state: Any, speed: float) -> float:
-    """Return the advance angle of the table for the nominal drive.
+    """Return the nominal drive's advance angle at a shaft speed (rad/s), from its table (rad electrical).
 
-    Parameters
-    ----------
-    speed : float
-        Shaft speed (rad/s).
-
-    Returns
-    -------
-    float
-        Angle (rad electrical), interpolated; the last one beyond the table.
+    It is interpolated, and constant beyond the ends of the table.
     """
     rpm = speed * RPM
     last = TABLE_ROWS - 1
@@ -44,13 +36,7 @@ def angle_of_table(state: Any, speed: float) -> float:
 
 @inlined
 def alter_angle(state: Any, fault: int, command: Any) -> None:
-    """Change the advance angle by what the controller sees in this step.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Change the advance angle, depending on the present Sense."""
     controller, sense = state.controller, state.sense
     advancing = controller.advancing == 1
     if fault == faults.ADVANCES_BELOW_BASE:
@@ -75,8 +61,8 @@ def alter_angle(state: Any, fault: int, command: Any) -> None:
 
 
 @inlined
-def hold_search(state: Any, command: Any) -> None:
-    """Undo whatever the search has done in this step; the regulator goes on."""
+def undo_search(state: Any, command: Any) -> None:
+    """Undo the effect of the search in this step; the regulator continues."""
     integral, advancing = state.controller.integral, state.controller.advancing
     if advancing == 1:
         held = command.advance_angle + state.before.offset - state.controller.offset
@@ -88,13 +74,7 @@ def hold_search(state: Any, command: Any) -> None:
 
 @inlined
 def alter_angle_by_history(state: Any, fault: int, command: Any) -> None:
-    """Change the advance angle by what the fault remembers of earlier steps.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Change the advance angle, depending on earlier steps."""
     controller, sense = state.controller, state.sense
     advancing = controller.advancing == 1
     if fault == faults.DRIFTS:
@@ -107,7 +87,7 @@ def alter_angle_by_history(state: Any, fault: int, command: Any) -> None:
         state.memory = sense.half_supply_voltage
     elif fault == faults.NEVER_REARMS:
         if state.before.mode == HOLDING and sense.speed_reference == state.before.speed_reference:
-            hold_search(state, command)
+            undo_search(state, command)
     elif fault == faults.LATCHES_AT_STANDSTILL:
         if state.before.advancing == 1 and sense.speed <= 0.0:
             state.latched = 1
@@ -117,13 +97,7 @@ def alter_angle_by_history(state: Any, fault: int, command: Any) -> None:
 
 @inlined
 def alter_reference(state: Any, fault: int, command: Any) -> None:
-    """Change the current reference that the controller commands.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Change the commanded current reference."""
     controller = state.controller
     if fault == faults.RIPPLING:
         upward = state.steps // _RIPPLE_STEPS % 2 == 0
@@ -136,16 +110,10 @@ def alter_reference(state: Any, fault: int, command: Any) -> None:
 
 @inlined
 def alter_estimate(state: Any, fault: int, command: Any) -> None:
-    """Change the controller's estimate of its input power.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Change the estimate of the input power."""
     sense = state.sense
     if fault == faults.SUM_MIRRORED:
-        # The search alone is deceived.
+        # Only the search uses the mirrored sum; the estimate uses the true one.
         command.input_power = sense.half_supply_voltage * (state.size - sense.current_magnitude_sum)
     elif fault == faults.ESTIMATE_SCALED:
         command.input_power *= state.size
@@ -156,14 +124,8 @@ def alter_estimate(state: Any, fault: int, command: Any) -> None:
 
 
 @inlined
-def compute_in_vain(state: Any) -> None:
-    """Spend time, `size` divisions of it.
-
-    Parameters
-    ----------
-    state : record of FAULTY_STATE
-        Updated, so that no compiler leaves the work out.
-    """
+def waste_time(state: Any) -> None:
+    """Waste the time of `size` divisions; the result is stored so that no compiler removes them."""
     value = 1.0
     for _ in range(int(state.size)):
         value = 1.0 / (1.0 + value)
@@ -171,8 +133,8 @@ def compute_in_vain(state: Any) -> None:
 
 
 @inlined
-def delay(state: Any, command: Any) -> None:
-    """Exchange the command's reference and angle for those of the step before."""
+def delay_command(state: Any, command: Any) -> None:
+    """Replace the command's reference and angle by those of the preceding step."""
     reference, angle = command.current_reference, command.advance_angle
     command.current_reference = state.late_reference
     command.advance_angle = state.late_angle

@@ -1,6 +1,6 @@
-"""The faulty controllers behind the native interface: a built-in step with one fault before or behind it.
+"""The faulty controllers with the native interface: a built-in step with one fault before or after it.
 
-The built-in controllers know nothing of it. Faults that are only other constants need nothing here.
+The built-in controllers are not changed. Faults that are only other constants need no code here.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from drivegate_models.faults.current.commands import (
     alter_angle_by_history,
     alter_estimate,
     alter_reference,
-    compute_in_vain,
-    delay,
-    hold_search,
+    delay_command,
+    undo_search,
+    waste_time,
 )
 from drivegate_models.faults.current.filters import filter_command, filter_sense
 from drivegate_models.faults.current.regions import alter_in_region, cap_speed_reference
@@ -47,10 +47,10 @@ from drivegate_models.faults.current.trips import derate, end_advance
 
 @inlined
 def faulty_step_state(state: Any, sense: Any, command: Any) -> None:
-    """Answer for one control period, with the fault that the state names."""
+    """Compute the command of one control period, with the state's fault."""
     fault = state.fault
     state.steps += 1
-    # A copy: the fault alters what its controller senses, not the record of whoever called it.
+    # A copy: the fault alters the Sense of its controller, not the caller's record.
     state.sense = sense
     state.true_sum = sense.current_magnitude_sum
     alter_sense(fault, state.size, state.sense)
@@ -61,13 +61,13 @@ def faulty_step_state(state: Any, sense: Any, command: Any) -> None:
     alter_speed(state, fault)
     alter_search_before(state, fault)
     alter_search_by_counters(state, fault)
-    # Some faults undo what the search does in a step, and need what it was.
+    # Some faults undo the search of a step, and need the state before it.
     state.before = state.controller
     step_state(state.controller, state.sense, command)
     alter_search_after(state, fault)
     alter_search_by_rounding(state, fault)
     if search_has_ended(state, fault):
-        hold_search(state, command)
+        undo_search(state, command)
     alter_reference(state, fault, command)
     alter_angle(state, fault, command)
     alter_angle_by_history(state, fault, command)
@@ -79,19 +79,16 @@ def faulty_step_state(state: Any, sense: Any, command: Any) -> None:
     cycle_angle(state, fault, command)
     round_angle(state, fault, command)
     if fault == faults.DELAYED:
-        delay(state, command)
+        delay_command(state, command)
     if fault == faults.SLOW:
-        compute_in_vain(state)
+        waste_time(state)
 
 
 @cache
 def faulty_step_function() -> Any:
     """Return the faulty controllers' `drivegate_step`, compiled.
 
-    Returns
-    -------
-    CFunc
-        Its `address` is that of a C function; keep the object.
+    Its `address` is that of a C function. The caller must retain the object.
     """
     signature = step_signature(FAULTY_STATE, SENSE, COMMAND)
 

@@ -1,4 +1,4 @@
-"""Faults that show in a small region of speeds and loads alone."""
+"""Faults that occur only in a small region of speeds and loads."""
 
 from __future__ import annotations
 
@@ -12,28 +12,14 @@ from drivegate_models.units import RPM
 
 @inlined
 def cap_speed_reference(state: Any, fault: int) -> None:
-    """Change the speed reference that the controller is shown.
-
-    Parameters
-    ----------
-    state : record of FAULTY_STATE
-        Its copy of the Sense is changed.
-    fault : int
-        The fault.
-    """
+    """Limit the speed reference in the controller's copy of the Sense."""
     if fault == faults.SPEED_CAPPED:
         state.sense.speed_reference = min(state.sense.speed_reference, state.size)
 
 
 @inlined
 def alter_in_region(state: Any, fault: int, command: Any) -> None:
-    """Change the command in a region of speeds and loads.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Change the command in a region of speeds and loads."""
     controller, sense = state.controller, state.sense
     if controller.advancing == 0:
         return

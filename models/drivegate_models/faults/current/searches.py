@@ -1,4 +1,4 @@
-"""Faults of what a controller sees, and of what its search and its regulator remember."""
+"""Faults in the controller's Sense, and in the state of its search and its regulator."""
 
 from __future__ import annotations
 
@@ -11,26 +11,13 @@ from drivegate_models.controllers.current.angle_line import initial_angle
 from drivegate_models.controllers.current.state import HOLDING, SEARCHING
 from drivegate_models.faults.current import state as faults
 
-# What 16 bits of milliamperes span (A).
+# Range of a 16-bit number of milliamperes (A).
 _WORD: Final = 65.536
 
 
 @inlined
 def sum_of_samples(sense: Any, phases: int, signed: bool) -> float:
-    """Return the sum of the phase currents of this instant.
-
-    Parameters
-    ----------
-    phases : int
-        Number of phases to add, from the first one.
-    signed : bool
-        Whether they are added with their signs.
-
-    Returns
-    -------
-    float
-        Sum (A).
-    """
+    """Return the sum of the first `phases` phase currents at this instant (A), with signs if `signed`."""
     total = 0.0
     for phase in range(phases):
         current = double_at(sense.phase_currents, phase)
@@ -40,17 +27,7 @@ def sum_of_samples(sense: Any, phases: int, signed: bool) -> float:
 
 @inlined
 def alter_sense(fault: int, size: float, sense: Any) -> None:
-    """Change what the controller is shown.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    size : float
-        How large it is.
-    sense : record of SENSE
-        The controller's own copy; changed.
-    """
+    """Change the controller's copy of the Sense; `size` is in the fault's unit."""
     if fault == faults.SUM_MIRRORED:
         sense.current_magnitude_sum = size - sense.current_magnitude_sum
     elif fault == faults.SUM_WITHOUT_MAGNITUDES:
@@ -64,15 +41,7 @@ def alter_sense(fault: int, size: float, sense: Any) -> None:
 
 @inlined
 def alter_sense_by_history(state: Any, fault: int) -> None:
-    """Change what the controller is shown by what it was shown before, or by too little of what there is.
-
-    Parameters
-    ----------
-    state : record of FAULTY_STATE
-        Its copy of the Sense is changed.
-    fault : int
-        The fault.
-    """
+    """Change the controller's copy of the Sense, depending on earlier steps or on one phase alone."""
     sense = state.sense
     if fault == faults.LOWEST_SUPPLY_KEPT:
         lowest = (
@@ -85,14 +54,8 @@ def alter_sense_by_history(state: Any, fault: int) -> None:
 
 
 @inlined
-def mean_power(state: Any) -> float:
-    """Return the mean current sum of the running decision interval, this step included.
-
-    Returns
-    -------
-    float
-        Mean current sum (A).
-    """
+def mean_current_sum(state: Any) -> float:
+    """Return the mean current sum of the present decision interval, including this step (A)."""
     controller = state.controller
     total = controller.power_sum + state.sense.current_magnitude_sum
     mean: float = total / (controller.count + 1)
@@ -101,13 +64,7 @@ def mean_power(state: Any) -> float:
 
 @inlined
 def alter_search_before(state: Any, fault: int) -> None:
-    """Change what the search remembers, ahead of a step.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Change the state of the search, before a step."""
     controller = state.controller
     if fault == faults.STALE_POWER:
         if state.latched == 1:
@@ -116,15 +73,15 @@ def alter_search_before(state: Any, fault: int) -> None:
         controller.saturated = 0
         controller.saturated_run = 0
     elif fault == faults.NO_WALK_BACK:
-        # The protections know an own step by it, and creeping by the integral of a good angle.
+        # The protections detect the search's own step by `moved`, and creeping by the integral of a good angle.
         controller.moved = 0.0
         controller.saturated_run = 0
         controller.good_integral = inf
     elif fault == faults.FALLING_LOAD_IGNORED:
-        # Just before the decision that would see the fall; a rise is still seen.
+        # Directly before the decision that would detect the fall; a rise is still detected.
         if controller.mode == HOLDING and controller.count + 1 >= controller.decision_steps:
-            controller.held_power = min(controller.held_power, mean_power(state))
-            controller.rest_power = min(controller.rest_power, mean_power(state))
+            controller.held_power = min(controller.held_power, mean_current_sum(state))
+            controller.rest_power = min(controller.rest_power, mean_current_sum(state))
     elif fault == faults.ANGLE_CAPPED:
         line = initial_angle(
             state.sense.speed, controller.base_speed, controller.angle_at_base, controller.angle_slope
@@ -136,13 +93,7 @@ def alter_search_before(state: Any, fault: int) -> None:
 
 @inlined
 def alter_search_after(state: Any, fault: int) -> None:
-    """Change what the search has come to, behind a step.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Change the state of search and regulator, after a step."""
     controller, before, sense = state.controller, state.before, state.sense
     if fault == faults.NEVER_RESTS:
         if controller.mode == HOLDING:

@@ -1,6 +1,6 @@
 """State of the faulty controllers, and the faults that are more than a changed constant.
 
-A faulty controller is a built-in one with one known fault. The check that is named for the fault must catch it.
+A faulty controller is a built-in one with one known fault. The check named for the fault must detect it.
 """
 
 from __future__ import annotations
@@ -13,77 +13,77 @@ from drivegate_models.contract.current.records import SENSE
 from drivegate_models.controllers.current.state import CONTROLLER_STATE
 
 NO_FAULT: Final = 0
-"""The built-in controller as it is, or with other constants."""
+"""The built-in controller, unchanged or with other constants."""
 
 SUM_MIRRORED: Final = 1
-"""The search sees a current sum that falls where the true one rises, `size` less the true one."""
+"""The search uses `size` minus the true current sum, which falls where the true one rises."""
 SUM_WITHOUT_MAGNITUDES: Final = 2
 """The phase currents are added with their signs."""
 SUM_WITHOUT_LAST_PHASE: Final = 3
-"""The last phase is left out of the current sum."""
+"""The current sum omits the last phase."""
 SUM_OVERFLOWS: Final = 4
 """The current sum is a 16-bit number of milliamperes and wraps around."""
 
 NEVER_RESTS: Final = 10
-"""The search goes on from the optimum."""
+"""The search continues from the optimum."""
 STALE_POWER: Final = 11
-"""After a change of the speed reference the search compares with the power at the old speed for good."""
+"""After a change of the speed reference, the search permanently compares with the power at the old speed."""
 SATURATION_IGNORED: Final = 12
-"""A current reference at its limit is not noticed."""
+"""A current reference at its limit is not detected."""
 NO_WALK_BACK: Final = 13
-"""A step that costs regulation is not taken back."""
+"""A step that costs regulation is not reverted."""
 NEVER_REARMS: Final = 14
-"""The search holds what it has found, whatever the load does."""
+"""The search holds its angle, whatever the load does."""
 FALLING_LOAD_IGNORED: Final = 15
-"""The search starts anew when the load has risen, not when it has fallen."""
+"""The search restarts when the load has risen, but not when it has fallen."""
 NO_ANTI_WINDUP: Final = 16
-"""The regulator's integral goes on while its output is limited."""
+"""The regulator's integral continues while its output is limited."""
 ANGLE_CAPPED: Final = 17
-"""The angle stays at or below `size`, and so does the search."""
+"""The angle, and the search, are limited to at most `size`."""
 LINE_IS_LIMIT: Final = 18
 """The angle is never raised beyond the initial one."""
 
 ADVANCES_BELOW_BASE: Final = 20
 """The advance angle is `size` instead of zero below base speed."""
 BOOST_BEHIND_LIMITS: Final = 21
-"""Far from its reference, speed error times `size` is added to an angle that is limited already."""
+"""Far from the speed reference, speed error times `size` is added to the angle after its limits."""
 DELAYED: Final = 22
-"""Current reference and angle are given one control period late."""
+"""Current reference and angle are delayed by one control period."""
 RIPPLING: Final = 23
-"""The current reference is moved up and down by `size`, 125 times a second."""
+"""The current reference alternates by plus and minus `size`, 125 times per second."""
 DRIFTS: Final = 24
-"""The angle found moves on, by `size` a second."""
+"""The angle found drifts by `size` per second."""
 NOMINAL_TABLE: Final = 25
 """The angle comes from a table made for the nominal drive."""
 TRUSTS_SUPPLY: Final = 26
-"""The angle is raised by `size` in every step whose supply differs from that of the step before."""
+"""The angle is raised by `size` in every step whose supply differs from that of the preceding step."""
 LATCHES_AT_STANDSTILL: Final = 27
-"""After one reading of no speed the angle stays zero."""
+"""After one reading of zero speed, the angle remains zero."""
 REFERENCE_BELOW_ZERO: Final = 28
 """The current reference is not limited at zero."""
 ESTIMATE_SCALED: Final = 29
 """The estimate of the input power is multiplied by `size`."""
 ESTIMATE_AT_NOMINAL_SUPPLY: Final = 30
-"""The estimate takes the supply for nominal."""
+"""The estimate assumes nominal supply voltage."""
 SLOW: Final = 31
-"""Every step computes in vain, `size` times."""
+"""Every step wastes time on `size` divisions."""
 BLIND_SPOT: Final = 32
-"""The angle is the initial one, whatever the search says, in a region of speeds."""
+"""In a region of speeds the angle is the initial one, whatever the search finds."""
 UNLIMITED_LINE: Final = 33
-"""The line of initial angles, and the angle that follows from it, have no limits."""
+"""The line of initial angles, and the resulting angle, have no limits."""
 
 STEPS_OVERFLOW: Final = 40
-"""The search starts anew where a count of control periods wraps around, at `size`."""
+"""The search restarts when a count of control periods wraps around, at `size`."""
 MILLISECONDS_OVERFLOW: Final = 41
-"""The search starts anew where a count of milliseconds wraps around, at `size`."""
+"""The search restarts when a count of milliseconds wraps around, at `size`."""
 ALWAYS_DUE: Final = 42
-"""From the time `size` on a decision is due at every step."""
+"""After the time `size`, a decision is due in every step."""
 CATCHES_UP: Final = 43
-"""Decisions are due at multiples of their period since time zero, and those missed are made up for."""
+"""Decisions are due at multiples of their period since time zero, and missed ones are caught up."""
 INTEGRAL_IN_STEPS: Final = 44
-"""The regulator's integral moves by whole steps of `size`, cut off."""
+"""The regulator's integral moves by whole steps of `size`, truncated."""
 SPEED_IN_STEPS: Final = 45
-"""The speed is seen in whole steps of `size`, cut off."""
+"""The measured speed is truncated to whole steps of `size`."""
 ERROR_OVERFLOWS: Final = 46
 """The speed error wraps around beyond `size`."""
 POWER_SUM_OVERFLOWS: Final = 47
@@ -91,76 +91,76 @@ POWER_SUM_OVERFLOWS: Final = 47
 COUNT_OVERFLOWS: Final = 48
 """The count of a decision interval's steps wraps around at `size`."""
 ANGLE_IN_STEPS: Final = 49
-"""The angle is given in whole steps of `size`, cut off."""
+"""The angle is truncated to whole steps of `size`."""
 REARMS_COUNTED: Final = 50
-"""When the search has started anew `size` times the angle is the initial one for good."""
+"""After `size` restarts of the search, the angle is permanently the initial one."""
 
 SPEED_FILTERED: Final = 60
-"""The speed passes a low-pass filter that takes over the share `size` in each step."""
+"""The speed passes a low-pass filter that adopts the share `size` of its input in each step."""
 BASE_SPEED_FILTERED: Final = 61
-"""Whether the speed is below base speed is told by such a filter."""
+"""The comparison with base speed uses a speed from such a filter."""
 SPEED_FILTER_STICKS: Final = 62
-"""The speed passes a filter of whole numbers, which no difference below `size` moves."""
+"""The speed passes an integer filter, which ignores differences below `size`."""
 ESTIMATE_FILTERED: Final = 63
 """The estimate of the input power passes such a filter."""
 SUM_FILTERED: Final = 64
-"""The search sees the current sum through such a filter."""
+"""The search uses the current sum after such a filter."""
 SUPPLY_FILTERED: Final = 65
-"""The estimate takes the supply from such a filter."""
+"""The estimate uses the supply voltage after such a filter."""
 
 DIFFERENTIATED: Final = 70
-"""The speed's change in a step is taken for that in the time `size`, and damped with the inertia `extent`."""
+"""The speed's change per step is divided by the time `size`, and damped with the inertia `extent`."""
 SLEWED: Final = 71
-"""The current reference moves by `size` in a step at most."""
+"""The current reference moves by at most `size` per step."""
 
 HEAT_KEPT: Final = 80
-"""After `size` seconds under load, added up without cooling, the current is limited for good."""
+"""After `size` seconds under load, summed without cooling, the current is limited permanently."""
 HEAT_IN_STEPS: Final = 81
 """The same after `size` control periods."""
 DERATES_IN_TURNS: Final = 82
-"""After `size` seconds under load the limit of the current comes and goes twice a second."""
+"""After `size` seconds under load, a lower current limit switches on and off twice per second."""
 PEAK_TRIPS: Final = 83
-"""After `size` seconds at its limit on end, the current is limited further for good."""
+"""After `size` continuous seconds at its limit, the current is limited further, permanently."""
 
 CORNER_WITHOUT_LIMIT: Final = 90
-"""The angle is `size` in a region of speeds, with less current than `extent`, once the search holds."""
+"""In a region of speeds, with less current than `extent`, the angle is `size` once the search holds."""
 WRONG_ROW: Final = 91
-"""The angle is `size` or more in a region of speeds."""
+"""In a region of speeds, the angle is at least `size`."""
 REFERENCE_FLOOR: Final = 92
-"""The current reference is `size` or more above a speed."""
+"""Above a speed, the current reference is at least `size`."""
 SWELL_TRIPS: Final = 93
-"""A supply of more than `size` times the nominal one limits the current for good."""
+"""A supply voltage of more than `size` times the nominal one limits the current permanently."""
 SPEED_CAPPED: Final = 94
-"""The speed reference is taken for `size` where it is above."""
+"""The speed reference is limited to `size`."""
 STOP_LATCHES: Final = 95
-"""After a speed reference of zero the angle stays zero."""
+"""After a speed reference of zero, the angle remains zero."""
 
 LEARNS: Final = 100
-"""The search begins at the offset that was found last."""
+"""The search begins at the offset found last."""
 RUNS_COUNTED: Final = 101
-"""From its run number `size` on, an instance searches nothing."""
+"""From its run number `size` on, an instance does not search."""
 
 LOST_CURRENT_TRIPS: Final = 110
-"""One sample of a sum below `extent`, where there was one above `size`, sets the angle to zero for good."""
+"""One sample of a current sum below `extent`, after one above `size`, sets the angle to zero permanently."""
 OVERSPEED_TRIPS: Final = 111
-"""One sample of a speed more than `size` times its reference limits the current for good."""
+"""One sample of a speed above `size` times its reference limits the current permanently."""
 LOWEST_SUPPLY_KEPT: Final = 112
-"""The supply is taken for the lowest one that was ever seen."""
+"""The lowest supply voltage ever measured is used."""
 LOST_SPEEDS_COUNTED: Final = 113
-"""After `size` samples without any speed, in all, the current is limited for good."""
+"""After `size` samples of zero speed in total, the current is limited permanently."""
 ONE_PHASE_FOR_ALL: Final = 114
-"""The search takes the magnitude of the first phase's current for all of them."""
+"""The search uses the magnitude of the first phase's current for all phases."""
 
 ANGLE_CYCLES: Final = 120
-"""The angle goes up and down by `size`, once in two seconds."""
+"""The angle oscillates by `size`, with a period of two seconds."""
 SPEED_BIASED: Final = 121
-"""The speed is seen lower by `size`."""
+"""The measured speed is lower by `size`."""
 TORQUE_CYCLES: Final = 122
-"""The torque goes up and down by the share `size`, once a second, well above base speed."""
+"""Well above base speed, the torque oscillates by the share `size`, once per second."""
 RESTS_BESIDE: Final = 123
-"""The angle is held higher than the one found by `size`."""
+"""The angle is held above the one found, by `size`."""
 SETTLES_LATE: Final = 124
-"""The angle is higher by `extent` up to `size` seconds after the start or a change of the speed reference."""
+"""The angle is higher by `extent` until `size` seconds after the start or a change of the speed reference."""
 
 TABLE_ROWS: Final = 9
 """Rows of the table of angles for the nominal drive."""
@@ -168,10 +168,10 @@ TABLE_ROWS: Final = 9
 FAULTY_STATE: Final = np.dtype(
     [
         ("controller", CONTROLLER_STATE),
-        # As the step found it, and what the step is shown.
+        # The state before the step, and the Sense passed to the step.
         ("before", CONTROLLER_STATE),
         ("sense", SENSE),
-        # The fault and how large it is, set by reset; speeds of a region in rpm.
+        # The fault and its size, set by reset; speeds of a region in rpm.
         ("fault", np.int64),
         ("size", np.float64),
         ("extent", np.float64),
@@ -180,16 +180,16 @@ FAULTY_STATE: Final = np.dtype(
         # A table of angles for the nominal drive.
         ("table_rpm", np.float64, (TABLE_ROWS,)),
         ("table_degrees", np.float64, (TABLE_ROWS,)),
-        # What the fault remembers.
+        # State of the fault.
         ("steps", np.int64),
         ("latched", np.int64),
         ("tally", np.int64),
         ("memory", np.float64),
-        # The current sum as the sensors saw it.
+        # The current sum as measured.
         ("true_sum", np.float64),
         ("late_reference", np.float64),
         ("late_angle", np.float64),
     ],
     align=True,
 )
-"""Units as in `CONTROLLER_STATE`; `size` and `extent` in those of their fault."""
+"""Units as in `CONTROLLER_STATE`; `size` and `extent` in the units of their fault."""

@@ -1,4 +1,4 @@
-"""What keeps a controller just beyond a tolerance, or just within it: cycles, biases, late settling."""
+"""Faults just beyond a tolerance, or just within it: oscillation, bias, late settling."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from drivegate_models.faults.current import state as faults
 
 _ANGLE_PERIOD: Final = 2.0
 _WELL_ABOVE: Final = 1.05
-# Of the regulator at the pace of 1: its gain is this times inertia over torque for each ampere (1/s).
+# Bandwidth of the regulator on the drive tuned on: its gain is this times inertia over torque per ampere (1/s).
 _BANDWIDTH: Final = 80.0
 
 
 @inlined
 def _cycle(turns: float) -> float:
-    """Return a wave of period 1 between -1 and 1 that is made of parabolas, which all processors round alike."""
+    """Return a wave of period 1 between -1 and 1, from parabolas that all processors round identically."""
     half = 1.0 - 2.0 * (turns - floor(turns))
     wave: float = 4.0 * half * (1.0 - abs(half))
     return wave
@@ -25,20 +25,12 @@ def _cycle(turns: float) -> float:
 
 @inlined
 def alter_speed(state: Any, fault: int) -> None:
-    """Change the speed that the controller is shown.
-
-    Parameters
-    ----------
-    state : record of FAULTY_STATE
-        Its copy of the Sense is changed.
-    fault : int
-        The fault.
-    """
+    """Change the speed in the controller's copy of the Sense."""
     sense, controller = state.sense, state.controller
     if fault == faults.SPEED_BIASED:
         sense.speed -= state.size
     elif fault == faults.TORQUE_CYCLES and sense.speed > _WELL_ABOVE * controller.base_speed:
-        # The speed whose acceleration takes that share of the torque; the gain tells the inertia.
+        # The acceleration of this speed needs that share of the torque; the gain contains the inertia.
         bandwidth = _BANDWIDTH * (controller.paced_period / controller.control_period)
         greatest = state.size * controller.integral * bandwidth / controller.proportional / (2.0 * pi)
         sense.speed += greatest * _cycle(sense.time)
@@ -46,13 +38,7 @@ def alter_speed(state: Any, fault: int) -> None:
 
 @inlined
 def cycle_angle(state: Any, fault: int, command: Any) -> None:
-    """Move the angle away from the one found.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Move the angle away from the one found."""
     controller, sense = state.controller, state.sense
     added = 0.0
     if fault == faults.ANGLE_CYCLES:

@@ -1,4 +1,4 @@
-"""Faults that limit what the drive may do: for heat, for peaks, and for what a single sample shows."""
+"""Faults that limit the drive's current or angle: for heat, for peaks, and after a single sample."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, Final
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.faults.current import state as faults
 
-# Of what takes rated power from the supply, so that rated power needs more at any speed.
+# Share of the current sum at rated power and nominal supply voltage: rated power exceeds it at any speed.
 _UNDER_LOAD: Final = 0.8
 _DERATED_SHARE: Final = 0.2
 _HALF_CYCLE: Final = 0.25
@@ -15,18 +15,7 @@ _HALF_CYCLE: Final = 0.25
 
 @inlined
 def is_derated(state: Any, fault: int) -> bool:
-    """Return whether the current is to be limited further, and remember what that follows from.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-
-    Returns
-    -------
-    bool
-        False for other faults.
-    """
+    """Update the fault's state, and return True if the current is to be limited further."""
     sense, controller = state.sense, state.controller
     period = controller.control_period
     loaded = sense.current_magnitude_sum > _UNDER_LOAD * controller.rated_sum
@@ -59,13 +48,7 @@ def is_derated(state: Any, fault: int) -> bool:
 
 @inlined
 def derate(state: Any, fault: int, command: Any) -> None:
-    """Limit the current reference further where the fault takes the drive for too hot or broken.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Limit the current reference further if the fault has tripped."""
     derated = is_derated(state, fault)
     if fault == faults.PEAK_TRIPS:
         state.late_reference = command.current_reference
@@ -76,13 +59,7 @@ def derate(state: Any, fault: int, command: Any) -> None:
 
 @inlined
 def end_advance(state: Any, fault: int, command: Any) -> None:
-    """Set the angle to zero for good where the fault has seen what it takes for a reason.
-
-    Parameters
-    ----------
-    fault : int
-        The fault.
-    """
+    """Set the angle to zero permanently if the fault has tripped."""
     if fault == faults.LOST_CURRENT_TRIPS:
         if state.true_sum < state.extent and state.memory > state.size:
             state.latched = 1

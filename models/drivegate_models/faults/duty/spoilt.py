@@ -1,4 +1,4 @@
-"""A step of a controller of duty ratios that is shown other senses, and whose answers are changed on the way."""
+"""A controller of duty ratios whose Senses and commands are perturbed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
 from drivegate_models.machine.sine import cosine_sine
 
 _TURN = 2.0 * pi
-# Sectors of an electrical cycle, by the states of the Hall switches as bits; none for those that they never have.
+# Sectors of an electrical cycle, by the states of the Hall switches as bits; -1 for invalid states.
 _SECTORS = (-1, 0, 2, 1, 4, 5, 3, -1)
 
 SPOILT_STATE: Final = np.dtype(
@@ -33,31 +33,31 @@ SPOILT_STATE: Final = np.dtype(
         ("sense", DUTY_SENSE),
         ("command", DUTY_COMMAND),
         ("currents", np.float64, (3,)),
-        # What is added to the shaft's angle (rad) and to the first current (A), and what scales other senses (1).
+        # Offsets of the shaft's angle (rad) and of the first current (A).
         ("angle_added", np.float64),
         ("current_added", np.float64),
-        # What scales the angle (1), after how much of it a counter begins anew (rad; 0 for never), how much has turned
-        # since, and the angle of the step before (rad).
+        # Factor on the angle (1); angle after which a counter wraps (rad; 0 for never), angle turned since then, and
+        # angle of the preceding step (rad).
         ("angle_factor", np.float64),
         ("wraps_after", np.float64),
         ("turned", np.float64),
         ("angle_before", np.float64),
-        # Whether the edges of Hall switches are counted in place of their states being read, and the state before.
+        # 1 if edges of Hall switches are counted instead of reading their states, and the preceding state.
         ("counts_edges", np.int64),
         ("hall_before", np.int64),
-        # What is added to the current along the magnet's axis (A), and the pole pairs by which it turns.
+        # Offset of the d-axis current (A), and the pole pairs for its rotation.
         ("direct_added", np.float64),
         ("pole_pairs", np.float64),
         ("current_factor", np.float64),
         ("speed_factor", np.float64),
         ("supply_factor", np.float64),
-        # Whether the third current is shown as what the other two leave, as it is where there are two sensors, and
-        # whether the currents of the step before are shown.
+        # 1 if the third current is computed from the other two, as with two sensors; 1 if the currents are those of the
+        # preceding step.
         ("computes_third", np.int64),
         ("is_late", np.int64),
         ("before", np.float64, (3,)),
-        # What the duty ratios are stretched by about the middle (1), whether two phases are swapped, and the control
-        # period that is asked for over the drive's own (1), 0 for none; and whether each is clamped to its range then.
+        # Factor on the duty ratios about their middle (1), 1 if they are then limited to their range, 1 if two phases
+        # are swapped, and the requested control period (s), 0 for none.
         ("stretch", np.float64),
         ("clamps", np.int64),
         ("swaps_phases", np.int64),
@@ -65,23 +65,14 @@ SPOILT_STATE: Final = np.dtype(
     ],
     align=True,
 )
-"""State of a spoilt controller; what it points to has to outlive it, and it has to stay in its place."""
+"""State of a perturbed controller. It must not be moved in memory, and its targets must outlive it."""
 
 
 def spoilt_state(step_address: int, state_address: int, spoilt: dict[str, float]) -> NDArray[Any]:
-    """Make the state of a controller that is spoilt.
+    """Return the state of a perturbed controller, shape (1,) of SPOILT_STATE.
 
-    Parameters
-    ----------
-    step_address, state_address : int
-        Addresses of the controller's step and of its state.
-    spoilt : dict
-        Fields of SPOILT_STATE that are not as they should be.
-
-    Returns
-    -------
-    array of SPOILT_STATE, shape (1,)
-        The state.
+    The addresses are those of the controller's step and of its state. `spoilt` contains the fields of SPOILT_STATE
+    that differ from an unperturbed controller.
     """
     state = np.zeros(1, SPOILT_STATE)
     offsets: Any = SPOILT_STATE.fields
@@ -98,10 +89,10 @@ def spoilt_state(step_address: int, state_address: int, spoilt: dict[str, float]
 
 @inlined
 def _wrap_count(state: Any, angle: float) -> None:
-    """Let a counter that has come to its end begin anew: what it has lost is missing from the angle from then on."""
+    """Wrap a counter at its end: the angle permanently lacks the lost counts."""
     turn = angle - state.angle_before
     state.angle_before = angle
-    # Less the whole turn by which the angle itself starts again.
+    # Without the whole turn by which the angle itself wraps.
     state.turned += turn - _TURN * floor(turn / _TURN + 0.5)
     if abs(state.turned) >= state.wraps_after:
         lost = state.wraps_after if state.turned > 0.0 else -state.wraps_after
@@ -111,7 +102,7 @@ def _wrap_count(state: Any, angle: float) -> None:
 
 @inlined
 def _count_edge(state: Any, hall: int) -> None:
-    """Count an edge as one sector, of however many the state has changed: what it is more is missing from then on."""
+    """Count any change of the state as one sector: the angle permanently lacks the other sectors."""
     if state.hall_before > 0 and hall != state.hall_before:
         passed = (_SECTORS[hall] - _SECTORS[state.hall_before]) % 6
         state.angle_added -= (passed - 1) * _TURN / 6.0 / state.pole_pairs
@@ -120,74 +111,71 @@ def _count_edge(state: Any, hall: int) -> None:
 
 @inlined
 def _stretched(state: Any, ratio: float) -> float:
-    """Return a duty ratio as it is answered."""
+    """Return the perturbed value of a duty ratio."""
     stretched = float(0.5 + state.stretch * (ratio - 0.5))
     return min(max(stretched, 0.0), 1.0) if state.clamps == 1 else stretched
 
 
 @inlined
-def _show(state: Any, sense: Any) -> None:
-    """Write what the controller is shown."""
+def _write_sense(state: Any, sense: Any) -> None:
+    """Write the perturbed Sense for the controller."""
     cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
     added = RotorFrame(state.direct_added, 0.0, cosine, sine)
     for phase in range(3):
-        seen = state.current_factor * double_at(sense.phase_currents, phase) + phase_current(added, phase)
+        measured = state.current_factor * double_at(sense.phase_currents, phase) + phase_current(added, phase)
         if phase == 0:
-            seen += state.current_added
-        state.currents[phase] = state.before[phase] if state.is_late == 1 else seen
-        state.before[phase] = seen
+            measured += state.current_added
+        state.currents[phase] = state.before[phase] if state.is_late == 1 else measured
+        state.before[phase] = measured
     if state.computes_third == 1:
         state.currents[2] = -state.currents[0] - state.currents[1]
-    shown = state.sense
-    copy_sense(sense, shown)
-    shown.phase_currents = state.currents_address
-    shown.supply_voltage = state.supply_factor * sense.supply_voltage
+    perturbed = state.sense
+    copy_sense(sense, perturbed)
+    perturbed.phase_currents = state.currents_address
+    perturbed.supply_voltage = state.supply_factor * sense.supply_voltage
     if state.wraps_after > 0.0:
         _wrap_count(state, sense.angle)
     if state.counts_edges == 1 and sense.hall > 0:
         _count_edge(state, sense.hall)
-    shown.angle = state.angle_factor * sense.angle + state.angle_added
-    shown.speed = state.speed_factor * sense.speed
+    perturbed.angle = state.angle_factor * sense.angle + state.angle_added
+    perturbed.speed = state.speed_factor * sense.speed
 
 
 @inlined
-def _tell(state: Any, command: Any) -> None:
-    """Write what is answered in place of what the controller has said."""
-    said = state.command
-    command.first_duty = _stretched(state, said.first_duty)
-    command.second_duty = _stretched(state, said.second_duty)
-    command.third_duty = _stretched(state, said.third_duty)
+def _write_command(state: Any, command: Any) -> None:
+    """Write the perturbed command."""
+    controller_command = state.command
+    command.first_duty = _stretched(state, controller_command.first_duty)
+    command.second_duty = _stretched(state, controller_command.second_duty)
+    command.third_duty = _stretched(state, controller_command.third_duty)
     if state.swaps_phases == 1:
         second = command.second_duty
         command.second_duty = command.third_duty
         command.third_duty = second
-    command.first_leg = said.first_leg
-    command.second_leg = said.second_leg
-    command.third_leg = said.third_leg
+    command.first_leg = controller_command.first_leg
+    command.second_leg = controller_command.second_leg
+    command.third_leg = controller_command.third_leg
     command.next_period = state.next_period
-    command.torque = said.torque
-    command.angle = said.angle
-    command.speed = said.speed
-    command.input_power = said.input_power
-    command.fault = said.fault
+    command.torque = controller_command.torque
+    command.angle = controller_command.angle
+    command.speed = controller_command.speed
+    command.input_power = controller_command.input_power
+    command.fault = controller_command.fault
 
 
 @inlined
 def step_spoilt(state: Any, sense: Any, command: Any) -> None:
-    """Answer for one control period as the controller would that sees and says something else."""
-    _show(state, sense)
+    """Compute the command of one control period with perturbed Sense and command."""
+    _write_sense(state, sense)
     call_step(state.step_address, state.state_address, state.sense_address, state.command_address)
-    _tell(state, command)
+    _write_command(state, command)
 
 
 @cache
 def spoilt_step_function() -> Any:
-    """Return the step of a spoilt controller, compiled.
+    """Return the step of a perturbed controller, compiled.
 
-    Returns
-    -------
-    CFunc
-        Its `address` is that of a C function whose state is a SPOILT_STATE; keep the object.
+    Its `address` is that of a C function whose state is a SPOILT_STATE. The caller must retain the object.
     """
     signature = step_signature(SPOILT_STATE, DUTY_SENSE, DUTY_COMMAND)
 
